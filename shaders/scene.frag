@@ -160,16 +160,17 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0, FAR);
 #endif
 #ifdef DRAWS_SWARM
-    // A ball is a surface of its own. If it covers only a part of the pixel, the ray goes on behind it.
+    // Thin balls that need light are a surface of their own in front of the ray's end.
     int surface = 0;
-    float behind = 0.0;
+    bool is_behind = false;
     Hit traced;
-    for (int round = 0; round < SURFACES_MAX + SWARM_BALLS_MAX; round++) {
+    SwarmSeen seen;
+    for (int round = 0; round < 2 * SURFACES_MAX; round++) {
         float cone = spread * travelled;
-        if (behind == 0.0) traced = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+        if (!is_behind) traced = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
         Hit hit = traced;
 #else
-    const float behind = 0.0;
+    const bool is_behind = false;
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
@@ -188,31 +189,35 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             }
         } else if (surface == 0) {
             medium = medium_seen(sample_place(), end);
-        } else if (surface == 1 && behind == 0.0) {
+        } else if (surface == 1 && !is_behind) {
             throughput *= medium.left_of_mirrored;
         }
 #endif
 #ifdef DRAWS_SWARM
-        SwarmSeen seen = swarm_along(origin, direction, behind, hit.met ? hit.t : FAR, cone);
-        bool is_ball = seen.coverage > 0.0 && round - surface < SWARM_BALLS_MAX;
-        // The fractions of the light of glow and ball that media leave, divided by the fraction for the whole ray, by which
-        // all light is multiplied in the end. The medium counts as uniform.
-        float glow_left = 1.0;
+        if (!is_behind) seen = swarm_along(origin, direction, 0.0, hit.met ? hit.t : FAR, cone);
+        bool is_thin = !is_behind && seen.thin_color != vec3(0.0);
+        bool is_ball = is_thin || seen.ball > 0;
+        float covered = is_thin ? 1.0 - seen.left : 1.0;
+        float ball_t = is_thin ? seen.thin_t : seen.t;
+        // The fractions of light from the swarm that media leave, divided by the fraction for the whole ray, by which all
+        // light is multiplied in the end. The medium counts as uniform.
+        float light_left = 1.0;
         float ball_left = 1.0;
 #ifdef DRAWS_MEDIA
         if (surface == 0 && !is_medium_pass()) {
             float way = min(end, MEDIUM_FAR);
             medium.left = max(medium.left, MEDIUM_LEFT_MIN);
-            glow_left = pow(medium.left, min(seen.glow_t / way, 1.0) - 1.0);
-            ball_left = pow(medium.left, min(seen.t / way, 1.0) - 1.0);
-            // The ball hides the light of the medium behind it.
-            color -= throughput * seen.coverage * medium.light * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4);
+            light_left = pow(medium.left, min(seen.light_t / way, 1.0) - 1.0);
+            if (is_ball) ball_left = pow(medium.left, min(ball_t / way, 1.0) - 1.0);
+            // A ball hides the light of the medium behind it.
+            color -= throughput * medium.light * (covered * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4));
         }
 #endif
-        color += throughput * glow_left * seen.glow;
-        if (is_ball) hit = Hit(seen.t, NOTHING, true);
+        if (!is_behind) color += throughput * light_left * seen.light;
+        if (!is_thin) throughput *= seen.left;
+        if (is_ball) hit = Hit(ball_t, NOTHING, true);
 #else
-        const bool is_ball = false;
+        const bool is_thin = false;
         const float ball_left = 1.0;
 #endif
         // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
@@ -224,8 +229,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
-            if (!is_ball) travelled = reached;
-            if (surface == 0 && behind == 0.0) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
+            if (!is_thin) travelled = reached;
+            if (surface == 0 && !is_thin) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
             cone = spread * reached;
             vec3 p = origin + hit.t * direction;
             // Move the point exactly onto the plane, so that no ray from there hits it again.
@@ -234,22 +239,22 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             Surface s;
 #ifdef DRAWS_SWARM
             if (is_ball) {
-                s = swarm_surface(seen);
+                s = swarm_surface(seen, is_thin, p, direction);
             } else
 #endif
             s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
             Material m = s.material;
-            // The edges of balls are smooth already.
-            if (!is_ball) add_to_key(s.object, hit.plane != NOTHING, s.normal);
+            // The edges of thin balls are smooth already.
+            if (!is_thin) add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_fraction = throughput * m.haze;
 #ifdef COVERAGE
             color = vec3(1.0 - m.haze);
 #else
             vec3 kept = throughput * (1.0 - m.haze);
 #ifdef DRAWS_SWARM
-            if (is_ball) kept *= seen.coverage;
+            kept *= covered;
 #endif
             // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
@@ -262,9 +267,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
             if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
 #ifdef DRAWS_SWARM
-            if (is_ball) {
-                throughput *= 1.0 - seen.coverage;
-            } else {
+            if (!is_thin) {
 #endif
             // Metals tint their mirror images.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
@@ -300,8 +303,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         if (is_medium_pass() && surface == 1) break;
         direction = mirrored;
 #ifdef DRAWS_SWARM
-        behind = is_ball ? seen.t + 1e-6 * (1.0 + seen.t) : 0.0;
-        if (!is_ball) surface++;
+        if (!is_thin) surface++;
+        is_behind = is_thin;
 #endif
     }
 #ifdef DRAWS_MEDIA

@@ -5,30 +5,30 @@
 
 #define swarm_first int(camera_forward.w)
 
-// Nodes that a ray visits in a tree, at most.
+// Nodes of a tree that a ray visits, at most.
 const int SWARM_NODES_MAX = 2048;
 const int SWARM_LEAF = 4;
-// Balls that a path meets, at most, beside other surfaces.
-const int SWARM_BALLS_MAX = 4;
 // The least fraction of light that media leave, if swarms are in them.
 const float MEDIUM_LEFT_MIN = 1e-3;
-// A ball that covers less of a pixel than this is invisible.
-const float SWARM_COVERAGE_MIN = 0.003;
+// The number of the object in keys of surfaces.
+const int SWARM_OBJECT = 300;
+// Thin balls that reflect less of the light than this are not lit.
+const float SWARM_LIT_MIN = 0.002;
 #ifdef SOFTWARE
 // Rounds of a pixel's walks together, as llvmpipe ends all loops after 65,535 rounds (rounds.glsl).
 const int SWARM_ROUNDS = 12000;
 int swarm_rounds = 0;
 #endif
 
-// What a ray sees of the swarms: glow, and the nearest ball.
+// What a ray sees of the swarms: the nearest ball, and in front of it faint light and thin balls.
 struct SwarmSeen {
-    vec3 glow;
-    float glow_t;       // mean distance of the glow
-    float coverage;     // fraction of the ray's pixel that the ball covers; 0 if the ray meets no ball
-    float t;            // distance of the ball
-    vec3 normal;
-    vec3 color;
-    vec3 emission;
+    vec3 light;         // of glow and thin balls
+    float light_t;      // its mean distance
+    float left;         // fraction of the light behind the thin balls
+    float thin_t;       // their mean distance
+    vec3 thin_color;    // their mean colour; 0 if they need no light
+    int ball;           // texel of the nearest ball; 0 if there is none
+    float t;            // its distance, or the end of the ray
 };
 
 // The place where a ray is nearest to a point, or to the streak of a point that is stretched.
@@ -54,16 +54,21 @@ float swarm_dimming(float radius, float drawn, float streak) {
     return radius * (PI * radius + 2.0 * streak) / (drawn * (PI * drawn + 2.0 * streak));
 }
 
+vec3 swarm_color(float packed) {
+    int color = int(packed);
+    return vec3(ivec3(color, color >> 8, color >> 16) & 255) / 255.0;
+}
+
 // Returns what a ray sees of the swarms between two distances. `cone` is the radius of the ray's pixel at its origin.
 SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float cone) {
-    SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 0.0, end, -direction, vec3(0.0), vec3(0.0));
+    SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 1.0, 0.0, vec3(0.0), 0, end);
     // The pass of media shows no swarm.
     vec4 head = is_medium_pass() ? vec4(0.0) : TEXEL(sound_tables, swarm_first);
     vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
     float spread = camera_position.w;
     float weight = 0.0;
-    int nearest = 0;
-    // The balls, then the glow in front of the nearest ball.
+    float covered = 0.0;
+    // The balls, then everything faint in front of the nearest ball.
     for (int kind = 0; kind < 2; kind++) {
         int first = swarm_first + int(kind == 0 ? head.x : head.z);
         int count = int(kind == 0 ? head.y : head.w);
@@ -84,7 +89,6 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
             float leaves = min(min(far.x, far.y), min(far.z, seen.t));
             int leaf = enters <= leaves ? int(high.w) : 0;
             node = enters <= leaves ? node + 1 : int(low.w);
-            if (leaf == 0) continue;
             int point = swarm_first + (leaf >> 3);
             for (int k = 0; k < SWARM_LEAF; k++) {
                 if (k >= (leaf & 7)) break;
@@ -93,60 +97,75 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
 #endif
                 vec4 place = TEXEL(sound_tables, point + 3 * k);
                 vec4 way = TEXEL(sound_tables, point + 3 * k + 1);
-                SwarmApproach near_it = swarm_approach(origin, direction, place.xyz, way.xyz);
-                float widest = SWARM_WIDEST * distance(place.xyz, camera_position.xyz);
-                float pixel = max(min(cone + spread * near_it.t, spread * widest), 1e-9);
+                SwarmApproach at = swarm_approach(origin, direction, place.xyz, way.xyz);
                 float radius = place.w;
                 if (kind == 0) {
-                    // The edge is as wide as a pixel.
-                    float middle = sqrt(max(radius * radius - pixel * pixel / 3.0, pixel * pixel));
-                    float away = sqrt(near_it.distance2);
-                    float edge = clamp(0.5 * (middle + pixel - away) / pixel, 0.0, 1.0);
-                    float drawn = sqrt(middle * middle + pixel * pixel / 3.0);
-                    float coverage = edge * min(swarm_dimming(radius, drawn, near_it.streak), 1.0);
-                    float side = min(away / (middle + pixel), 1.0);
-                    float t = near_it.t - radius * sqrt(1.0 - side * side);
-                    if (coverage > SWARM_COVERAGE_MIN && t > start && t < seen.t) {
-                        seen.coverage = coverage;
-                        seen.t = t;
-                        nearest = point + 3 * k;
-                        seen.normal = near_it.across * (side / max(away, 1e-9)) - direction * sqrt(1.0 - side * side);
-                    }
-                } else {
-                    float drawn = sqrt(radius * radius + 4.0 * pixel * pixel);
-                    float part = near_it.distance2 / (drawn * drawn);
-                    if (part < 1.0) {
-                        // The part of the glow that is between both distances.
-                        float half_chord = drawn * sqrt(1.0 - part);
-                        float before = smoothstep(-half_chord, half_chord, seen.t - near_it.t)
-                                     - smoothstep(-half_chord, half_chord, start - near_it.t);
-                        float left = 1.0 - part;
-                        float shape = left * left * left / (1.0 + 20.0 * part);
-                        vec3 light = TEXEL(sound_tables, point + 3 * k + 2).rgb
-                                   * (shape * before * swarm_dimming(radius, drawn, near_it.streak));
-                        seen.glow += light;
-                        seen.glow_t += light.g * near_it.t;
-                        weight += light.g;
-                    }
+                    float t = at.t - sqrt(max(radius * radius - at.distance2, 0.0));
+                    bool is_nearer = at.distance2 < radius * radius && t > start && t < seen.t;
+                    seen.t = is_nearer ? t : seen.t;
+                    seen.ball = is_nearer ? point + 3 * k : seen.ball;
+                    continue;
+                }
+                float pixel = cone + spread * at.t;
+                pixel = clamp(pixel, 1e-9, SWARM_WIDEST * spread * distance(place.xyz, camera_position.xyz) + 2e-9);
+                vec4 light = TEXEL(sound_tables, point + 3 * k + 2);
+                bool is_thin = light.w > 0.5;
+                // The edge of a thin ball is as wide as a pixel.
+                float middle = max(sqrt(max(radius * radius - pixel * pixel / 3.0, 0.0)), pixel);
+                float wide = is_thin ? middle + pixel : sqrt(radius * radius + 4.0 * pixel * pixel);
+                float drawn = is_thin ? sqrt(middle * middle + pixel * pixel / 3.0) : wide;
+                float part = 1.0 - at.distance2 / (wide * wide);
+                if (part <= 0.0) continue;
+                // The part of the glow that is between both distances.
+                float half_chord = wide * sqrt(part);
+                float between = smoothstep(-half_chord, half_chord, seen.t - at.t)
+                              - smoothstep(-half_chord, half_chord, start - at.t);
+                float shape = part * part * part / (21.0 - 20.0 * part);
+                if (is_thin) {
+                    between = at.t > start && at.t < seen.t ? 1.0 : 0.0;
+                    shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
+                }
+                float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
+                float brightness = strength * max(light.r, max(light.g, light.b));
+                weight += brightness;
+                seen.light_t += brightness * at.t;
+                seen.light += strength * light.rgb;
+                if (is_thin) {
+                    covered += strength;
+                    seen.left *= 1.0 - strength;
+                    seen.thin_t += strength * at.t;
+                    seen.thin_color += strength * swarm_color(way.w);
                 }
             }
         }
-        if (kind == 0 && nearest > 0) {
-            int color = int(TEXEL(sound_tables, nearest + 1).w);
-            seen.color = vec3(ivec3(color, color >> 8, color >> 16) & 255) / 255.0;
-            seen.emission = TEXEL(sound_tables, nearest + 2).rgb;
-        }
     }
-    seen.glow_t /= max(weight, 1e-9);
+    seen.light_t /= max(weight, 1e-9);
+    seen.thin_t /= max(covered, 1e-9);
+    bool is_lit = max(seen.thin_color.r, max(seen.thin_color.g, seen.thin_color.b)) > SWARM_LIT_MIN;
+    seen.thin_color = is_lit ? seen.thin_color / covered : vec3(0.0);
     return seen;
 }
 
-// Returns the surface of the ball that a ray meets. Its ambient light is known along the axes.
-Surface swarm_surface(SwarmSeen seen) {
+// Returns the surface of the nearest ball or of the thin balls, at `p`. Their ambient light is known along the axes.
+Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
+    vec4 place = TEXEL(sound_tables, seen.ball);
+    vec4 way = TEXEL(sound_tables, seen.ball + 1);
+    vec3 color = swarm_color(way.w);
+    vec3 emission = TEXEL(sound_tables, seen.ball + 2).rgb;
+    // From the place of the streak that is nearest to the ray.
+    SwarmApproach at = swarm_approach(p - direction, direction, place.xyz, way.xyz);
+    vec3 normal = at.across + (1.0 - at.t) * direction;
+    if (is_thin) {
+        // Half of a thin ball that is lit from the side is dark, which this normal accounts for.
+        vec3 to_light = lights[0].w == LIGHT_SUN ? -lights[0].xyz : lights[0].xyz - p;
+        normal = to_light * inversesqrt(max(dot(to_light, to_light), 1e-12)) - direction;
+        color = seen.thin_color;
+        emission = vec3(0.0);
+    }
     Surface s;
-    s.object = 0;
-    s.normal = normalize(seen.normal);
-    s.material = Material(seen.color, 0.6, 0.0, seen.emission, 0.0, 0.0, 0.0, 0.0);
+    s.object = SWARM_OBJECT;
+    s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-12));
+    s.material = Material(color, 0.6, 0.0, emission, 0.0, 0.0, 0.0, 0.0);
     s.ambient = vec3(0.0);
     for (int axis = 0; axis < 3; axis++) {
         int facing = s.normal[axis] < 0.0 ? 1 : 0;

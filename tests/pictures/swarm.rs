@@ -119,9 +119,10 @@ fn a_mirror_shows_points_that_the_eye_does_not_see() {
 fn the_light_of_a_tiny_point_does_not_depend_on_the_resolution() {
     // The half angle of the picture is 10 degrees, and the point is 6 away.
     let height = 2.0 * 6.0 * 10.0f32.to_radians().tan();
-    for (point, light_of_radius) in
-        [("size = RADIUS  emission = 900", 900.0 * std::f32::consts::PI), ("size = 0  glow = 900  reach = RADIUS", 0.0)]
-    {
+    for (point, light_of_radius) in [
+        ("size = RADIUS  emission = 900", 900.0 * std::f32::consts::PI),
+        ("size = 0  glow = 900  reach = RADIUS", 0.0),
+    ] {
         let mut sums = Vec::new();
         for (radius, heights) in [(0.004, [24, 48, 96]), (0.004, [30, 60, 120])] {
             for (number, rows) in heights.into_iter().enumerate() {
@@ -158,7 +159,9 @@ fn fog_dims_points_by_the_way_before_them() {
 #[test]
 fn invalid_points_leave_the_picture_as_it_is() {
     let valid = SPARKS.replace("count = 400", "count = 9");
-    for invalid in ["position = vec3(1 / (index - index))", "size = sqrt(-1 - index)", "glow = vec3(exp(99 + index))"] {
+    for invalid in
+        ["position = vec3(1 / (index - index))", "size = sqrt(-1 - index)", "glow = vec3(exp(99 + index))"]
+    {
         let text = format!("{valid}\nswarm invalid {{ count = 50  {invalid} }}");
         for mode in MODES {
             let [with, without] =

@@ -1,22 +1,24 @@
 //! Swarms: sparks, dust, rain, fireflies. The points of a frame are computed on the CPU, and rays find them by trees.
 //!
 //! ```text
-//! number of a point → tape → place, radius, colours → two trees of boxes, of balls and of glow → texels
+//! number of a point → tape → place, radius, colours → two trees of boxes → texels
 //! ```
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0 | of the balls, then of the glow: the first texel of the tree and the number of its nodes |
+//! | 0 | of the balls, then of everything faint: the first texel of the tree and the number of its nodes |
 //! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
 //! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
 //! | | upper corner; 0, or for a leaf 8 times the texel of its first point, plus the number of its points |
 //! | a point | place, radius |
 //! | | the way along which it is stretched; its colour, a byte for each part |
-//! | | its light |
+//! | | its light; 1 for a ball |
 //!
 //! The nodes are in the order of a walk through the whole tree, nearer boxes first. Points are sorted along a curve that
-//! fills space (Morton 1966), and a box is cut where the curve leaves one half of space (Lauterbach et al. 2009). A point
-//! that is thinner than a pixel is drawn as wide as a pixel, and fainter; boxes contain this width.
+//! fills space (Morton 1966), and a box is cut where the curve leaves one half of space (Lauterbach et al. 2009).
+//!
+//! Faint are glow, and balls that are thinner than [`THIN`] pixels. They are drawn at least as wide as a pixel, and fainter
+//! instead; boxes contain this width. Rays sum them in any order.
 
 use std::ops::Range;
 
@@ -32,6 +34,8 @@ use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
 /// the point is drawn, and it may flicker.
 pub const WIDEST: f32 = 2.0;
 
+/// A ball is thin if its diameter is less than this number of pixels.
+const THIN: f32 = 2.0;
 /// Points with a larger number in any value are left out, and so are points beyond these coordinates.
 const LARGEST: f32 = 1e6;
 /// Number of points of a leaf, at most.
@@ -131,16 +135,12 @@ impl SwarmPlan {
         for (texel, [r, g, b]) in texels.iter_mut().skip(1).zip(light) {
             *texel = [*r, *g, *b, 0.0].map(|part| if part > 0.0 { part.min(LARGEST) } else { 0.0 });
         }
-        let ball = |point: &Swarm<f32>| (point.size > 0.0).then_some((point.size, point.emission));
-        let is_bright = |point: &Swarm<f32>| point.reach > 0.0 && point.glow.iter().any(|part| *part > 0.0);
-        let glow = |point: &Swarm<f32>| is_bright(point).then_some((point.reach, point.glow));
-        let mut head = [0.0; 4];
-        let [first_ball, balls] = append_tree(points, ball, view, &mut texels);
-        let [first_glow, glows] = append_tree(points, glow, view, &mut texels);
-        for (to, number) in head.iter_mut().zip([first_ball, balls, first_glow, glows]) {
-            *to = number as f32;
-        }
-        texels[0] = head;
+        let bodies = points.iter().flat_map(|point| Body::all_of(point, view));
+        let (faint, balls): (Vec<_>, Vec<_>) = bodies.partition(|body| body.is_faint);
+        let [first_ball, ball_nodes] = append_tree(balls, view.eye, &mut texels);
+        let [first_faint, faint_nodes] = append_tree(faint, view.eye, &mut texels);
+        let head = [first_ball, ball_nodes, first_faint, faint_nodes].map(|number| number as f32);
+        texels.splice(..1, [head]);
         texels
     }
 }
@@ -166,46 +166,50 @@ struct Body<'a> {
     point: &'a Swarm<f32>,
     radius: f32,
     light: [f32; 3],
+    is_ball: bool,
+    is_faint: bool,
     bounds: Bounds,
     /// The place of its middle on the curve.
     place: u32,
 }
 
 impl<'a> Body<'a> {
-    fn of(point: &'a Swarm<f32>, (radius, light): (f32, [f32; 3]), view: &SwarmView) -> Self {
+    /// Returns what is visible of a point.
+    fn all_of(point: &'a Swarm<f32>, view: &SwarmView) -> impl Iterator<Item = Self> {
         let away = |axis: usize| point.position[axis] - view.eye[axis];
         let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f32>().sqrt();
-        // Shaders round differently.
-        let around = (radius + 2.0 * WIDEST * view.pixel * distance) * 1.001 + 1e-6;
-        let bounds = Bounds {
-            low: std::array::from_fn(|axis| point.position[axis] + point.stretch[axis].min(0.0) - around),
-            high: std::array::from_fn(|axis| point.position[axis] + point.stretch[axis].max(0.0) + around),
+        let pixel = view.pixel * distance;
+        let body = move |radius: f32, light: [f32; 3], is_ball: bool| {
+            // Shaders round differently.
+            let around = (radius + 2.0 * WIDEST * pixel) * 1.001 + 1e-6;
+            let (place, way) = (point.position, point.stretch);
+            let bounds = Bounds {
+                low: std::array::from_fn(|axis| place[axis] + way[axis].min(0.0) - around),
+                high: std::array::from_fn(|axis| place[axis] + way[axis].max(0.0) + around),
+            };
+            let is_faint = !is_ball || radius < THIN * pixel;
+            Self { point, radius, light, is_ball, is_faint, bounds, place: 0 }
         };
-        Self { point, radius, light, bounds, place: 0 }
+        let ball = (point.size > 0.0).then(|| body(point.size, point.emission, true));
+        let glows = point.reach > 0.0 && point.glow.iter().any(|part| *part > 0.0);
+        ball.into_iter().chain(glows.then(|| body(point.reach, point.glow, false)))
     }
 
     fn texels(&self) -> [[f32; 4]; POINT_TEXELS] {
         let ([x, y, z], [dx, dy, dz], [r, g, b]) = (self.point.position, self.point.stretch, self.light);
         let color = self.point.color.iter().rfold(0.0, |sum, part| 256.0 * sum + (255.0 * part).round());
-        [[x, y, z, self.radius], [dx, dy, dz, color], [r, g, b, 0.0]]
+        [[x, y, z, self.radius], [dx, dy, dz, color], [r, g, b, f32::from(self.is_ball)]]
     }
 }
 
 /// Appends the tree of the bodies of points. Returns its first texel and the number of its nodes.
-fn append_tree(
-    points: &[Swarm<f32>],
-    body: impl Fn(&Swarm<f32>) -> Option<(f32, [f32; 3])>,
-    view: &SwarmView,
-    texels: &mut Vec<[f32; 4]>,
-) -> [usize; 2] {
-    let bodies = points.iter().filter_map(|point| Some(Body::of(point, body(point)?, view)));
-    let mut bodies: Vec<Body<'_>> = bodies.collect();
+fn append_tree(mut bodies: Vec<Body<'_>>, eye: [f32; 3], texels: &mut Vec<[f32; 4]>) -> [usize; 2] {
     let Some(whole) = hull(&bodies) else { return [0; 2] };
     for body in &mut bodies {
         body.place = place_on_curve(&whole, &body.bounds);
     }
     bodies.sort_unstable_by_key(|body| body.place);
-    let mut tree = Tree { eye: view.eye, nodes: Vec::new(), leaves: Vec::new() };
+    let mut tree = Tree { eye, nodes: Vec::new(), leaves: Vec::new() };
     tree.add(&bodies, whole);
     let first = texels.len();
     let count = tree.nodes.len() / NODE_TEXELS;

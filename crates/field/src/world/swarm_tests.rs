@@ -16,7 +16,7 @@ fn points(text: &str, time: f32) -> Vec<Swarm<f32>> {
     plan.points(&FrameInputs { time, ..FrameInputs::default() }, 0..plan.len())
 }
 
-/// Returns the texels of all points that a ray may meet in a tree: 0 for the balls, 1 for the glow.
+/// Returns the texels of all points that a ray may meet in a tree: 0 for the balls, 1 for everything faint.
 fn walk(texels: &[[f32; 4]], tree: usize, origin: [f32; 3], direction: [f32; 3]) -> Vec<[f32; 4]> {
     let (first, count) = (texels[0][2 * tree] as usize, texels[0][2 * tree + 1] as usize);
     let (mut node, mut met) = (0, Vec::new());
@@ -77,16 +77,15 @@ fn assert_that_rays_find_all(text: &str) {
         let target = [7919, 104_729, 1_299_709].map(|step| 12.0 * part(step));
         let way = sum(target, -1.0, origin);
         let direction = way.map(|part| part / length(way));
-        for (tree, radius) in [(0, (|point| point.size) as fn(&Swarm<f32>) -> f32), (1, |point| point.reach)]
-        {
-            let met = walk(&texels, tree, origin, direction);
-            tested += met.len();
+        let met = [0, 1].map(|tree| walk(&texels, tree, origin, direction)).concat();
+        tested += met.len();
+        for radius in [(|point| point.size) as fn(&Swarm<f32>) -> f32, |point| point.reach] {
             for point in &points {
                 let pixel = VIEW.pixel * WIDEST * length(sum(point.position, -1.0, VIEW.eye));
                 if radius(point) > 0.0 && distance(point, origin, direction) < radius(point) + 2.0 * pixel {
                     found += 1;
                     let [x, y, z] = point.position;
-                    assert!(met.iter().any(|texel| texel[..3] == [x, y, z]), "{point:?} of ray {ray}");
+                    assert!(met.contains(&[x, y, z, radius(point)]), "{point:?} of ray {ray}");
                 }
             }
         }
