@@ -54,8 +54,8 @@ float swarm_dimming(float radius, float drawn, float streak) {
     return radius * (PI * radius + 2.0 * streak) / (drawn * (PI * drawn + 2.0 * streak));
 }
 
-vec3 swarm_color(float packed) {
-    int color = int(packed);
+vec3 swarm_color(float bytes) {
+    int color = int(bytes);
     return vec3(ivec3(color, color >> 8, color >> 16) & 255) / 255.0;
 }
 
