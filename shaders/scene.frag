@@ -195,7 +195,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
 #ifdef DRAWS_SWARM
         if (!is_behind) seen = swarm_along(origin, direction, 0.0, hit.met ? hit.t : FAR, cone);
+#ifdef COVERAGE
+        color = vec3(1.0 - seen.left);
+        bool is_thin = false;
+#else
         bool is_thin = !is_behind && seen.thin_color != vec3(0.0);
+#endif
         bool is_ball = is_thin || seen.ball > 0;
         float covered = is_thin ? 1.0 - seen.left : 1.0;
         float ball_t = is_thin ? seen.thin_t : seen.t;
@@ -213,7 +218,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             color -= throughput * medium.light * (covered * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4));
         }
 #endif
+#ifndef COVERAGE
         if (!is_behind) color += throughput * light_left * seen.light;
+#endif
         if (!is_thin) throughput *= seen.left;
         if (is_ball) hit = Hit(ball_t, NOTHING, true);
 #else

@@ -7,18 +7,15 @@
 
 // Nodes of a tree that a ray visits, at most.
 const int SWARM_NODES_MAX = 2048;
-const int SWARM_LEAF = 4;
 // The least fraction of light that media leave, if swarms are in them.
 const float MEDIUM_LEFT_MIN = 1e-3;
 // The number of the object in keys of surfaces.
 const int SWARM_OBJECT = 300;
 // Thin balls that reflect less of the light than this are not lit.
 const float SWARM_LIT_MIN = 0.002;
-#ifdef SOFTWARE
-// Rounds of a pixel's walks together, as llvmpipe ends all loops after 65,535 rounds (rounds.glsl).
-const int SWARM_ROUNDS = 12000;
+// Nodes that all rays of a pixel visit together, at most: llvmpipe ends all loops after 65,535 rounds (rounds.glsl).
+const int SWARM_ROUNDS = 10000;
 int swarm_rounds = 0;
-#endif
 
 // What a ray sees of the swarms: the nearest ball, and in front of it faint light and thin balls.
 struct SwarmSeen {
@@ -73,71 +70,73 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
         int first = swarm_first + int(kind == 0 ? head.x : head.z);
         int count = int(kind == 0 ? head.y : head.w);
         int node = 0;
+        int most = min(SWARM_NODES_MAX, SWARM_ROUNDS - swarm_rounds);
+        int left = most;
+        // The walk to the next point is a loop of its own, because renderers that never skip a branch would compute a point
+        // for each node.
         for (int i = 0; i < SWARM_NODES_MAX; i++) {
-            if (node >= count) break;
-#ifdef SOFTWARE
-            if (swarm_rounds >= SWARM_ROUNDS) break;
-            swarm_rounds++;
-#endif
-            vec4 low = TEXEL(sound_tables, first + 2 * node);
-            vec4 high = TEXEL(sound_tables, first + 2 * node + 1);
-            vec3 a = (low.xyz - origin) * inverse;
-            vec3 b = (high.xyz - origin) * inverse;
-            vec3 near = min(a, b);
-            vec3 far = max(a, b);
-            float enters = max(max(near.x, near.y), max(near.z, start));
-            float leaves = min(min(far.x, far.y), min(far.z, seen.t));
-            int leaf = enters <= leaves ? int(high.w) : 0;
-            node = enters <= leaves ? node + 1 : int(low.w);
-            int point = swarm_first + (leaf >> 3);
-            for (int k = 0; k < SWARM_LEAF; k++) {
-                if (k >= (leaf & 7)) break;
-#ifdef SOFTWARE
-                swarm_rounds++;
-#endif
-                vec4 place = TEXEL(sound_tables, point + 3 * k);
-                vec4 way = TEXEL(sound_tables, point + 3 * k + 1);
-                SwarmApproach at = swarm_approach(origin, direction, place.xyz, way.xyz);
-                float radius = place.w;
-                if (kind == 0) {
-                    float t = at.t - sqrt(max(radius * radius - at.distance2, 0.0));
-                    bool is_nearer = at.distance2 < radius * radius && t > start && t < seen.t;
-                    seen.t = is_nearer ? t : seen.t;
-                    seen.ball = is_nearer ? point + 3 * k : seen.ball;
-                    continue;
-                }
-                float pixel = cone + spread * at.t;
-                pixel = clamp(pixel, 1e-9, SWARM_WIDEST * spread * distance(place.xyz, camera_position.xyz) + 2e-9);
-                vec4 light = TEXEL(sound_tables, point + 3 * k + 2);
-                bool is_thin = light.w > 0.5;
-                // The edge of a thin ball is as wide as a pixel.
-                float middle = max(sqrt(max(radius * radius - pixel * pixel / 3.0, 0.0)), pixel);
-                float wide = is_thin ? middle + pixel : sqrt(radius * radius + 4.0 * pixel * pixel);
-                float drawn = is_thin ? sqrt(middle * middle + pixel * pixel / 3.0) : wide;
-                float part = 1.0 - at.distance2 / (wide * wide);
-                if (part <= 0.0) continue;
-                // The part of the glow that is between both distances.
-                float half_chord = wide * sqrt(part);
-                float between = smoothstep(-half_chord, half_chord, seen.t - at.t)
-                              - smoothstep(-half_chord, half_chord, start - at.t);
-                float shape = part * part * part / (21.0 - 20.0 * part);
-                if (is_thin) {
-                    between = at.t > start && at.t < seen.t ? 1.0 : 0.0;
-                    shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
-                }
-                float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
-                float brightness = strength * max(light.r, max(light.g, light.b));
-                weight += brightness;
-                seen.light_t += brightness * at.t;
-                seen.light += strength * light.rgb;
-                if (is_thin) {
-                    covered += strength;
-                    seen.left *= 1.0 - strength;
-                    seen.thin_t += strength * at.t;
-                    seen.thin_color += strength * swarm_color(way.w);
-                }
+            int point = 0;
+            for (; left > 0; left--) {
+                if (node >= count || point > 0) break;
+                vec4 low = TEXEL(sound_tables, first + 2 * node);
+                vec4 high = TEXEL(sound_tables, first + 2 * node + 1);
+                vec3 a = (low.xyz - origin) * inverse;
+                vec3 b = (high.xyz - origin) * inverse;
+                vec3 near = min(a, b);
+                vec3 far = max(a, b);
+                float enters = max(max(near.x, near.y), max(near.z, start));
+                float leaves = min(min(far.x, far.y), min(far.z, seen.t));
+                point = enters <= leaves ? int(high.w) : 0;
+                node = enters <= leaves ? node + 1 : int(low.w);
+            }
+            if (point == 0) break;
+            point += swarm_first;
+            vec4 place = TEXEL(sound_tables, point);
+            vec4 way = TEXEL(sound_tables, point + 1);
+            SwarmApproach at = swarm_approach(origin, direction, place.xyz, way.xyz);
+            float radius = place.w;
+            if (kind == 0) {
+                float t = at.t - sqrt(max(radius * radius - at.distance2, 0.0));
+                bool is_nearer = at.distance2 < radius * radius && t > start && t < seen.t;
+                seen.t = is_nearer ? t : seen.t;
+                seen.ball = is_nearer ? point : seen.ball;
+                continue;
+            }
+            float pixel = cone + spread * at.t;
+            pixel = clamp(pixel, 1e-9, SWARM_WIDEST * spread * distance(place.xyz, camera_position.xyz) + 2e-9);
+            vec4 light = TEXEL(sound_tables, point + 2);
+            bool is_thin = light.w > 0.5;
+            // The edge of a thin ball is as wide as a pixel.
+            float middle = max(sqrt(max(radius * radius - pixel * pixel / 3.0, 0.0)), pixel);
+            float wide = is_thin ? middle + pixel : sqrt(radius * radius + 4.0 * pixel * pixel);
+            float drawn = is_thin ? sqrt(middle * middle + pixel * pixel / 3.0) : wide;
+            float part = 1.0 - at.distance2 / (wide * wide);
+            if (part <= 0.0) continue;
+            // The part of the glow that is between both distances.
+            float half_chord = wide * sqrt(part);
+            float between = smoothstep(-half_chord, half_chord, seen.t - at.t)
+                          - smoothstep(-half_chord, half_chord, start - at.t);
+            float shape = part * part * part / (21.0 - 20.0 * part);
+            if (is_thin) {
+                between = at.t > start && at.t < seen.t ? 1.0 : 0.0;
+                shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
+            }
+            float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
+            float brightness = strength * max(light.r, max(light.g, light.b));
+            weight += brightness;
+            seen.light_t += brightness * at.t;
+            seen.light += strength * light.rgb;
+            if (is_thin) {
+                covered += strength;
+                seen.left *= 1.0 - strength;
+                seen.thin_t += strength * at.t;
+                seen.thin_color += strength * swarm_color(way.w);
             }
         }
+        swarm_rounds += most - left;
+#ifdef LIMITED_ROUNDS
+        rounds_run += 2 * (most - left);
+#endif
     }
     seen.light_t /= max(weight, 1e-9);
     seen.thin_t /= max(covered, 1e-9);

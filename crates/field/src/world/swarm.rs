@@ -9,12 +9,12 @@
 //! | 0 | of the balls, then of everything faint: the first texel of the tree and the number of its nodes |
 //! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
 //! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
-//! | | upper corner; 0, or for a leaf 8 times the texel of its first point, plus the number of its points |
+//! | | upper corner; 0, or the texel of the only point in the box |
 //! | a point | place, radius |
 //! | | the way along which it is stretched; its colour, a byte for each part |
 //! | | its light; 1 for a ball |
 //!
-//! The nodes are in the order of a walk through the whole tree, nearer boxes first. Points are sorted along a curve that
+//! The nodes are in the order of a walk through the whole tree. Points are sorted along a curve that
 //! fills space (Morton 1966), and a box is cut where the curve leaves one half of space (Lauterbach et al. 2009).
 //!
 //! Faint are glow, and balls that are thinner than [`THIN`] pixels. They are drawn at least as wide as a pixel, and fainter
@@ -38,8 +38,6 @@ pub const WIDEST: f32 = 2.0;
 const THIN: f32 = 2.0;
 /// Points with a larger number in any value are left out, and so are points beyond these coordinates.
 const LARGEST: f32 = 1e6;
-/// Number of points of a leaf, at most.
-const LEAF: usize = 4;
 /// Texels before the first tree.
 const HEAD: usize = 7;
 const NODE_TEXELS: usize = 2;
@@ -137,8 +135,8 @@ impl SwarmPlan {
         }
         let bodies = points.iter().flat_map(|point| Body::all_of(point, view));
         let (faint, balls): (Vec<_>, Vec<_>) = bodies.partition(|body| body.is_faint);
-        let [first_ball, ball_nodes] = append_tree(balls, view.eye, &mut texels);
-        let [first_faint, faint_nodes] = append_tree(faint, view.eye, &mut texels);
+        let [first_ball, ball_nodes] = append_tree(balls, &mut texels);
+        let [first_faint, faint_nodes] = append_tree(faint, &mut texels);
         let head = [first_ball, ball_nodes, first_faint, faint_nodes].map(|number| number as f32);
         texels.splice(..1, [head]);
         texels
@@ -203,78 +201,62 @@ impl<'a> Body<'a> {
 }
 
 /// Appends the tree of the bodies of points. Returns its first texel and the number of its nodes.
-fn append_tree(mut bodies: Vec<Body<'_>>, eye: [f32; 3], texels: &mut Vec<[f32; 4]>) -> [usize; 2] {
-    let Some(whole) = hull(&bodies) else { return [0; 2] };
+fn append_tree(mut bodies: Vec<Body<'_>>, texels: &mut Vec<[f32; 4]>) -> [usize; 2] {
+    let whole = bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0));
+    let Some(whole) = whole else { return [0; 2] };
     for body in &mut bodies {
         body.place = place_on_curve(&whole, &body.bounds);
     }
     bodies.sort_unstable_by_key(|body| body.place);
-    let mut tree = Tree { eye, nodes: Vec::new(), leaves: Vec::new() };
-    tree.add(&bodies, whole);
     let first = texels.len();
-    let count = tree.nodes.len() / NODE_TEXELS;
-    let first_point = first + tree.nodes.len();
-    // The leaves' addresses are counted from their first point so far.
-    for high in tree.nodes.iter_mut().skip(1).step_by(NODE_TEXELS) {
-        if high[3] > 0.0 {
-            high[3] += 8.0 * first_point as f32;
-        }
-    }
-    texels.extend(tree.nodes);
-    texels.extend(tree.leaves);
+    // A tree has a leaf for each body, and a node less between them.
+    let count = 2 * bodies.len() - 1;
+    let mut tree =
+        Tree { nodes: Vec::with_capacity(count), first_point: first + NODE_TEXELS * count, points: 0 };
+    tree.add(&bodies);
+    texels.extend(tree.nodes.into_iter().flatten());
+    texels.extend(bodies.iter().flat_map(Body::texels));
     [first, count]
 }
 
 struct Tree {
-    eye: [f32; 3],
-    nodes: Vec<[f32; 4]>,
-    leaves: Vec<[f32; 4]>,
+    nodes: Vec<[[f32; 4]; NODE_TEXELS]>,
+    first_point: usize,
+    /// Number of points so far.
+    points: usize,
 }
 
 impl Tree {
-    /// Adds the node of these bodies and the nodes inside. `bounds` contains the bodies.
-    fn add(&mut self, bodies: &[Body<'_>], bounds: Bounds) {
-        let node = self.nodes.len();
-        let ([x, y, z], [hx, hy, hz]) = (bounds.low, bounds.high);
-        self.nodes.extend([[x, y, z, 0.0], [hx, hy, hz, 0.0]]);
-        let mut leaf = 0;
-        if bodies.len() <= LEAF {
-            leaf = 8 * self.leaves.len() + bodies.len();
-            self.leaves.extend(bodies.iter().flat_map(Body::texels));
+    /// Adds the node of these bodies and the nodes inside. Returns its box.
+    fn add(&mut self, bodies: &[Body<'_>]) -> Bounds {
+        let number = self.nodes.len();
+        self.nodes.push([[0.0; 4]; NODE_TEXELS]);
+        let mut point = 0;
+        let bounds = if let [body] = bodies {
+            point = self.first_point + POINT_TEXELS * self.points;
+            self.points += 1;
+            body.bounds
         } else {
             let (a, b) = bodies.split_at(cut(bodies));
-            let halves = [a, b].map(|half| hull(half).map(|bounds| (half, bounds)));
-            let mut halves: Vec<_> = halves.into_iter().flatten().collect();
-            let distance = |bounds: &Bounds| -> f32 {
-                (0..3)
-                    .map(|axis| (0.5 * (bounds.low[axis] + bounds.high[axis]) - self.eye[axis]).powi(2))
-                    .sum()
-            };
-            halves.sort_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
-            for (half, bounds) in halves {
-                self.add(half, bounds);
-            }
+            let bounds = self.add(a);
+            bounds.hull(&self.add(b), 0.0)
+        };
+        let ([x, y, z], [hx, hy, hz], next) = (bounds.low, bounds.high, self.nodes.len() as f32);
+        if let Some(node) = self.nodes.get_mut(number) {
+            *node = [[x, y, z, next], [hx, hy, hz, point as f32]];
         }
-        let next = self.nodes.len() / NODE_TEXELS;
-        if let Some([low, high]) = self.nodes.get_mut(node..).and_then(|nodes| nodes.first_chunk_mut()) {
-            low[3] = next as f32;
-            high[3] = leaf as f32;
-        }
+        bounds
     }
 }
 
 /// Returns how many of the sorted bodies are in the first half of their space, or half of them if all are at one place.
 fn cut(bodies: &[Body<'_>]) -> usize {
-    let [first, .., last] = bodies else { return 0 };
+    let [first, .., last] = bodies else { return bodies.len() };
     let differing = first.place ^ last.place;
     match differing.checked_ilog2() {
         Some(bit) => bodies.partition_point(|body| (body.place ^ first.place) >> bit == 0),
         None => bodies.len() / 2,
     }
-}
-
-fn hull(bodies: &[Body<'_>]) -> Option<Bounds> {
-    bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0))
 }
 
 /// Returns the place of a box's middle on a curve through `whole`: the bits of the coordinates, interleaved.

@@ -33,8 +33,7 @@ fn walk(texels: &[[f32; 4]], tree: usize, origin: [f32; 3], direction: [f32; 3])
             continue;
         }
         node += 1;
-        let leaf = high[3] as usize;
-        met.extend((0..leaf & 7).map(|point| texels[(leaf >> 3) + POINT_TEXELS * point]));
+        met.extend((high[3] > 0.0).then(|| texels[high[3] as usize]));
     }
     met
 }

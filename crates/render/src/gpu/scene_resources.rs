@@ -17,6 +17,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
+use super::swarm;
 use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
 use super::texture;
 use super::tiles::Costs;
@@ -181,7 +182,7 @@ impl RegionMaker {
                 .buffers
                 .swarm()
                 .zip(request.swarm.as_ref())
-                .map(|(plan, (_, view))| Arc::new(swarm_texels(plan, &frame.inputs, view, texels_max))),
+                .map(|(plan, (_, view))| Arc::new(swarm::texels(plan, &frame.inputs, view, texels_max))),
         };
         BuiltRegions { regions, programs, medium, swarm, time: start.elapsed(), work, request }
     }
@@ -194,7 +195,7 @@ const QUICK_TREE: Duration = Duration::from_millis(3);
 /// Maximum number of threads that build a tree. Each thread has its own tapes.
 const THREADS_MAX: usize = 4;
 
-fn processors() -> usize {
+pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
 
@@ -216,38 +217,6 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
             part.lock().unwrap_or_else(PoisonError::into_inner).build_while(is_wanted);
         }
     });
-}
-
-/// The smallest part of a swarm for which a thread is started.
-const SWARM_PART: usize = 4096;
-
-/// Returns the texels of a frame's swarms, at most `texels_max`. Several threads compute the points.
-fn swarm_texels(
-    plan: &SwarmPlan,
-    inputs: &FrameInputs,
-    view: &SwarmView,
-    texels_max: usize,
-) -> Vec<[f32; 4]> {
-    let count = plan.len();
-    let part = count.div_ceil(processors()).max(SWARM_PART);
-    let parts = (0..count).step_by(part).map(|start| start..(start + part).min(count));
-    let mut points = std::thread::scope(|scope| {
-        let compute = |part: std::ops::Range<usize>| {
-            let own = part.clone();
-            let work = move || plan.points(inputs, own);
-            (part, std::thread::Builder::new().name("swarm".into()).spawn_scoped(scope, work))
-        };
-        // This thread computes the first part, and parts whose thread did not start.
-        let others: Vec<_> = parts.clone().skip(1).map(compute).collect();
-        let mut points: Vec<_> = parts.take(1).flat_map(|part| plan.points(inputs, part)).collect();
-        for (part, thread) in others {
-            let done = thread.ok().and_then(|thread| thread.join().ok());
-            points.extend(done.unwrap_or_else(|| plan.points(inputs, part)));
-        }
-        points
-    });
-    points.truncate(texels_max / POINT_TEXELS_MAX);
-    plan.texels(&points, inputs, view)
 }
 
 impl SceneResources {
