@@ -30,8 +30,7 @@ use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::lang::TextureRef;
 use mariana_field::region::{MediumGrid, Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
-    POINT_TEXELS_MAX, ShortPrograms, ShortenOptions, ShortenRequest, SwarmPlan, SwarmView, TapeBuffers,
-    World, WorthShortening,
+    ShortPrograms, ShortenOptions, ShortenRequest, SwarmView, TapeBuffers, World, WorthShortening,
 };
 
 /// An uploaded world.

@@ -221,8 +221,11 @@ impl SceneBuilder<'_> {
         }
         let place = values.given("count").map_or(span, |(_, place)| place);
         let Some(count) = self.lowering.known(swarm.count) else {
-            let wrong = Diagnostic::new(place, "`count` must be a number that never changes");
-            self.lowering.reports.add(wrong.hint("write a number, as in `count = 10000`"));
+            // An input in the field itself was already reported.
+            if self.lowering.reports.diagnostics.is_empty() {
+                let wrong = Diagnostic::new(place, "`count` must be a number that never changes");
+                self.lowering.reports.add(wrong.hint("write a number, as in `count = 10000`"));
+            }
             return;
         };
         if !(count >= 1.0 && count.fract() == 0.0) {
