@@ -178,8 +178,10 @@ impl<'a> Body<'a> {
         let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f32>().sqrt();
         let pixel = view.pixel * distance;
         let body = move |radius: f32, light: [f32; 3], is_ball: bool| {
-            // Shaders round differently.
-            let around = (radius + 2.0 * WIDEST * pixel) * 1.001 + 1e-6;
+            // The widths at which shaders draw glow and thin balls. Shaders round differently.
+            let widest = WIDEST * pixel;
+            let drawn = if is_ball { radius.max(widest) + widest } else { radius.hypot(2.0 * widest) };
+            let around = drawn * 1.001 + 1e-6;
             let (place, way) = (point.position, point.stretch);
             let bounds = Bounds {
                 low: std::array::from_fn(|axis| place[axis] + way[axis].min(0.0) - around),

@@ -81,7 +81,7 @@ fn assert_that_rays_find_all(text: &str) {
         for radius in [(|point| point.size) as fn(&Swarm<f32>) -> f32, |point| point.reach] {
             for point in &points {
                 let pixel = VIEW.pixel * WIDEST * length(sum(point.position, -1.0, VIEW.eye));
-                if radius(point) > 0.0 && distance(point, origin, direction) < radius(point) + 2.0 * pixel {
+                if radius(point) > 0.0 && distance(point, origin, direction) < radius(point).hypot(pixel) {
                     found += 1;
                     let [x, y, z] = point.position;
                     assert!(met.contains(&[x, y, z, radius(point)]), "{point:?} of ray {ray}");
