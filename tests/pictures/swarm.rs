@@ -73,8 +73,8 @@ fn both_modes_draw_the_same_swarm() {
 
 #[test]
 fn a_ball_hides_the_glow_behind_it() {
-    let glow = "swarm a { count = 1  position = vec3(0, 0, 3)  size = 0  glow = vec3(3, 2, 1)  reach = 1 }";
-    assert_light(&dark(glow), [3.0, 2.0, 1.0], 0.02);
+    let glow = "swarm a { count = 1  position = vec3(0, 0, 3)  size = 0  glow = vec3(3, 2, 1)  reach = 4 }";
+    assert_light(&dark(glow), [3.0, 2.0, 1.0], 0.03);
     let ball = format!("{glow}\nswarm b {{ count = 1  size = 0.5  emission = vec3(0.25, 0.5, 1) }}");
     assert_light(&dark(&ball), [0.25, 0.5, 1.0], 0.005);
 }
@@ -120,8 +120,8 @@ fn the_light_of_a_tiny_point_does_not_depend_on_the_resolution() {
     // The half angle of the picture is 10 degrees, and the point is 6 away.
     let height = 2.0 * 6.0 * 10.0f32.to_radians().tan();
     for (point, light_of_radius) in [
-        ("size = RADIUS  emission = 900", 900.0 * std::f32::consts::PI),
-        ("size = 0  glow = 900  reach = RADIUS", 0.0),
+        ("size = RADIUS  emission = 9", 9.0 * std::f32::consts::PI),
+        ("size = 0  glow = 9  reach = RADIUS", 0.0),
     ] {
         let mut sums = Vec::new();
         for (radius, heights) in [(0.004, [24, 48, 96]), (0.004, [30, 60, 120])] {
@@ -135,7 +135,7 @@ fn the_light_of_a_tiny_point_does_not_depend_on_the_resolution() {
             }
         }
         let mean = sums.iter().sum::<f32>() / sums.len() as f32;
-        assert!(mean > 50.0 && sums.iter().all(|sum| (sum / mean - 1.0).abs() < 0.2), "{point}: {sums:?}");
+        assert!(mean > 1.0 && sums.iter().all(|sum| (sum / mean - 1.0).abs() < 0.2), "{point}: {sums:?}");
         if light_of_radius > 0.0 {
             assert!((mean / light_of_radius - 1.0).abs() < 0.1, "{mean} instead of {light_of_radius}");
         }
@@ -148,7 +148,7 @@ fn fog_dims_points_by_the_way_before_them() {
         dark(&format!(
             "medium fog {{ density = 0.2  scatter = 0 }}
              object wall {{ shape = box(p - vec3(0, 0, 14), vec3(9, 9, 1)) }}
-             swarm a {{ count = 1  position = vec3(0, 0, {z})  size = 0  glow = 4  reach = 0.3 }}"
+             swarm a {{ count = 1  position = vec3(0, 0, {z})  size = 0  glow = 4  reach = 2 }}"
         ))
     };
     for z in [-3.0, 2.0, 6.0f32] {
@@ -160,7 +160,7 @@ fn fog_dims_points_by_the_way_before_them() {
 fn invalid_points_leave_the_picture_as_it_is() {
     let valid = SPARKS.replace("count = 400", "count = 9");
     for invalid in
-        ["position = vec3(1 / (index - index))", "size = sqrt(-1 - index)", "glow = vec3(exp(99 + index))"]
+        ["position = vec3(exp(99 + index))", "size = 1e30 * (1 + index)", "glow = vec3(exp(99 + index))"]
     {
         let text = format!("{valid}\nswarm invalid {{ count = 50  {invalid} }}");
         for mode in MODES {
