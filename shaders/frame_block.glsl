@@ -5,7 +5,8 @@ layout(std140) uniform FrameBlock {
     vec4 camera_position;   // xyz the eye; w half a pixel's width at distance 1
     vec4 camera_right;      // xyz to the right edge of the frame; w the first texel of texts and pictures as shapes
     vec4 camera_up;         // xyz to the upper edge; w the rows of texts and pictures as shapes, 0 without any
-    vec4 camera_forward;    // xyz along the viewing axis, unit length
+    vec4 camera_forward;    // xyz along the viewing axis, unit length; w the light that nearby surfaces throw on
+                            // each other, 0..1
     vec4 frame_clock;       // x time in seconds; y lights; z the row of the history at age 0, w the rows up to age 1
     vec4 block_bounds_low;        // xyz lower corner of the traced surfaces; w 1 if there are traced surfaces
     vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
@@ -16,7 +17,8 @@ layout(std140) uniform FrameBlock {
                             // shortest step with each step
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
                             // pixels per pixel of the frame
-    vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
+    vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held; w the first texel
+                            // of the swarms
     vec4 frame_projection;  // x a PROJECTION_..., y a STEREO_..., z half the distance of the eyes, w 1 / distance of the
                             // camera's target; only programs with PROJECTED read it
     vec4 medium_low;        // xyz lower corner of the media
@@ -52,6 +54,7 @@ layout(std140) uniform PassBlock {
 // Use it to reduce expensive work smoothly where the loss is hardly visible.
 #define frame_quality frame_reach.y
 #define shadow_step_growth frame_reach.w
+#define nearby_bounce camera_forward.w
 
 #ifndef PLANES
 #define PLANES PLANES_MAX   // compiled scenes define their number

@@ -135,11 +135,17 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
     }
 }
 
-// The step of the loop over three programs: ambient light, glow, material. Without shining objects it skips glow.
+// The programs at a surface: ambient light, glow (if objects shine), the material's surface and body (if the scene's
+// materials use it).
 #ifdef GLOW
-const int LIGHT_STEP = 1;
+const int GLOW_ROUNDS = 1;
 #else
-const int LIGHT_STEP = 2;
+const int GLOW_ROUNDS = 0;
+#endif
+#ifdef BODY
+const int SURFACE_ROUNDS = 4;
+#else
+const int SURFACE_ROUNDS = 3;
 #endif
 
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
@@ -160,8 +166,11 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);
     // Compute ambient light, glow and material with a single call in a loop.
     uvec4 head = uvec4(0u);
-    for (int i = 0; i < 3; i += LIGHT_STEP) {
-        int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object;
+    for (int i = 0; i < SURFACE_ROUNDS; i += i == 0 ? 2 - GLOW_ROUNDS : 1) {
+        int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + 2 * s.object;
+#ifdef BODY
+        if (i == 3) place++;
+#endif
         Place asked = here;
         Place beside = right;
         Place over = above;
@@ -181,8 +190,15 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
 #ifdef GLOW
         if (i == 1) s.glow = glow_from(vec4(first, READ(head.x, 3)));
 #endif
+#ifdef BODY
+        if (i == 2) { READ_MATERIAL(s.material, head) }
+#endif
     }
-    s.material = READ_MATERIAL(head);
+#ifdef BODY
+    READ_BODY(s.material, head)
+#else
+    READ_MATERIAL(s.material, head)
+#endif
     return s;
 }
 

@@ -6,6 +6,10 @@ const float PI = 3.14159265;
 #error "`light_at` handles only lamps, suns and panels: add the new kind of light there"
 #endif
 
+#if defined(TRANSLUCENT) || defined(BOUNCE)
+#define LIGHT_THROUGH
+#endif
+
 struct Incoming {
     vec3 direction;     // towards the middle of the light
     vec3 mirrored;      // towards the part of the light nearest to the mirrored line of sight
@@ -13,6 +17,9 @@ struct Incoming {
     float widening;     // tangent of half the angle that the light fills
     vec3 light;         // on a surface perpendicular to the direction; for a panel, on the lit surface
     float shadow;       // fraction that shadows remove
+#ifdef LIGHT_THROUGH
+    vec3 through;       // on a surface perpendicular to the direction, also behind the surface
+#endif
 };
 
 // Light ends smoothly at its range (Karis, "Real shading in Unreal Engine 4", 2013).
@@ -61,6 +68,9 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     incoming.widening = sqrt(area / PI) / max(t, 1e-3);
     incoming.light = color.rgb * (arriving * faded(t, right.w));
     incoming.shadow = up.w;
+#ifdef LIGHT_THROUGH
+    incoming.through = color.rgb * (before > 0.0 ? max(-0.5 * dot(flux, incoming.direction), 0.0) * faded(t, right.w) : 0.0);
+#endif
     return incoming;
 }
 #endif
@@ -86,6 +96,9 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     // Inside the ball the light is no brighter than at its surface.
     float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
     incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
+#ifdef LIGHT_THROUGH
+    incoming.through = color.rgb * falloff;
+#endif
     // The part of the ball that is nearest to the mirrored line of sight (Karis 2013).
     vec3 mirrored = reflect(direction, normal);
     vec3 off = dot(incoming.direction, mirrored) * mirrored - incoming.direction;
@@ -108,6 +121,34 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
     return (f0 + (1.0 - f0) * grazing) * (spread * masking);
 }
 
+#ifdef SHEEN
+// Returns the colour of a thin film on a mirror: light of the wavelengths whose waves from both faces of the film meet in
+// step is up to twice as bright, the others are dark (Newton's rings; Born and Wolf, "Principles of Optics", section 7.6).
+// `nanometres` is the film's thickness. Thick films mix all colours. A film of 0 is none.
+vec3 film_color(float nanometres, float cosine) {
+    const float INDEX = 1.4;
+    const vec3 WAVELENGTHS = vec3(620.0, 540.0, 455.0);
+    if (nanometres <= 0.0) return vec3(1.0);
+    float behind = sqrt(1.0 - (1.0 - cosine * cosine) / (INDEX * INDEX));
+    vec3 turns = (2.0 * INDEX * behind * nanometres) / WAVELENGTHS;
+    vec3 spread = 0.09 * turns;
+    return 1.0 - cos(2.0 * PI * turns) * exp(-spread * spread);
+}
+
+vec3 velvet_color(Material m) {
+    return m.velvet * mix(vec3(1.0), m.color, 0.5);
+}
+
+// The shine of velvet: fibres across the surface, by Charlie's distribution (Estevez and Kulla, "Production friendly
+// microfacet sheen BRDF", 2017) with Neubelt's visibility (Neubelt and Pettineo 2013).
+vec3 velvet(Material m, float facing, float seen, float nh) {
+    float inverse = 1.0 / max(m.roughness, 0.1);
+    float sine2 = max(1.0 - nh * nh, 1e-4);
+    float spread = (2.0 + inverse) * pow(sine2, 0.5 * inverse) / (2.0 * PI);
+    return velvet_color(m) * (spread / (4.0 * max(facing + seen - facing * seen, 1e-3)));
+}
+#endif
+
 // Minimum of alpha. A sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
@@ -120,8 +161,17 @@ vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float grazing = pow(1.0 - clamp(dot(halfway, incoming.mirrored), 0.0, 1.0), 5.0);
     float alpha = clamp(m.roughness * m.roughness, ALPHA_MIN, 1.0);
     vec3 f0 = mix(vec3(0.04), m.color, m.metalness);
+#ifdef SHEEN
+    f0 = min(f0 * film_color(m.film, dot(halfway, incoming.mirrored)), vec3(1.0));
+#endif
     vec3 diffuse = m.color * ((1.0 - m.metalness) * (0.96 - 0.96 * grazing) / PI);
+#ifdef TRANSLUCENT
+    diffuse *= 1.0 - m.translucent;
+#endif
     vec3 light = diffuse + highlight(alpha, incoming.widening, f0, facing, seen, nh, grazing);
+#ifdef SHEEN
+    light += velvet(m, facing, seen, nh);
+#endif
     if (m.coat > 0.0) {
         float fraction = m.coat * (0.04 + 0.96 * grazing);
         light = light * (1.0 - fraction)

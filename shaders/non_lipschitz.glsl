@@ -67,6 +67,9 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         }
         if (t >= end) return behind;
         float value = scene_distance(cell, origin + t * direction, 0.0).x;
+#ifdef GLASS
+        value *= ray_side;
+#endif
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(count_reflection); } else { COUNT(count_primary); }
         if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(count_capped);
@@ -88,7 +91,11 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
             // Compute the step in the same way as `non_lipschitz_step` in crates/field/src/rays.rs.
+#ifdef GLASS
+            float slope = slope_towards(unpack_slopes(cell.slopes), ray_side * direction);
+#else
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
+#endif
             float safe = slope > 0.0 ? value / slope : FAR;
             float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;
             float least = (NON_LIPSCHITZ_STEP_MIN + NON_LIPSCHITZ_STEP_GROWTH * float(i)) * radius;

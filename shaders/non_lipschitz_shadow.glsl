@@ -15,6 +15,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float end = min(span.y, light_t);
     float t = max(span.x, SHADOW_START);
     if (t >= end) return 1.0;
+#ifdef TRANSLUCENT
+    // The fraction that a body leaves, which the ray crosses in equal steps.
+    float passed = 1.0;
+    const float EVEN_STEP = 0.05;
+#endif
     Walk walk = walk_of(origin, to_light);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         int left = steps_left(SHADOW_STEPS_MAX - i, SHADOW_ROUNDS);
@@ -35,6 +40,15 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
+#ifdef TRANSLUCENT
+        if (shadow_dims > 0.0 && values.y <= 0.0) {
+            passed *= exp(-shadow_dims * EVEN_STEP);
+            t += EVEN_STEP;
+            if (passed < 0.004) return 0.0;
+            if (t >= end) break;
+            continue;
+        }
+#endif
         // Treat NaN as inside.
         if (!(values.y > 0.0)) return 0.0;
         float towards = slope_towards(unpack_slopes(cell.slopes), to_light);
@@ -47,5 +61,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         t += stride;
         if (t >= end) break;
     }
+#ifdef TRANSLUCENT
+    return passed;
+#else
     return 1.0;
+#endif
 }

@@ -14,6 +14,9 @@
 #include "occlusion.glsl"
 #include "regions.glsl"
 #include "scene_functions.glsl"
+#ifdef GLASS
+#include "glass.glsl"
+#endif
 #include "sphere_tracing.glsl"
 #include "shadow.glsl"
 #include "light.glsl"
@@ -64,7 +67,19 @@ float seen_nearness = 0.0;
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
     // Add the light without shadows first: while a shadow ray runs, all values that are used later occupy registers.
+#ifdef SHEEN
+    float edge = 1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0);
+    vec3 coloured = m.color * mix(vec3(1.0), film_color(m.film, 1.0 - edge), m.metalness);
+    vec3 around = light_of(s.ambient) * s.open + s.glow;
+    vec3 light = m.emission + (coloured + velvet_color(m) * (edge * edge * edge)) * around;
+#else
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
+#endif
+#ifdef BOUNCE
+    // The blockers that the probes of occlusion meet count as surfaces of the same colour, half turned to the light.
+    vec3 thrown_on = m.color * m.color * ((1.0 - m.metalness) * (1.0 - s.open) * nearby_bounce);
+    light += thrown_on * light_of(s.ambient) * s.open;
+#endif
     // The loop tests its condition at the end. With a test at the start, a renderer that never skips a branch would run
     // one more round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
@@ -74,12 +89,47 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
         // loop, and the results occupy registers during the shadow rays.
         vec3 view_direction = direction + frame_reach.z * float(i);
         Incoming incoming = light_at(i, p, s.normal, view_direction);
-        if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
+#ifdef LIGHT_THROUGH
+        vec3 through = vec3(0.0);
+#ifdef TRANSLUCENT
+        // Light that comes out of the body has no direction any more, so half of it comes out on this side.
+        through += incoming.through * m.color * (0.5 * m.translucent / PI);
+#endif
+#ifdef BOUNCE
+        through += incoming.through * thrown_on * (0.5 / PI);
+#endif
+        bool is_behind = dot(s.normal, incoming.direction) < 0.0;
+        bool is_lit = max(incoming.light.r + through.r, max(incoming.light.g + through.g, incoming.light.b + through.b)) > 1e-5;
+#else
+        bool is_lit = max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5;
+#endif
+        if (is_lit) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             // A light without shadows needs no shadow ray.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction);
+#ifdef LIGHT_THROUGH
+            // The ray to a light behind the surface starts where that light arrives: in the body, or at surfaces nearby.
+            thrown += through;
+            vec3 from = p;
+            vec3 side = s.normal;
+#ifdef BOUNCE
+            if (is_behind) from += (0.5 * frame_reach.x) * s.normal;
+#endif
+#ifdef TRANSLUCENT
+            if (is_behind && m.translucent > 0.0) {
+                from = p;
+                side = -s.normal;
+            }
+            shadow_dims = m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
+#endif
+            float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
+#ifdef TRANSLUCENT
+            shadow_dims = 0.0;
+#endif
+#else
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
+#endif
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
             if (visible > 0.0) light += visible * thrown;
@@ -103,8 +153,12 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// Maximum number of surfaces on a path: four mirrors, and the surface that the last mirror shows.
-#if defined(MIRRORS) && !defined(COVERAGE)
+// Maximum number of surfaces on a path. Without glass: four mirrors, and the surface in the last mirror. With glass: two
+// hollow bodies with two walls each, the surface behind them, and SURFACES_KEPT for the waiting ray.
+#if defined(GLASS) && !defined(COVERAGE)
+const int SURFACES_MAX = 12;
+const int SURFACES_KEPT = 3;
+#elif defined(MIRRORS) && !defined(COVERAGE)
 const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
@@ -158,6 +212,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     vec3 color = vec3(0.0);
 #ifdef DRAWS_MEDIA
     SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0, FAR);
+    // Media are drawn on the ray of the eye and, after mirrors and glass, on the next ray through air.
+    const int SEGMENTS_MAX = 2;
+#ifdef GLASS
+    int air_segment = 0;
+#endif
 #endif
 #ifdef DRAWS_SWARM
     // Thin balls that need light are a surface of their own in front of the ray's end.
@@ -166,30 +225,45 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     Hit traced;
     SwarmSeen seen;
     for (int round = 0; round < 2 * SURFACES_MAX; round++) {
-        float cone = spread * travelled;
-        if (!is_behind) traced = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        Hit hit = traced;
 #else
     const bool is_behind = false;
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
+#endif
         float cone = spread * travelled;
-        Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+#ifdef GLASS
+        // Walls of glass are thin, so rays start close to the surface.
+        float start = ray_side > 0.0 ? 0.01 * float(min(surface, 1)) : 0.0;
+#else
+        float start = 0.01 * float(surface);
+#endif
+#ifdef DRAWS_SWARM
+        if (!is_behind) traced = trace(origin, direction, start, cone, spread, surface > 0);
+        Hit hit = traced;
+#else
+        Hit hit = trace(origin, direction, start, cone, spread, surface > 0);
 #endif
 #ifdef DRAWS_MEDIA
         float end = hit.met ? hit.t : FAR;
-        if (is_medium_pass()) {
+#ifdef GLASS
+        // There is no medium in glass.
+        int segment = ray_side > 0.0 && !is_behind ? air_segment++ : SEGMENTS_MAX;
+#else
+        int segment = is_behind ? SEGMENTS_MAX : surface;
+#endif
+        if (segment >= SEGMENTS_MAX) {
+        } else if (is_medium_pass()) {
             vec4 along = medium_along(origin, direction, end, cone, medium_pattern());
             color += throughput * along.rgb;
             throughput *= along.a;
-            if (surface == 0) {
+            if (segment == 0) {
                 medium.left = along.a;
                 medium.end = end;
             } else {
                 medium.left_of_mirrored = along.a;
             }
-        } else if (surface == 0) {
+        } else if (segment == 0) {
             medium = medium_seen(sample_place(), end);
-        } else if (surface == 1 && !is_behind) {
+        } else {
             throughput *= medium.left_of_mirrored;
         }
 #endif
@@ -224,6 +298,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         if (!is_thin) throughput *= seen.left;
         if (is_ball) hit = Hit(ball_t, NOTHING, true);
 #else
+        const bool is_ball = false;
         const bool is_thin = false;
         const float ball_left = 1.0;
 #endif
@@ -252,6 +327,17 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
+#ifdef GLASS
+            if (hit.plane != NOTHING) s.material.glass = 0.0;
+            bool leaves = ray_side < 0.0 && hit.plane == NOTHING && !is_ball;
+            if (ray_side < 0.0 && !is_thin) throughput *= exp(-glass_absorbs * hit.t);
+            if (leaves) {
+                s.normal = -s.normal;
+                s.material.glass = 1.0;
+                s.material.haze = 0.0;
+            }
+            if (!is_thin) ray_side = 1.0;
+#endif
             Material m = s.material;
             // The edges of thin balls are smooth already.
             if (!is_thin) add_to_key(s.object, hit.plane != NOTHING, s.normal);
@@ -272,13 +358,22 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
+#ifdef GLASS
+            s.material.color *= 1.0 - m.glass;
+            is_lit = is_lit && !leaves;
+#endif
             if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
 #ifdef DRAWS_SWARM
             if (!is_thin) {
 #endif
             // Metals tint their mirror images.
-            throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
-            origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
+            vec3 tint = mix(vec3(1.0), m.color, m.metalness);
+#ifdef SHEEN
+            tint *= film_color(m.film, -dot(direction, s.normal));
+#endif
+            throughput = kept * reflectance * tint;
+            float off = hit.plane != NOTHING ? 0.0 : max(0.002, cone);
+            origin = p + s.normal * off;
             vec3 mirror = s.normal;
 #ifdef BLUR
             float alpha = m.blur * m.blur;
@@ -291,6 +386,35 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             mirrored = reflect(direction, mirror);
             // Keep the mirrored ray from entering the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
+#ifdef GLASS
+            if (m.glass > 0.0) {
+                float ratio = leaves ? m.ior : 1.0 / m.ior;
+                float of_glass = glass_reflectance(ratio, clamp(-dot(direction, mirror), 0.0, 1.0));
+                vec3 mirrored_light = kept * max(reflectance, m.glass * of_glass) * tint;
+                if (of_glass < 1.0) {
+                    throughput = kept * m.glass;
+                    // A path has one waiting ray. Later reflections follow the bent ray.
+                    bool waits = !leaves && !is_medium_pass() && waiting.throughput == vec3(0.0);
+                    if (waits && max(mirrored_light.r, max(mirrored_light.g, mirrored_light.b)) > fraction_min) {
+                        waiting = WaitingRay(origin, mirrored, mirrored_light, travelled);
+                        throughput *= 1.0 - of_glass;
+                    }
+                    origin = p - s.normal * off;
+                    mirrored = refract(direction, mirror, ratio);
+                    // Keep the ray from leaving the body's surface on the wrong side.
+                    mirrored = normalize(mirrored - s.normal * max(0.02 + dot(mirrored, s.normal), 0.0));
+                    if (!leaves) {
+                        ray_side = -1.0;
+                        glass_absorbs = m.absorb;
+                    }
+                } else {
+                    throughput = leaves ? kept : mirrored_light;
+                    ray_side = leaves ? -1.0 : 1.0;
+                }
+                // Behind the last surface is the sky.
+                if (surface == SURFACES_MAX - 1) sky_fraction += throughput;
+            }
+#endif
 #ifdef DRAWS_SWARM
             }
 #endif
@@ -306,12 +430,37 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_fraction * light_of(sky_color(direction, dx * scale, dy * scale));
         }
-        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min) break;
-        if (is_medium_pass() && surface == 1) break;
+#ifdef DRAWS_MEDIA
+        if (is_medium_pass() && segment == SEGMENTS_MAX - 1) break;
+#endif
+#ifdef DRAWS_SWARM
+        is_behind = is_thin;
+#endif
+        bool ends = !hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min;
+#if defined(GLASS) && !defined(COVERAGE)
+        // Keep some surfaces for the waiting ray.
+        bool is_waiting = waiting.throughput != vec3(0.0);
+        if (is_waiting && (ends || surface == SURFACES_MAX - SURFACES_KEPT)) {
+            origin = waiting.origin;
+            mirrored = waiting.direction;
+            throughput = waiting.throughput;
+            travelled = waiting.travelled;
+            waiting.throughput = vec3(0.0);
+            ray_side = 1.0;
+            ends = false;
+#ifdef DRAWS_SWARM
+            is_behind = false;
+#endif
+#ifdef DRAWS_MEDIA
+            air_segment = SEGMENTS_MAX;
+#endif
+        }
+#endif
+        if (ends) break;
         direction = mirrored;
 #ifdef DRAWS_SWARM
-        if (!is_thin) surface++;
-        is_behind = is_thin;
+        if (!is_behind) surface++;
+        if (surface >= SURFACES_MAX) break;
 #endif
     }
 #ifdef DRAWS_MEDIA

@@ -4,6 +4,11 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
     return p + normal * max(0.012, 2.0 * cone);
 }
 
+#ifdef TRANSLUCENT
+// Fraction of light per unit of length that a translucent body removes from rays that start at it; 0 if it is opaque.
+float shadow_dims = 0.0;
+#endif
+
 #ifdef BLEND
 #define SHADOW_GROWTH (SHADOW_STEP_GROWTH + shadow_step_growth)
 #else
@@ -26,6 +31,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
+#ifdef TRANSLUCENT
+    // The fraction that the body leaves, and the last step in it.
+    float passed = 1.0;
+    float step_inside = 0.0;
+#endif
     if (t >= end) return 1.0;
 #ifndef NO_CELLS
     Walk walk = walk_of(origin, to_light);
@@ -57,6 +67,21 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
+#ifdef TRANSLUCENT
+        if (shadow_dims > 0.0) {
+            // A body that lets light through has no penumbra.
+            bool is_inside = d < 0.002;
+            float part = max(abs(d), SHADOW_STEP_MIN);
+            // The part of the last step that was outside of the body after all, or inside.
+            float crossed = is_inside ? part + (step_inside > 0.0 ? 0.0 : min(-d, stride)) : -min(d, step_inside);
+            passed *= exp(-shadow_dims * crossed);
+            step_inside = is_inside ? part : 0.0;
+            stride = part;
+            t += part;
+            if (passed < 0.004 || t >= end) break;
+            continue;
+        }
+#endif
         // Spheres around the last two points contain no surface. They meet in a circle around the ray: its radius is
         // `closest`, its centre is `behind` before this point. `behind` is 0 after a stride beyond the last sphere.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
@@ -73,6 +98,10 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         t += stride;
         if (t >= end) break;
     }
-    return visible * visible * (3.0 - 2.0 * visible);
+    visible *= visible * (3.0 - 2.0 * visible);
+#ifdef TRANSLUCENT
+    visible *= passed;
+#endif
+    return visible;
 }
 #endif

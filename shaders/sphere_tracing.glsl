@@ -129,6 +129,9 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (t >= end) break;
 #endif
         d = scene_distance(cell, origin + t * direction, 0.0).x;
+#ifdef GLASS
+        d *= ray_side;
+#endif
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(count_reflection); } else { COUNT(count_primary); }
         if (i == STEPS_MAX - 1) COUNT(count_capped);

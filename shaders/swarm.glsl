@@ -3,7 +3,7 @@
 //
 // A point that is thinner than a pixel is drawn as wide as a pixel and fainter, so that its light does not flicker.
 
-#define swarm_first int(camera_forward.w)
+#define swarm_first int(frame_mouse.w)
 
 // Nodes of a tree that a ray visits, at most.
 const int SWARM_NODES_MAX = 2048;
@@ -164,7 +164,25 @@ Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
     Surface s;
     s.object = SWARM_OBJECT;
     s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-12));
-    s.material = Material(color, 0.6, 0.0, emission, 0.0, 0.0, 0.0, 0.0);
+    Material m;
+    m.color = color;
+    m.roughness = 0.6;
+    m.metalness = 0.0;
+    m.emission = emission;
+    m.reflect = 0.0;
+    m.coat = 0.0;
+    m.haze = 0.0;
+    m.blur = 0.0;
+#ifdef BODY
+    m.glass = 0.0;
+    m.ior = 1.5;
+    m.absorb = vec3(0.0);
+    m.translucent = 0.0;
+    m.depth = 0.1;
+    m.film = 0.0;
+    m.velvet = 0.0;
+#endif
+    s.material = m;
     s.ambient = vec3(0.0);
     for (int axis = 0; axis < 3; axis++) {
         int facing = s.normal[axis] < 0.0 ? 1 : 0;

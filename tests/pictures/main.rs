@@ -13,6 +13,7 @@ mod golden;
 mod hardware_path;
 mod light;
 mod light_to_screen;
+mod materials;
 mod media;
 mod mips;
 mod placing;

@@ -11,14 +11,14 @@ use mariana::scenes::SceneSource;
 
 const SIZE: (u32, u32) = (64, 48);
 
-fn renderer(text: &str, mode: Mode, counting: Counting) -> TestRenderer {
+pub(crate) fn renderer(text: &str, mode: Mode, counting: Counting) -> TestRenderer {
     let mut renderer = TestRenderer::of(&SceneSource::Formula(text.into()), mode, counting);
     renderer.renderer.set_edge_samples(EdgeSamples::Sixteen);
     renderer
 }
 
 /// Returns the light of the pixel in the middle, without the exposure's effect on other pixels.
-fn light_in_the_middle(text: &str, mode: Mode) -> [f32; 3] {
+pub(crate) fn light_in_the_middle(text: &str, mode: Mode) -> [f32; 3] {
     let mut renderer = renderer(text, mode, Counting::Off);
     renderer.picture(0.0, silence(), SIZE);
     let light = renderer.renderer.read_light().unwrap();
@@ -38,7 +38,7 @@ fn layer(medium: &str, lights: &str) -> String {
 }
 
 #[track_caller]
-fn assert_light(text: &str, expected: [f32; 3], tolerance: f32) {
+pub(crate) fn assert_light(text: &str, expected: [f32; 3], tolerance: f32) {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let found = light_in_the_middle(text, mode);
         let is_near =

@@ -2,6 +2,7 @@
 
 #![allow(unreachable_pub, reason = "a program has no public interface")]
 
+mod animation;
 #[cfg(unix)]
 mod controllers;
 mod demo_track;

@@ -4,9 +4,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
-use anyhow::{Context as _, ensure};
+use anyhow::Context as _;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::output::Output;
 use mariana::export::shutter::Shutter;
@@ -14,6 +13,8 @@ use mariana::export::still::{StillRequest, write_still};
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_of};
 use mariana_music::Gain;
+
+use crate::animation::Animation;
 
 /// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
@@ -58,32 +59,10 @@ fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
     Ok(jpeg_of(&picture?.into_rgba8()))
 }
 
-/// Quality of the loops, 0..=100: they are small and move.
-const LOOP_QUALITY: &str = "25";
-
-/// Draws the loop of a scene from [`MOMENT`] and writes it to `file` as an animated WebP.
+/// Draws the loop of a scene from [`MOMENT`] and writes it to `file` as an animated WebP of low quality, because loops
+/// are small and move.
 fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
-    let folder = tempfile::tempdir()?;
-    for frame in 0..LOOP_FRAMES {
-        write_still(&StillRequest {
-            song: DEMO_TRACK,
-            at: MOMENT + f64::from(frame) / f64::from(LOOP_RATE),
-            size: LOOP_SIZE,
-            gain: Gain::Auto,
-            output: Output::Path(folder.path().join(format!("{frame:02}.png"))),
-            scene: SceneSource::Shipped(name.to_owned()).into(),
-            show: None,
-            blend: None,
-            set: Vec::new(),
-            ray: None,
-            shutter: Shutter::MOMENT,
-        })?;
-    }
-    let mut encode = Command::new("ffmpeg");
-    encode.args(["-v", "error", "-y", "-framerate", &LOOP_RATE.to_string(), "-i"]);
-    encode.arg(folder.path().join("%02d.png"));
-    encode.args(["-c:v", "libwebp_anim", "-q:v", LOOP_QUALITY, "-compression_level", "6", "-loop", "0"]);
-    let status = encode.arg(file).status().context("starting ffmpeg")?;
-    ensure!(status.success(), "ffmpeg failed: {status}");
-    Ok(())
+    let of_list =
+        Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 25 };
+    of_list.draw(name, file)
 }

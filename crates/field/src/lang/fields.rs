@@ -108,6 +108,10 @@ pub enum MaterialRange {
     Reflectance,
     /// Emitted light: each part 0..1e6.
     Light,
+    /// A refractive index, 0.3..4.
+    Index,
+    /// A length, 0..1e6.
+    Length,
 }
 
 pub(super) trait Parts<N> {

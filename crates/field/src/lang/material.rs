@@ -5,8 +5,7 @@ use std::fmt::Write;
 
 use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::fields::DefaultValue::Each;
-use super::fields::{Holds, MaterialRange, section};
-use crate::limits::LIMITS;
+use super::fields::{Field, Holds, MaterialRange, section};
 
 const SURFACE: u16 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
@@ -27,12 +26,35 @@ section! {
         "fraction of the surface's light replaced by the sky, 0..1: for objects that fade into the distance";
     blur: Number = Each(0.0), SURFACE, Fraction,
         "roughness of the mirror, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
+    glass: Number = Each(0.0), SURFACE, Fraction,
+        "fraction of light that passes through the surface and bends, 0..1; a glass object casts no shadow";
+    ior: Number = Each(1.5), SURFACE, Index, "refractive index of the glass, 0.3..4: 1.33 water, 1.5 glass, 2.4 diamond";
+    absorb: Vector = Each(0.0), SURFACE, Light, "light that the glass absorbs per unit of length";
+    translucent: Number = Each(0.0), SURFACE, Fraction,
+        "fraction of diffuse light that comes through the body, 0..1: wax, leaves, skin";
+    depth: Number = Each(0.1), SURFACE, Length,
+        "length after which 1/e of the light is left in a translucent body";
+    film: Number = Each(0.0), SURFACE, Length,
+        "thickness of a thin film in nanometres, which colours mirrored light; 0 for none";
+    velvet: Number = Each(0.0), SURFACE, Fraction, "strength of the shine at grazing angles, as of velvet, 0..1";
 }
 
-const _: () = assert!(
-    Material::NUMBERS <= LIMITS.tape_outputs_max,
-    "a material has more numbers than a tape has outputs"
-);
+/// Number of the first fields, which every scene's shaders have. The other fields describe how light passes through a
+/// body and its layers; shaders have them if a scene uses one ([`SceneFeatures::body`](crate::world::SceneFeatures)).
+const SURFACE_FIELDS: usize = 8;
+
+/// Count of the numbers in the first fields. The others follow.
+pub(crate) const SURFACE_NUMBERS: usize = numbers_of(0, SURFACE_FIELDS);
+
+const fn numbers_of(first: usize, end: usize) -> usize {
+    let (mut field, mut numbers) = (first, 0);
+    while field < end {
+        numbers += Material::FIELDS[field].holds.parts();
+        field += 1;
+    }
+    numbers
+}
+
 const _: () = {
     let mut field = 0;
     while field < Material::FIELDS.len() {
@@ -41,40 +63,58 @@ const _: () = {
     }
 };
 
-/// Returns GLSL for the fields: the struct, a function that clamps its members to their ranges, and a macro that reads
-/// the members from the result of an interpreted program. In the macro, each component of `head` holds four numbers.
+/// Returns GLSL for the fields: the struct, a function that clamps its members to their ranges, and macros that read
+/// the members from the results of interpreted programs, one for each group of fields. In the macros, each component of
+/// `head` holds four numbers.
 pub fn material_glsl() -> String {
-    let (mut members, mut ranges, mut read) = (String::new(), Vec::new(), Vec::new());
+    let [surface, body] =
+        [&Material::FIELDS[..SURFACE_FIELDS], &Material::FIELDS[SURFACE_FIELDS..]].map(group_glsl);
+    format!(
+        "struct Material {{\n{}#ifdef BODY\n{}#endif\n}};\n\n\
+         // Clamps a formula's values to their ranges; a NaN becomes the least value.\n\
+         float within(float value, float least, float most) {{\n    \
+         return value > least ? min(value, most) : least;\n}}\n\
+         float fraction_of(float value) {{\n    return within(value, 0.0, 1.0);\n}}\n\
+         vec3 light_of(vec3 value) {{\n    return vec3(within(value.r, 0.0, 1e6), within(value.g, 0.0, 1e6), \
+         within(value.b, 0.0, 1e6));\n}}\n\
+         Material within_ranges(Material m) {{\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
+         // The fields in these outputs of the interpreter's program.\n\
+         #define READ_MATERIAL(m, head) {}\n#define READ_BODY(m, head) {}\n",
+        surface.members, body.members, surface.ranges, body.ranges, surface.read, body.read
+    )
+}
+
+#[derive(Default)]
+struct GroupGlsl {
+    members: String,
+    ranges: String,
+    read: String,
+}
+
+fn group_glsl(fields: &[Field]) -> GroupGlsl {
+    let mut glsl = GroupGlsl::default();
     let mut number = 0;
-    for field in Material::FIELDS {
+    for field in fields {
         let parts = field.holds.parts();
         let kind = if field.holds == Holds::Vector { "vec3" } else { "float" };
-        let _ = writeln!(members, "    {kind} {};    // {}", field.name, field.doc);
+        let _ = writeln!(glsl.members, "    {kind} {};    // {}", field.name, field.doc);
         let value = format!("m.{}", field.name);
-        ranges.push(match field.range {
+        let clamped = match field.range {
             Some(MaterialRange::Fraction) => format!("fraction_of({value})"),
             Some(MaterialRange::Light) => format!("light_of({value})"),
             Some(MaterialRange::Reflectance) => format!("min(light_of({value}), vec3(1.0))"),
-            None => value,
-        });
+            Some(MaterialRange::Index) => format!("within({value}, 0.3, 4.0)"),
+            Some(MaterialRange::Length) => format!("within({value}, 0.0, 1e6)"),
+            None => value.clone(),
+        };
+        let _ = writeln!(glsl.ranges, "    {value} = {clamped};");
         let place =
             |number: usize| format!("READ(head.{}, {})", ["x", "y", "z", "w"][number / 4], number % 4);
         let places: Vec<String> = (number..number + parts).map(place).collect();
         number += parts;
-        read.push(format!("{kind}({})", places.join(", ")));
+        let _ = write!(glsl.read, "{value} = {kind}({}); ", places.join(", "));
     }
-    format!(
-        "struct Material {{\n{members}}};\n\n\
-         // Clamps a formula's values to their ranges; a NaN becomes 0.\n\
-         float fraction_of(float value) {{\n    return value > 0.0 ? min(value, 1.0) : 0.0;\n}}\n\
-         vec3 light_of(vec3 value) {{\n    return vec3(value.r > 0.0 ? min(value.r, 1e6) : 0.0, \
-         value.g > 0.0 ? min(value.g, 1e6) : 0.0,\n                value.b > 0.0 ? min(value.b, 1e6) : 0.0);\n}}\n\
-         Material within_ranges(Material m) {{\n    return Material({});\n}}\n\n\
-         // The material in these outputs of the interpreter's program.\n\
-         #define READ_MATERIAL(head) Material({})\n",
-        ranges.join(", "),
-        read.join(", ")
-    )
+    glsl
 }
 
 /// Returns the members of a material `name` in the shaders' struct, one per number.

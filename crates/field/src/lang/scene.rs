@@ -219,6 +219,9 @@ section! {
         "Ambient light on a surface whose normal has the given direction.";
     reach: Number = Each(1.1), FRAME,
         "Distance from a surface within which other objects block ambient light and replace it by their own light.";
+    bounce: Number = Each(0.0), FRAME,
+        "Fraction of the light that surfaces within the reach throw on each other, 0..1: one bounce, as if both had the \
+         same colour.";
 }
 
 section! {

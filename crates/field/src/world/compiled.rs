@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::validate::validate;
 use super::{World, WorldError};
 use crate::graph::{Input, Node, NodeId};
-use crate::lang::material_members;
+use crate::lang::{Material, SURFACE_NUMBERS, material_members};
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
@@ -36,7 +36,8 @@ impl World {
     fn generated_functions(&self) -> Result<String, WorldError> {
         let graph = &self.graph;
         let roots = &self.roots;
-        let materials = roots.materials.iter().enumerate();
+        let numbers = self.material_numbers();
+        let materials = roots.materials.iter().map(|material| &material[..numbers]).enumerate();
         let functions = [
             glsl::function(graph, &roots.distance, "rest_distance", Sampling::None),
             glsl::function(graph, &[roots.distance[1], roots.object], "rest_surface", Sampling::None),
@@ -52,7 +53,8 @@ impl World {
         let functions: Result<Vec<String>, _> = functions.collect();
         let error = |source| WorldError::Graph { scene: self.name.clone(), source };
         let functions = functions.map_err(error)?.concat();
-        let all: Vec<NodeId> = roots.all().collect();
+        let materials = roots.materials.iter().flat_map(|material| &material[..numbers]).copied();
+        let all: Vec<NodeId> = roots.apart_from_materials().chain(materials).collect();
         let nodes = graph.order(&all).map_err(error)?.nodes;
         let inputs = nodes.into_iter().filter_map(|id| match graph.node(id) {
             Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
@@ -60,6 +62,11 @@ impl World {
             _ => None,
         });
         Ok(with_copies(functions, inputs))
+    }
+
+    /// The count of numbers that the shaders read from a material.
+    fn material_numbers(&self) -> usize {
+        if self.features.body() { Material::NUMBERS } else { SURFACE_NUMBERS }
     }
 
     fn contract(&self) -> String {
@@ -94,7 +101,7 @@ impl World {
         text.push_str(
             "Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {\n    Material m;\n    ",
         );
-        let members = material_members("m").join(", ");
+        let members = material_members("m")[..self.material_numbers()].join(", ");
         for material in 0..self.roots.materials.len() {
             let objects = self.scene.objects.iter().enumerate();
             let of_it: Vec<String> = objects

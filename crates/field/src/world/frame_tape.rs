@@ -16,7 +16,7 @@ pub struct FrameTape {
     camera: Tape,
     cameras: Vec<Tape>,
     lights: Vec<(LightKind, Tape)>,
-    reach: Tape,
+    nearby: Tape,
     picture: Tape,
     planes: Vec<Tape>,
     /// How frames depend on earlier frames; `None` if they do not.
@@ -34,6 +34,8 @@ pub struct FrameValues {
     pub cameras: Vec<Camera<f32>>,
     /// The distance within which objects block ambient light.
     pub reach: f32,
+    /// The fraction of light that objects within this distance throw on each other.
+    pub bounce: f32,
     /// The settings of the image.
     pub picture: Picture<f32>,
     /// The lights.
@@ -57,7 +59,7 @@ impl FrameTape {
                 .map(|(_, camera)| tape(&camera.numbers()))
                 .collect::<Result<_, _>>()?,
             lights: scene.lights.iter().map(light).collect::<Result<_, TapeError>>()?,
-            reach: tape(&[scene.sky.reach])?,
+            nearby: tape(&[scene.sky.reach, scene.sky.bounce])?,
             picture: tape(&scene.picture.numbers())?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
             feedback: Feedback::of(scene)?,
@@ -74,10 +76,12 @@ impl FrameTape {
             let d = at(0.0, 0.0, 0.0);
             [at(1.0, 0.0, 0.0) - d, at(0.0, 1.0, 0.0) - d, at(0.0, 0.0, 1.0) - d, d]
         };
+        let [reach, bounce] = *values(&self.nearby).first_chunk().unwrap_or(&[0.0; 2]);
         FrameValues {
             camera: Camera::of(values(&self.camera)),
             cameras: self.cameras.iter().map(|tape| Camera::of(values(tape))).collect(),
-            reach: values(&self.reach).first().copied().unwrap_or_default(),
+            reach,
+            bounce,
             picture: Picture::of(values(&self.picture)),
             lights: self.lights.iter().map(|(kind, tape)| Light::of(*kind, values(tape))).collect(),
             planes: self.planes.iter().map(plane).collect(),

@@ -3,11 +3,11 @@
 //! | texel | holds |
 //! |---|---|
 //! | 0 | the addresses of the grids of the sky, the ambient light, the glow and the media |
-//! | 1.. | for each object, the address of the grid of its material; four objects in a texel |
+//! | 1.. | for each object, the addresses of the grids of its material's two programs; two objects in a texel |
 //! | a grid | its lower corner; the number of the last cell along each axis (7, or 0 for a single cell) |
 //! | | cells per unit of length along each axis, 0 |
 //! | | for each cell, x first, the address of its program; four cells in a texel |
-//! | a program | a header: the registers of up to 12 outputs, a byte each; the number of sampled textures |
+//! | a program | a header: the registers of up to 12 outputs ([`OUTPUTS_MAX`]), a byte each; the number of sampled textures |
 //! | | a texel for each sampled texture: the number of the image, the address of the tape of its coordinates |
 //! | | the program's tape |
 //! | | the tapes of the coordinates |
@@ -22,6 +22,7 @@
 
 use super::{Bounds, ShortPrograms, SwarmPlan, World, WorldError, WorthShortening};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::lang::{Material, SURFACE_NUMBERS};
 use crate::region::MediumPlan;
 use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
 use crate::tape::interpreter::Variant;
@@ -30,12 +31,21 @@ use crate::tape::{Tape, TapeError, TapeOptions};
 /// Number of programs before the programs of materials: sky, ambient light, glow and media.
 const PROGRAMS_OF_LIGHT: usize = 4;
 
+/// Maximum number of outputs of a program.
+const OUTPUTS_MAX: usize = 12;
+const _: () = assert!(
+    SURFACE_NUMBERS <= OUTPUTS_MAX && Material::NUMBERS - SURFACE_NUMBERS <= OUTPUTS_MAX,
+    "a material has more numbers than two programs have outputs"
+);
+
 /// The programs that the interpreter shader runs at a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
-    /// The programs of sky, ambient light, glow, media and the materials, in this order.
+    /// The programs of sky, ambient light, glow, media, the materials' surfaces and the materials' bodies, in this
+    /// order. If no material uses the fields of a body, all materials share the last program, which only interpreters
+    /// for several scenes run.
     programs: Vec<Program>,
-    of_objects: Vec<usize>,
+    of_objects: Vec<[usize; 2]>,
     medium: Option<MediumPlan>,
     swarm: Option<SwarmPlan>,
     bounds: Option<Bounds>,
@@ -97,7 +107,7 @@ impl Program {
     }
 
     fn head(registers: &[u8], textures: usize) -> [u32; 4] {
-        let mut outputs = [0; 12];
+        let mut outputs = [0; OUTPUTS_MAX];
         for (byte, register) in outputs.iter_mut().zip(registers) {
             *byte = *register;
         }
@@ -173,7 +183,7 @@ impl TapeBuffers {
     /// Returns the texels that the interpreter reads in a frame. Programs that were shortened with other numbers are
     /// written whole.
     pub fn texels(&self, inputs: &FrameInputs, short: &ShortPrograms) -> Vec<[u32; 4]> {
-        let heads = 1 + self.of_objects.len().div_ceil(4);
+        let heads = 1 + self.of_objects.len().div_ceil(2);
         let mut texels = vec![[0; 4]; heads];
         let everywhere = ShortTapes::default();
         let starts: Vec<u32> = self
@@ -192,7 +202,7 @@ impl TapeBuffers {
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
         let directory = [start(0), start(1), start(2), start(3)]
             .into_iter()
-            .chain(self.of_objects.iter().map(|&p| start(p)));
+            .chain(self.of_objects.iter().flatten().map(|&program| start(program)));
         for (to, from) in texels.as_flattened_mut().iter_mut().zip(directory) {
             *to = from;
         }
@@ -238,7 +248,7 @@ impl TapeBuffers {
             .programs
             .iter()
             .map(|program| 4 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
-        1 + self.of_objects.len().div_ceil(4) + of_programs.sum::<usize>()
+        1 + self.of_objects.len().div_ceil(2) + of_programs.sum::<usize>()
     }
 }
 
@@ -277,23 +287,33 @@ impl World {
             (self.roots.medium.as_ref().map_or(&[][..], |medium| &medium[..]), Over::Points),
         ];
         let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
-        for roots in &self.roots.materials {
-            programs.push(program((roots, Over::Points))?);
+        let materials = &self.roots.materials;
+        for roots in materials {
+            programs.push(program((&roots[..SURFACE_NUMBERS], Over::Points))?);
         }
+        let run = programs.len();
+        let bodies = if self.features.body() { materials.len() } else { 1 };
+        for roots in materials.iter().take(bodies) {
+            programs.push(program((&roots[SURFACE_NUMBERS..], Over::Points))?);
+        }
+        let run = if self.features.body() { programs.len() } else { run };
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
             MediumPlan::new(&self.graph, [density, r, g, b], self.medium_bounds)
         });
         let medium = medium.transpose().map_err(|source| failed(source.into()))?;
-        let of_objects =
-            self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
+        let of_material = |material: usize| {
+            let body = materials.len() + material.min(bodies - 1);
+            [material, body].map(|program| PROGRAMS_OF_LIGHT + program)
+        };
+        let of_objects = self.scene.objects.iter().map(|object| of_material(object.material)).collect();
         let clauses = |programs: &[Program]| programs.iter().map(Program::clauses).sum::<usize>();
-        let (of_light, of_materials) = programs.split_at(PROGRAMS_OF_LIGHT);
+        let (of_light, of_materials) = programs[..run].split_at(PROGRAMS_OF_LIGHT);
         let distance = tape(&self.roots.distance)?.clauses().len();
         let object = tape(&[self.roots.object])?.clauses().len();
         let materials = clauses(of_materials);
         let cost = Cost { distance, materials, total: distance + object + materials + clauses(of_light) };
         let [on_gpu, on_processor] = {
-            let tapes = programs.iter().flat_map(Program::tapes);
+            let tapes = programs[..run].iter().flat_map(Program::tapes);
             let compounds = Tape::compounds_that_pay(tapes.clone());
             [false, true].map(|every_case| {
                 let variant = Variant::of(tapes.clone(), every_case);
@@ -333,14 +353,15 @@ mod tests {
         let buffers = world.tape_buffers().unwrap();
         let compounds = buffers.variant.compounds;
         let texels = buffers.texels(&inputs, &ShortPrograms::default());
-        let directory = [texels[0], texels[1]];
-        assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
+        let directory = [texels[0], texels[1], texels[2]];
+        assert_eq!(directory[1][0], directory[2][0], "the first and the third object are of one material");
         for (grid, roots) in [
             (directory[0][0], &world.roots.sky[..]),
             (directory[0][1], &world.roots.ambient),
             (directory[0][2], &world.roots.glow),
-            (directory[1][0], &world.roots.materials[0]),
-            (directory[1][1], &world.roots.materials[1]),
+            (directory[1][0], &world.roots.materials[0][..SURFACE_NUMBERS]),
+            (directory[1][1], &world.roots.materials[0][SURFACE_NUMBERS..]),
+            (directory[1][2], &world.roots.materials[1][..SURFACE_NUMBERS]),
         ] {
             let program = texels[grid as usize + 2][0];
             let mut alone = Vec::new();

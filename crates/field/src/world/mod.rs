@@ -111,10 +111,12 @@ pub struct Roots {
 impl Roots {
     /// Returns all expressions.
     pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
-        let materials = self.materials.iter().flatten();
+        self.apart_from_materials().chain(self.materials.iter().flatten().copied())
+    }
+
+    fn apart_from_materials(&self) -> impl Iterator<Item = NodeId> + '_ {
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
-        let rest = rest.chain(self.medium.into_iter().flatten());
-        self.distance.into_iter().chain(rest).chain(materials.copied())
+        self.distance.into_iter().chain(rest).chain(self.medium.into_iter().flatten())
     }
 
     fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {

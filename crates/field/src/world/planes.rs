@@ -44,11 +44,14 @@ enum Shape {
 pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
+    let shadowless: Vec<Option<NodeId>> =
+        scene.objects.iter().map(|object| glass_of(scene, object.material)).collect::<Result<_, _>>()?;
     let mut planes = Vec::new();
     let mut rest: Vec<Part> = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         if let Some(bound) = object.bound {
-            rest.push(Part { object: index, shape: object.shape, bound: Some(bound) });
+            let shadowless = shadowless[index];
+            rest.push(Part { object: index, shape: object.shape, bound: Some(bound), shadowless });
             continue;
         }
         let mut others = Vec::new();
@@ -61,7 +64,7 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
         }
         let graph = &mut scene.graph;
         if let Some(shape) = others.into_iter().reduce(|a, b| graph.min(a, b)) {
-            rest.push(Part { object: index, shape, bound: None });
+            rest.push(Part { object: index, shape, bound: None, shadowless: shadowless[index] });
         }
     }
     let graph = &mut scene.graph;
@@ -72,11 +75,27 @@ struct Part {
     object: usize,
     shape: NodeId,
     bound: Option<NodeId>,
+    /// Above 0 if the object is of glass.
+    shadowless: Option<NodeId>,
 }
+
+/// Returns the glass of a material; `None` if it is 0, or depends on the point. Light then does not pass through.
+fn glass_of(scene: &Scene, material: usize) -> Result<Option<NodeId>, GraphError> {
+    let Some(glass) = scene.materials.get(material).map(|material| material.glass) else { return Ok(None) };
+    if scene.graph.as_constant(glass).is_some_and(|glass| glass <= 0.0) {
+        return Ok(None);
+    }
+    let used = scene.graph.inputs_used(&[glass])?;
+    let is_fixed = used.textures.is_empty() && used.inputs.iter().all(|input| input.of_point().is_none());
+    Ok(is_fixed.then_some(glass))
+}
+
+/// The distance of glass grows by this multiple of the penumbra, so that rays to lights pass through it.
+const CLEAR_OF_SHADOWS: f32 = 1e4;
 
 /// Returns the union of `parts`.
 ///
-/// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
+/// Rays to lights, whose penumbra is above 0, pass through glass. Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
@@ -92,13 +111,20 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     }
     let (mut bound, mut estimate): (Option<NodeId>, Option<NodeId>) = (None, None);
     for part in parts {
-        let mut trusted = part.shape;
-        let mut step = part.shape;
+        let mut shape = part.shape;
+        if let Some(glass) = part.shadowless {
+            let clear = graph.constant(CLEAR_OF_SHADOWS);
+            let clear = graph.mul(clear, glass);
+            let away = graph.mul(penumbra, clear);
+            shape = graph.add(shape, away);
+        }
+        let mut trusted = shape;
+        let mut step = shape;
         if let Some(left_out) = part.bound {
             let beyond = graph.div(penumbra, left_out);
             let growth = graph.max(one, beyond);
-            trusted = graph.mul(part.shape, growth);
-            step = graph.min(part.shape, left_out);
+            trusted = graph.mul(shape, growth);
+            step = graph.min(shape, left_out);
         }
         bound = Some(bound.map_or(step, |bound| graph.min(bound, step)));
         estimate = Some(estimate.map_or(trusted, |estimate| graph.min(estimate, trusted)));

@@ -1,11 +1,10 @@
-//! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens,
-//! pixels, media, swarms.
+//! The optional parts of the shaders that a scene needs, such as panels, mirrors, glass, a lens, media.
 //!
 //! Parts that a scene does not need are not compiled, because a renderer that never skips a branch would compute them
 //! in vain.
 
 use crate::graph::{Input, NodeId};
-use crate::lang::{LightKind, Scene};
+use crate::lang::{LightKind, Material, Scene};
 
 /// Parts of the shaders that only some scenes need.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -28,6 +27,14 @@ pub struct SceneFeatures {
     pub media: bool,
     /// Swarms of points.
     pub swarm: bool,
+    /// Glass.
+    pub glass: bool,
+    /// Translucent bodies.
+    pub translucent: bool,
+    /// Thin films and velvet.
+    pub sheen: bool,
+    /// Light that nearby surfaces throw on each other.
+    pub bounce: bool,
 }
 
 impl SceneFeatures {
@@ -42,26 +49,54 @@ impl SceneFeatures {
         pixel: true,
         media: true,
         swarm: true,
+        glass: true,
+        translucent: true,
+        sheen: true,
+        bounce: true,
     };
-    /// All features except media and swarms, whose code few scenes need.
-    pub const USUAL: Self = Self { media: false, swarm: false, ..Self::ALL };
+    /// All features except those whose code few scenes need.
+    pub const USUAL: Self = Self {
+        media: false,
+        swarm: false,
+        glass: false,
+        translucent: false,
+        sheen: false,
+        bounce: false,
+        ..Self::ALL
+    };
 
     pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         // The pixel is the position of the sky's program.
         let used = scene.graph.inputs_used(&scene.sky.color);
-        let mirrors = scene.materials.iter().any(|material| some(material.reflect));
+        let any = |of: fn(&Material) -> NodeId| scene.materials.iter().any(|material| some(of(material)));
+        let [mirrors, glass] = [any(|material| material.reflect), any(|material| material.glass)];
         Self {
             panels: scene.lights.iter().any(|light| light.kind == LightKind::Panel),
             mirrors,
-            blur: mirrors && scene.materials.iter().any(|material| some(material.blur)),
+            blur: (mirrors || glass) && any(|material| material.blur),
             glow,
             lens: some(scene.camera.aperture),
             blend,
             media,
             swarm: !scene.swarms.is_empty(),
+            glass,
+            translucent: any(|material| material.translucent),
+            sheen: any(|material| material.film) || any(|material| material.velvet),
+            bounce: some(scene.sky.bounce),
             pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
         }
+    }
+
+    /// True if a material uses the fields that describe how light passes through a body and its layers.
+    pub fn body(self) -> bool {
+        self.glass || self.translucent || self.sheen
+    }
+
+    /// Returns these features and all usual ones.
+    pub fn with_usual(self) -> Self {
+        let Self { media, swarm, glass, translucent, sheen, bounce, .. } = self;
+        Self { media, swarm, glass, translucent, sheen, bounce, ..Self::USUAL }
     }
 
     /// Returns the shader defines of these features.
@@ -76,6 +111,11 @@ impl SceneFeatures {
             (self.pixel, "PIXEL"),
             (self.media, "MEDIA"),
             (self.swarm, "SWARM"),
+            (self.glass, "GLASS"),
+            (self.translucent, "TRANSLUCENT"),
+            (self.sheen, "SHEEN"),
+            (self.body(), "BODY"),
+            (self.bounce, "BOUNCE"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }

@@ -102,7 +102,7 @@ impl Frame {
             xyz(camera.position, pixel_radius),
             xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
-            xyz(forward, sound_tables::first_of_swarm(inputs, medium) as f64),
+            xyz(forward, f64::from(self.values.bounce.clamp(0.0, 1.0))),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
@@ -112,7 +112,12 @@ impl Frame {
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth()],
             [screen_width, screen_height, screen_width / eye_width as f32, screen_height / eye_height as f32],
-            [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
+            [
+                pointer(MouseX),
+                pointer(MouseY),
+                pointer(MousePressed),
+                sound_tables::first_of_swarm(inputs, medium) as f32,
+            ],
             projection.map(|value| value as f32),
             media[0],
             media[1],

@@ -48,8 +48,8 @@ pub struct Interpreter {
 }
 
 impl Interpreter {
-    /// The smallest variant for a scene on this driver; for a scene with media or swarms on a GPU, a variant for nearly
-    /// all of them.
+    /// The smallest variant for a scene on this driver; for a scene with rare features on a GPU, a variant that
+    /// scenes with the same rare features share.
     pub fn for_scene(
         features: SceneFeatures,
         buffers: &TapeBuffers,
@@ -58,12 +58,10 @@ impl Interpreter {
     ) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
         let own = Self { tapes, regions: plan.variant().clone(), features };
-        // On a GPU, all scenes with media share an interpreter, as other scenes share the universal one. So do scenes
-        // with swarms, and scenes with both.
-        let SceneFeatures { media, swarm, .. } = features;
-        let shared = SceneFeatures { media, swarm, ..SceneFeatures::ALL };
-        let shared = Self { features: shared, ..Self::universal(own.is_non_lipschitz()) };
-        if (media || swarm) && !info.software && shared.covers(&own) { shared } else { own }
+        // On a GPU, scenes with the same rare features share an interpreter, as other scenes share the universal one.
+        let shared = Self { features: features.with_usual(), ..Self::universal(own.is_non_lipschitz()) };
+        let is_rare = shared.features != SceneFeatures::USUAL;
+        if is_rare && !info.software && shared.covers(&own) { shared } else { own }
     }
 
     /// The variant that draws almost every scene whose value is a distance or, with `non_lipschitz`, is not a distance.

@@ -1,4 +1,4 @@
-//! Generates `docs/gallery.md`: for each shipped scene a large image, a strip of four moments of the demo track, the
+//! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, a strip of four moments of the demo track, the
 //! cost, and how much the music changes the image. Run this tool after you change a scene.
 //!
 //! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all scenes. The figures are always
@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::animation::Animation;
 use anyhow::Context as _;
 use figures::Figures;
 use image::codecs::jpeg::JpegEncoder;
@@ -27,6 +28,9 @@ pub const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
 const LARGE: usize = 2;
 const LARGE_SIZE: (u32, u32) = (1280, 720);
 const STRIP_SIZE: (u32, u32) = (480, 270);
+/// The animated picture of a scene: two seconds of the loudest part.
+const MOTION: Animation =
+    Animation { start: MOMENTS[LARGE], frames: 24, rate: 12, size: (384, 216), quality: 50 };
 const JPEG_QUALITY: u8 = 88;
 /// Mathematical surfaces. The page shows them after the scenes for music.
 const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
@@ -45,6 +49,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let mut table = String::from(TABLE_HEAD);
     for name in music.iter().chain(&surfaces) {
         if wanted.is_empty() || wanted.contains(name) {
+            MOTION.draw(name, &folder.join(format!("{name}.webp")))?;
             draw(name, &sounds, &folder).with_context(|| format!("drawing {name}"))?;
         }
         if Some(name) == surfaces.first() {
@@ -53,6 +58,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         let _ = write!(
             page,
             "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n\
+             ![{name} in motion](gallery/{name}.webp)\n\n\
              ![{name} at four moments](gallery/{name}-strip.jpg)\n",
             introduction(name)?
         );

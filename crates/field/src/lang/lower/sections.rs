@@ -188,7 +188,7 @@ impl SceneBuilder<'_> {
                 let sky = Sky::of(self.lowering.numbers(Sky::FIELDS, values));
                 self.parts.has_own_sky |= values.given("color").is_some();
                 self.refuse_pixels(
-                    &[("ambient", &sky.ambient[..]), ("reach", &[sky.reach])],
+                    &[("ambient", &sky.ambient[..]), ("reach", &[sky.reach]), ("bounce", &[sky.bounce])],
                     "the sky's colour",
                     values,
                 );

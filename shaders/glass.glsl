@@ -1,0 +1,29 @@
+// Glass: rays that enter a body, bend, and leave it through the same distance (variant GLASS). A path follows the bent
+// ray to its end. The ray that the first glass mirrors waits until then.
+
+// -1 inside of glass, where rays go to the surface from below; else 1. `trace` multiplies distances by it.
+float ray_side = 1.0;
+// Fraction of light that is lost per unit of length in the glass.
+vec3 glass_absorbs = vec3(0.0);
+
+struct WaitingRay {
+    vec3 origin;
+    vec3 direction;
+    vec3 throughput;    // 0 if no ray waits
+    float travelled;
+};
+WaitingRay waiting = WaitingRay(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+
+// Returns the mirrored fraction of light at the surface of glass: Fresnel's reflectance by Schlick's approximation
+// (1994). `ratio` is the refractive index in front of the surface, divided by the index behind the surface. The result is 1 for total
+// reflection.
+float glass_reflectance(float ratio, float cosine) {
+    float f0 = (ratio - 1.0) / (ratio + 1.0);
+    f0 *= f0;
+    float sine2 = ratio * ratio * (1.0 - cosine * cosine);
+    if (sine2 >= 1.0) return 1.0;
+    // Towards a thinner medium the angle behind the surface counts.
+    float grazing = 1.0 - (ratio > 1.0 ? sqrt(1.0 - sine2) : cosine);
+    float square = grazing * grazing;
+    return f0 + (1.0 - f0) * square * square * grazing;
+}
