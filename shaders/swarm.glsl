@@ -108,7 +108,7 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
             bool is_thin = light.w > 0.5;
             // The edge of a thin ball is as wide as a pixel.
             float middle = max(sqrt(max(radius * radius - pixel * pixel / 3.0, 0.0)), pixel);
-            float wide = is_thin ? middle + pixel : sqrt(radius * radius + 4.0 * pixel * pixel);
+            float wide = is_thin ? middle + pixel : sqrt(radius * radius + 16.0 * pixel * pixel);
             float drawn = is_thin ? sqrt(middle * middle + pixel * pixel / 3.0) : wide;
             float part = 1.0 - at.distance2 / (wide * wide);
             if (part <= 0.0) continue;
@@ -116,7 +116,9 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
             float half_chord = wide * sqrt(part);
             float between = smoothstep(-half_chord, half_chord, seen.t - at.t)
                           - smoothstep(-half_chord, half_chord, start - at.t);
-            float shape = part * part * part / (21.0 - 20.0 * part);
+            // A glow that is drawn wider has a softer middle, with the same light in all.
+            float sharp = radius * radius / (wide * wide);
+            float shape = part * part * part * mix(0.313, 1.0, sharp) / (1.0 + 20.0 * sharp * (1.0 - part));
             if (is_thin) {
                 between = at.t > start && at.t < seen.t ? 1.0 : 0.0;
                 shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);

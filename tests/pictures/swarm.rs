@@ -73,7 +73,7 @@ fn both_modes_draw_the_same_swarm() {
 
 #[test]
 fn a_ball_hides_the_glow_behind_it() {
-    let glow = "swarm a { count = 1  position = vec3(0, 0, 3)  size = 0  glow = vec3(3, 2, 1)  reach = 4 }";
+    let glow = "swarm a { count = 1  position = vec3(0, 0, 5)  size = 0  glow = vec3(3, 2, 1)  reach = 4 }";
     assert_light(&dark(glow), [3.0, 2.0, 1.0], 0.03);
     let ball = format!("{glow}\nswarm b {{ count = 1  size = 0.5  emission = vec3(0.25, 0.5, 1) }}");
     assert_light(&dark(&ball), [0.25, 0.5, 1.0], 0.005);

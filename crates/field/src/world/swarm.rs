@@ -180,7 +180,7 @@ impl<'a> Body<'a> {
         let body = move |radius: f32, light: [f32; 3], is_ball: bool| {
             // The widths at which shaders draw glow and thin balls. Shaders round differently.
             let widest = WIDEST * pixel;
-            let drawn = if is_ball { radius.max(widest) + widest } else { radius.hypot(2.0 * widest) };
+            let drawn = if is_ball { radius.max(widest) + widest } else { radius.hypot(4.0 * widest) };
             let around = drawn * 1.001 + 1e-6;
             let (place, way) = (point.position, point.stretch);
             let bounds = Bounds {

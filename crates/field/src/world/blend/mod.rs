@@ -169,8 +169,7 @@ impl World {
         let glow = glow(&mut graph, (&a, &b), reach, s);
         let medium = medium(&mut graph, (&a, &b), s);
         let picture = picture(&mut graph, &a.picture, &b.picture, s);
-        let lights = lights(&mut graph, (&a, &b), s);
-        let swarms = swarms(&mut graph, (&a, &b), s);
+        let (lights, swarms) = (lights(&mut graph, (&a, &b), s), swarms(&mut graph, (&a, &b), s));
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);

@@ -101,23 +101,7 @@ impl Side {
                     Light { position, direction, right, up, ..light }
                 })
                 .collect(),
-            swarms: {
-                // The point's number is the x of its expressions, so it stays in its place.
-                let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
-                let eye = Own { point: position(graph), ..own };
-                let copies = copied_roots(graph, (&scene.graph, &roots), before, &|input| eye.value(input))?;
-                let swarms = scene.swarms.iter();
-                let swarms = swarms.map(|swarm| {
-                    let own = swarm.numbers().into_iter().map(|id| at_index(&copies, id));
-                    let own = Swarm::of(swarm.points, own);
-                    Swarm {
-                        position: alignment.common_point(graph, own.position),
-                        stretch: alignment.common_direction(graph, own.stretch),
-                        ..own
-                    }
-                });
-                swarms.collect()
-            },
+            swarms: swarms(graph, &scene, before, alignment)?,
             camera: {
                 let camera = Camera::of(all(scene.camera.numbers()));
                 let [position, target] =
@@ -143,6 +127,25 @@ impl Side {
 
 /// Expressions of the traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
+
+/// Copies the swarms of a scene. The number of a point is the x of its expressions, so it stays in its place.
+fn swarms(
+    graph: &mut Graph,
+    scene: &Scene,
+    before: Before,
+    alignment: &Alignment,
+) -> Result<Vec<Swarm>, GraphError> {
+    let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
+    let own = Own { point: position(graph), ..Own::of(graph, alignment) };
+    let copies = copied_roots(graph, (&scene.graph, &roots), before, &|input| own.value(input))?;
+    let copied = scene.swarms.iter().map(|swarm| {
+        let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| at_index(&copies, id)));
+        let position = alignment.common_point(graph, own.position);
+        let stretch = alignment.common_direction(graph, own.stretch);
+        Swarm { position, stretch, ..own }
+    });
+    Ok(copied.collect())
+}
 
 #[derive(Clone, Copy)]
 struct Own {
