@@ -1,5 +1,6 @@
 // Swarms of points: balls, which hide what is behind them, and glow, which adds light. A ray walks through the trees of
-// the points (crates/field/src/world/swarm.rs), which follow the texts and pictures in the sound tables.
+// the points (crates/field/src/world/swarm.rs), which follow the texts and pictures in the sound tables. A ray of the eye
+// in a flat picture looks through the list of its tile instead (swarm_tiles.rs).
 //
 // A point that is thinner than a pixel is drawn as wide as a pixel and fainter, so that its light does not flicker.
 
@@ -16,6 +17,14 @@ const float SWARM_LIT_MIN = 0.002;
 // Nodes that all rays of a pixel visit together, at most: llvmpipe ends all loops after 65,535 rounds (rounds.glsl).
 const int SWARM_ROUNDS = 10000;
 int swarm_rounds = 0;
+
+#if !defined(PROJECTED) && !defined(PATHS)
+#define SWARM_TILES
+#endif
+// Other rays: mirrored ones, and all rays of other pictures.
+#if !defined(SWARM_TILES) || defined(MIRRORS) || defined(GLASS)
+#define SWARM_TREES
+#endif
 
 // What a ray sees of the swarms: the nearest ball, and in front of it faint light and thin balls.
 struct SwarmSeen {
@@ -57,25 +66,57 @@ vec3 swarm_color(float bytes) {
 }
 
 // Returns what a ray sees of the swarms between two distances. `cone` is the radius of the ray's pixel at its origin.
-SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float cone) {
+// `of_eye` is true for a ray of the eye.
+SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float cone, bool of_eye) {
     SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 1.0, 0.0, vec3(0.0), 0, end);
     // The pass of media shows no swarm.
-    vec4 head = is_medium_pass() ? vec4(0.0) : TEXEL(sound_tables, swarm_first);
+    bool is_shown = !is_medium_pass();
+#ifdef SWARM_TILES
+    vec4 tiles = TEXEL(sound_tables, swarm_first + 7);
+    vec2 in_tile = sample_place() / tiles.y;
+    vec2 column_row = floor(in_tile);
+    // In parts of the tile, as the boxes of its entries.
+    in_tile = SWARM_TILE_PARTS * (in_tile - column_row);
+    vec4 entries = vec4(0.0);
+    if (is_shown && of_eye) entries = TEXEL(sound_tables, swarm_first + int(tiles.x + column_row.y * tiles.z + column_row.x));
+    is_shown = is_shown && !of_eye;
+#endif
+#ifdef SWARM_TREES
+    vec4 head = is_shown ? TEXEL(sound_tables, swarm_first) : vec4(0.0);
     vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
+#endif
     float spread = camera_position.w;
     float weight = 0.0;
     float covered = 0.0;
     // The balls, then everything faint in front of the nearest ball.
     for (int kind = 0; kind < 2; kind++) {
+#ifdef SWARM_TILES
+        int entry = swarm_first + int(kind == 0 ? entries.x : entries.y);
+        int entries_end = swarm_first + int(kind == 0 ? entries.y : entries.z);
+#endif
+#ifdef SWARM_TREES
         int first = swarm_first + int(kind == 0 ? head.x : head.z);
         int count = int(kind == 0 ? head.y : head.w);
         int node = 0;
+#endif
         int most = min(SWARM_NODES_MAX, SWARM_ROUNDS - swarm_rounds);
         int left = most;
         // The walk to the next point is a loop of its own, because renderers that never skip a branch would compute a point
         // for each node.
         for (int i = 0; i < SWARM_NODES_MAX; i++) {
             int point = 0;
+#ifdef SWARM_TILES
+            for (; left > 0; left--) {
+                if (entry >= entries_end || point > 0) break;
+                vec4 box = TEXEL(sound_tables, entry);
+                vec2 low = floor(box.xy);
+                vec2 high = SWARM_TILE_PARTS * (box.xy - low) + 1.0;
+                bool is_in = all(greaterThanEqual(in_tile, low)) && all(lessThanEqual(in_tile, high));
+                point = is_in && box.z < seen.t ? int(box.w) : 0;
+                entry++;
+            }
+#endif
+#ifdef SWARM_TREES
             for (; left > 0; left--) {
                 if (node >= count || point > 0) break;
                 vec4 low = TEXEL(sound_tables, first + 2 * node);
@@ -89,6 +130,7 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
                 point = enters <= leaves ? int(high.w) : 0;
                 node = enters <= leaves ? node + 1 : int(low.w);
             }
+#endif
             if (point == 0) break;
             point += swarm_first;
             vec4 place = TEXEL(sound_tables, point);
@@ -136,6 +178,9 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float
             }
         }
         swarm_rounds += most - left;
+#ifdef COUNT_EVALUATIONS
+        count_swarm += float(most - left);
+#endif
 #ifdef LIMITED_ROUNDS
         rounds_run += 2 * (most - left);
 #endif
