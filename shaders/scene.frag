@@ -257,7 +257,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         }
 #endif
 #ifdef DRAWS_SWARM
-        if (!is_behind) seen = swarm_along(origin, direction, 0.0, hit.met ? hit.t : FAR, cone, surface == 0);
+        if (!is_behind) seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, cone, surface == 0);
 #ifdef COVERAGE
         color = vec3(1.0 - seen.left);
         bool is_thin = false;
