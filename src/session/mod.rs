@@ -327,8 +327,11 @@ impl Session {
             self.playback.record_again(now);
         }
         // A frozen frame does not change.
-        let changes =
-            (moves || self.playback.could_be_better(&*self.screen, now)) && !self.playback.holds_picture();
+        if !self.playback.listening.is_paused() {
+            self.playback.scene.refine_only(None);
+        }
+        let could_be_better = self.playback.could_be_better(&*self.screen, now) || self.playback.refines(now);
+        let changes = (moves || could_be_better) && !self.playback.holds_picture();
         let moving = changes
             || self.playback.is_dimming(now)
             || self.screen.is_stale()
