@@ -26,7 +26,7 @@ fn mean(a: &RgbaImage, b: &RgbaImage) -> f64 {
 }
 
 /// A session that is paused on a scene, its picture, and the still of the scene by paths.
-fn paused(place: &Place) -> (App, RgbaImage, RgbaImage) {
+fn paused(place: &Place, mode: &str) -> (App, RgbaImage, RgbaImage) {
     place.save("corner.scene", SCENE);
     let (scene, song) = (place.path("corner.scene"), place.quiet_song("quiet.wav", 40));
     let (scene, output) = (scene.to_str().unwrap(), place.path("still.png"));
@@ -34,7 +34,7 @@ fn paused(place: &Place) -> (App, RgbaImage, RgbaImage) {
     command.args(["still", "--scene", scene, "--light", "path", "--size", SIZE, "-o"]).arg(&output);
     output_of(&mut command, "mariana").unwrap_or_else(|error| panic!("{error}"));
     let wanted = image::open(&output).unwrap().to_rgba8();
-    let app = place.open(&song, &["--size", SIZE, "--fade", "0", "--sdf", "compiled", "--scene", scene]);
+    let app = place.open(&song, &["--size", SIZE, "--fade", "0", "--sdf", mode, "--scene", scene]);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let picture = app.wait_until_still();
@@ -46,7 +46,7 @@ fn paused(place: &Place) -> (App, RgbaImage, RgbaImage) {
 fn a_paused_moment_becomes_the_still_of_paths_until_the_song_goes_on() {
     apart!();
     let place = Place::new();
-    let (app, picture, wanted) = paused(&place);
+    let (app, picture, wanted) = paused(&place, "compiled");
     app.press(&["shift+space"]);
     app.wait_for("the first paths", |now| *now != picture);
     app.wait_until_reported("refined with");
@@ -62,7 +62,7 @@ fn a_paused_moment_becomes_the_still_of_paths_until_the_song_goes_on() {
 fn a_change_ends_the_refinement_and_the_key_begins_it_from_a_playing_song() {
     apart!();
     let place = Place::new();
-    let (app, picture, _) = paused(&place);
+    let (app, picture, _) = paused(&place, "interpreted");
     app.press(&["space"]);
     app.wait_for_title("playing", |title| !title.contains("paused"));
     app.press(&["shift+space"]);

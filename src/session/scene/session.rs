@@ -403,7 +403,7 @@ impl SceneSession {
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
-    fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
         };

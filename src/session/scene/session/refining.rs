@@ -97,7 +97,7 @@ impl SceneSession {
     }
 
     /// Takes a program of views or of paths. Returns any other program.
-    pub(super) fn take_special(
+    pub(in crate::session::scene) fn take_special(
         &mut self,
         task: Task,
         program: Result<Program, GpuError>,
