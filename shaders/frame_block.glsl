@@ -17,7 +17,8 @@ layout(std140) uniform FrameBlock {
                             // shortest step with each step
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
                             // pixels per pixel of the frame
-    vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
+    vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held; w the first texel
+                            // of the swarms
     vec4 frame_projection;  // x a PROJECTION_..., y a STEREO_..., z half the distance of the eyes, w 1 / distance of the
                             // camera's target; only programs with PROJECTED read it
     vec4 medium_low;        // xyz lower corner of the media

@@ -10,7 +10,7 @@
 //   Guibas 1995, power heuristic). The eye and mirrors do not see lights, as in the raster.
 // - The sky that the eye and mirrors see has the sky's colour. All other rays meet its ambient light, because a sky may
 //   show a sun that is also a light.
-// - Surfaces that emit light are met by chance.
+// - Surfaces that emit light are met by chance, and swarms and their glow.
 // - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights
 //   pass glass straight, so there are no caustics of lights. Light through translucent bodies is the raster's.
 
@@ -39,6 +39,9 @@
 #include "path_random.glsl"
 #include "path_lights.glsl"
 #include "path_lobes.glsl"
+#ifdef SWARM
+#include "swarm.glsl"
+#endif
 #ifdef MEDIA
 #include "media.glsl"
 #include "path_media.glsl"
@@ -74,7 +77,12 @@ const int LIGHT_PAIR = 0;       // the direction to a light
 const int LOBE_PAIR = 1;        // the direction of the next ray
 const int CHOICE_PAIR = 2;      // which light, which lobe
 const int SURVIVAL_PAIR = 3;    // mirror or lobe, and the end of a path
+#ifdef SWARM
+const int SWARM_PAIR = 4;       // whether a ray meets thin balls
+const int PAIRS = 5;
+#else
 const int PAIRS = 4;
+#endif
 
 // From this ray on, a path may end by chance.
 const int CERTAIN_RAYS = 3;
@@ -256,9 +264,19 @@ bool go_on(inout Path path) {
     const bool is_inside = false;
 #endif
     Hit hit = trace(path.origin, path.direction, start, cone, spread, true);
+#ifdef SWARM
+    // A ray meets the thin balls of a swarm with the probability of the light that they hide.
+    SwarmSeen seen = swarm_along(path.origin, path.direction, 0.0, hit.met ? hit.t : FAR, cone);
+    add(path, seen.light);
+    bool is_thin = random_pair(pairs + SWARM_PAIR).x >= seen.left;
+    bool is_ball = is_thin || seen.ball > 0;
+    if (is_ball) hit = Hit(is_thin ? seen.thin_t : seen.t, NOTHING, true);
+#else
+    const bool is_ball = false;
+#endif
 #ifdef GLASS
     ray_side = 1.0;
-    bool leaves = is_inside && hit.met && hit.plane == NOTHING;
+    bool leaves = is_inside && hit.met && hit.plane == NOTHING && !is_ball;
 #endif
     float end = hit.met ? hit.t : NEVER;
     bool is_scattered = false;
@@ -302,7 +320,13 @@ bool go_on(inout Path path) {
 #endif
         vec4 plane = plane_of(hit.plane);
         if (hit.plane != NOTHING && !is_scattered) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
-        Surface s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
+        Surface s;
+#ifdef SWARM
+        if (is_ball) {
+            s = swarm_surface(seen, is_thin, p, path.direction);
+        } else
+#endif
+        s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
         Material m = within_ranges(s.material);
 #ifdef GLASS
         if (hit.plane != NOTHING) m.glass = 0.0;

@@ -7,6 +7,10 @@ vec2 path_place;
 vec2 sample_place() {
     return path_place;
 }
+
+bool is_medium_pass() {
+    return false;
+}
 #else
 uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of its beam's free distance
 

@@ -25,6 +25,10 @@
 #define DRAWS_MEDIA
 #include "media.glsl"
 #endif
+#if defined(SWARM) && !defined(VIEWS)
+#define DRAWS_SWARM
+#include "swarm.glsl"
+#endif
 #ifdef VIEWS
 #include "view.glsl"
 #endif
@@ -203,7 +207,17 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     int air_segment = 0;
 #endif
 #endif
+#ifdef DRAWS_SWARM
+    // Thin balls that need light are a surface of their own in front of the ray's end.
+    int surface = 0;
+    bool is_behind = false;
+    Hit traced;
+    SwarmSeen seen;
+    for (int round = 0; round < 2 * SURFACES_MAX; round++) {
+#else
+    const bool is_behind = false;
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
+#endif
         float cone = spread * travelled;
 #ifdef GLASS
         // Walls of glass are thin, so rays start close to the surface.
@@ -211,14 +225,19 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #else
         float start = 0.01 * float(surface);
 #endif
+#ifdef DRAWS_SWARM
+        if (!is_behind) traced = trace(origin, direction, start, cone, spread, surface > 0);
+        Hit hit = traced;
+#else
         Hit hit = trace(origin, direction, start, cone, spread, surface > 0);
+#endif
 #ifdef DRAWS_MEDIA
         float end = hit.met ? hit.t : FAR;
 #ifdef GLASS
         // There is no medium in glass.
-        int segment = ray_side > 0.0 ? air_segment++ : SEGMENTS_MAX;
+        int segment = ray_side > 0.0 && !is_behind ? air_segment++ : SEGMENTS_MAX;
 #else
-        int segment = surface;
+        int segment = is_behind ? SEGMENTS_MAX : surface;
 #endif
         if (segment >= SEGMENTS_MAX) {
         } else if (is_medium_pass()) {
@@ -237,6 +256,41 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             throughput *= medium.left_of_mirrored;
         }
 #endif
+#ifdef DRAWS_SWARM
+        if (!is_behind) seen = swarm_along(origin, direction, 0.0, hit.met ? hit.t : FAR, cone);
+#ifdef COVERAGE
+        color = vec3(1.0 - seen.left);
+        bool is_thin = false;
+#else
+        bool is_thin = !is_behind && seen.thin_color != vec3(0.0);
+#endif
+        bool is_ball = is_thin || seen.ball > 0;
+        float covered = is_thin ? 1.0 - seen.left : 1.0;
+        float ball_t = is_thin ? seen.thin_t : seen.t;
+        // The fractions of light from the swarm that media leave, divided by the fraction for the whole ray, by which all
+        // light is multiplied in the end. The medium counts as uniform.
+        float light_left = 1.0;
+        float ball_left = 1.0;
+#ifdef DRAWS_MEDIA
+        if (surface == 0 && !is_medium_pass()) {
+            float way = min(end, MEDIUM_FAR);
+            medium.left = max(medium.left, MEDIUM_LEFT_MIN);
+            light_left = pow(medium.left, min(seen.light_t / way, 1.0) - 1.0);
+            if (is_ball) ball_left = pow(medium.left, min(ball_t / way, 1.0) - 1.0);
+            // A ball hides the light of the medium behind it.
+            color -= throughput * medium.light * (covered * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4));
+        }
+#endif
+#ifndef COVERAGE
+        if (!is_behind) color += throughput * light_left * seen.light;
+#endif
+        if (!is_thin) throughput *= seen.left;
+        if (is_ball) hit = Hit(ball_t, NOTHING, true);
+#else
+        const bool is_ball = false;
+        const bool is_thin = false;
+        const float ball_left = 1.0;
+#endif
         // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
         // surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
@@ -246,41 +300,54 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
-            travelled = reached;
-            if (surface == 0) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
-            cone = spread * travelled;
+            if (!is_thin) travelled = reached;
+            if (surface == 0 && !is_thin) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
+            cone = spread * reached;
             vec3 p = origin + hit.t * direction;
             // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
-            Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
+            Surface s;
+#ifdef DRAWS_SWARM
+            if (is_ball) {
+                s = swarm_surface(seen, is_thin, p, direction);
+            } else
+#endif
+            s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
 #ifdef GLASS
             if (hit.plane != NOTHING) s.material.glass = 0.0;
-            bool leaves = ray_side < 0.0 && hit.plane == NOTHING;
-            if (ray_side < 0.0) throughput *= exp(-glass_absorbs * hit.t);
+            bool leaves = ray_side < 0.0 && hit.plane == NOTHING && !is_ball;
+            if (ray_side < 0.0 && !is_thin) throughput *= exp(-glass_absorbs * hit.t);
             if (leaves) {
                 s.normal = -s.normal;
                 s.material.glass = 1.0;
                 s.material.haze = 0.0;
             }
-            ray_side = 1.0;
+            if (!is_thin) ray_side = 1.0;
 #endif
             Material m = s.material;
-            add_to_key(s.object, hit.plane != NOTHING, s.normal);
+            // The edges of thin balls are smooth already.
+            if (!is_thin) add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_fraction = throughput * m.haze;
 #ifdef COVERAGE
             color = vec3(1.0 - m.haze);
 #else
             vec3 kept = throughput * (1.0 - m.haze);
+#ifdef DRAWS_SWARM
+            kept *= covered;
+#endif
             float reflectance = mirrored_part(m, s.normal, direction);
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
 #ifdef GLASS
             s.material.color *= 1.0 - m.glass;
             is_lit = is_lit && !leaves;
 #endif
-            if (is_lit) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
+#ifdef DRAWS_SWARM
+            if (!is_thin) {
+#endif
             // Metals tint their mirror images.
             vec3 tint = mix(vec3(1.0), m.color, m.metalness);
 #ifdef SHEEN
@@ -330,6 +397,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
                 if (surface == SURFACES_MAX - 1) sky_fraction += throughput;
             }
 #endif
+#ifdef DRAWS_SWARM
+            }
+#endif
 #endif
         }
 #ifdef NO_SKY
@@ -345,6 +415,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #ifdef DRAWS_MEDIA
         if (is_medium_pass() && segment == SEGMENTS_MAX - 1) break;
 #endif
+#ifdef DRAWS_SWARM
+        is_behind = is_thin;
+#endif
         bool ends = !hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min;
 #if defined(GLASS) && !defined(COVERAGE)
         // Keep some surfaces for the waiting ray.
@@ -357,6 +430,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             waiting.throughput = vec3(0.0);
             ray_side = 1.0;
             ends = false;
+#ifdef DRAWS_SWARM
+            is_behind = false;
+#endif
 #ifdef DRAWS_MEDIA
             air_segment = SEGMENTS_MAX;
 #endif
@@ -364,6 +440,10 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
         if (ends) break;
         direction = mirrored;
+#ifdef DRAWS_SWARM
+        if (!is_behind) surface++;
+        if (surface >= SURFACES_MAX) break;
+#endif
     }
 #ifdef DRAWS_MEDIA
     if (is_medium_pass()) {

@@ -21,7 +21,7 @@ module.exports = grammar({
       choice(field('body', $.block), seq('=', field('body', $._expression)))),
     parameter: ($) => seq(field('name', $.name), optional(seq(':', field('type', $.type)))),
     type: () => choice('number', 'bool', 'vec2', 'vec3', 'vec4', 'mat2', 'mat3', 'texture'),
-    section: ($) => seq(field('kind', choice('object', 'material', 'light', 'medium', 'camera', 'sky', 'picture', 'about')), optional(field('name', $.name)),
+    section: ($) => seq(field('kind', choice('object', 'material', 'light', 'medium', 'swarm', 'camera', 'sky', 'picture', 'about')), optional(field('name', $.name)),
       '{', repeat(choice($.let, $.field)), '}'),
     field: ($) => seq(field('name', $.name), '=', choice(field('value', $._expression), $._range)),
 

@@ -187,9 +187,10 @@ fn the_universal_interpreter_covers_every_shipped_scene() {
         let scene = ready(&SceneSource::Shipped(name.clone()));
         let mut own =
             Interpreter::for_scene(scene.world.features, &scene.buffers, &scene.plan, &driver(false));
-        if scene.world.features.media {
-            // Scenes with media share another interpreter, which differs in the code for media alone.
-            let general = SceneFeatures { media: true, ..SceneFeatures::USUAL };
+        let SceneFeatures { media, swarm, .. } = scene.world.features;
+        if media || swarm {
+            // Scenes with media or swarms share other interpreters, which differ in the code for these alone.
+            let general = SceneFeatures { media, swarm, ..SceneFeatures::USUAL };
             assert!(
                 own == Interpreter::for_scene(general, &scene.buffers, &scene.plan, &driver(false)),
                 "{name}"

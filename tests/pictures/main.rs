@@ -24,6 +24,7 @@ mod scene_looks;
 mod scene_modes;
 mod shaders;
 mod shadow_of_a_facing_surface;
+mod swarm;
 mod textures;
 mod two_dimensions;
 mod views;

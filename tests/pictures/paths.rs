@@ -307,3 +307,21 @@ fn invalid_values_give_finite_light() {
         assert!(light.as_flattened().iter().all(|value| value.is_finite()), "{text}");
     }
 }
+
+#[test]
+fn paths_meet_swarms_as_the_raster_does() {
+    let text = format!(
+        "swarm sparks {{ let h = hash_3(vec3(index, 3, 1))  count = 300  position = vec3(2, 2, 1) * (h - 0.5)
+                         size = 0.004 + 0.1 * step(0.9, h.x)  color = 0  emission = vec3(1, 0.5, 0.2)
+                         glow = vec3(0, 0.1, 0.3)  reach = 0.2 }}
+         sky {{ color = 0.1  ambient = 0 }}
+         light dark {{ position = vec3(0, 90, 0)  color = 0 }} {PLAIN}
+         camera {{ position = vec3(0, 0, -4)  target = vec3(0)  fov = 40 }}"
+    );
+    for mode in [Mode::Compiled, Mode::Interpreted] {
+        let mut paths = Paths::of(&text, mode);
+        let (raster, found) = (mean(&paths.raster()), mean(&paths.light(order(64))));
+        assert!(raster[0] > 0.15, "{mode}: the raster shows few sparks: {raster:?}");
+        assert_near("sparks", found, raster, 0.03 * raster[0]);
+    }
+}

@@ -224,7 +224,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -332,7 +332,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -734,7 +734,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -800,7 +800,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -940,7 +940,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)

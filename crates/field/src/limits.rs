@@ -47,6 +47,10 @@ pub struct Limits {
     pub scene_lights_max: usize,
     /// Maximum number of media of a scene, such as fog and clouds.
     pub scene_media_max: usize,
+    /// Maximum number of swarms of a scene.
+    pub scene_swarms_max: usize,
+    /// Maximum number of points in all swarms of a scene.
+    pub scene_swarm_points_max: usize,
     /// Maximum number of named cameras of a scene.
     pub scene_cameras_max: usize,
     /// Maximum number of values that are computed once per frame. Further values are computed at every point.
@@ -86,6 +90,8 @@ pub const LIMITS: Limits = Limits {
     scene_materials_max: 64,
     scene_lights_max: 16,
     scene_media_max: 8,
+    scene_swarms_max: 8,
+    scene_swarm_points_max: 1 << 16,
     scene_cameras_max: 16,
     hoisted_max: 256,
 };

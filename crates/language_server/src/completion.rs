@@ -48,8 +48,10 @@ fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Opti
         let known: BTreeSet<String> = all.iter().map(|one| one.name.clone()).collect();
         for one in valid.iter().filter(|_| behind_point != Some(true)) {
             let name = sources.text(one.name);
-            let is_value =
-                !matches!(one.kind, NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Camera);
+            let is_value = !matches!(
+                one.kind,
+                NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera
+            );
             if is_value && !known.contains(name) && name.to_lowercase().starts_with(&typed) {
                 let is_function = one.kind == NameKind::Function;
                 let about =

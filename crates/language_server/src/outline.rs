@@ -13,7 +13,7 @@ fn symbol_kind(kind: NameKind) -> u8 {
         NameKind::Function => 12,
         NameKind::Object => 19,
         NameKind::Material => 23,
-        NameKind::Light | NameKind::Medium => 24,
+        NameKind::Light | NameKind::Medium | NameKind::Swarm => 24,
         NameKind::Camera => 11,
         NameKind::FunctionParameter | NameKind::LoopVariable => 13,
     }

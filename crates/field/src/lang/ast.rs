@@ -263,6 +263,7 @@ pub(super) enum Section {
     Material,
     Light,
     Medium,
+    Swarm,
     Camera,
     Sky,
     Picture,
@@ -328,6 +329,8 @@ pub enum NameKind {
     Light,
     /// A medium.
     Medium,
+    /// A swarm.
+    Swarm,
     /// A camera.
     Camera,
 }

@@ -14,19 +14,21 @@ pub(super) enum InputValue {
 
 /// Sets of the inputs that an expression may use.
 pub(super) mod uses {
-    pub(crate) const POINT: u8 = 1;
-    pub(crate) const NORMAL: u8 = 2;
+    pub(crate) const POINT: u16 = 1;
+    pub(crate) const NORMAL: u16 = 2;
     /// The direction of a ray that hits nothing.
-    pub(crate) const DIRECTION: u8 = 4;
-    pub(crate) const TEXTURE: u8 = 8;
+    pub(crate) const DIRECTION: u16 = 4;
+    pub(crate) const TEXTURE: u16 = 8;
     /// Time, sound and parameters.
-    pub(crate) const FRAME: u8 = 16;
-    pub(crate) const EYE: u8 = 32;
+    pub(crate) const FRAME: u16 = 16;
+    pub(crate) const EYE: u16 = 32;
     /// The pixel that is drawn.
-    pub(crate) const PIXEL: u8 = 64;
+    pub(crate) const PIXEL: u16 = 64;
     /// The size of the picture, and the pointer over it.
-    pub(crate) const SCREEN: u8 = 128;
-    pub(crate) const NOTHING: u8 = 0;
+    pub(crate) const SCREEN: u16 = 128;
+    /// The number of a swarm's point.
+    pub(crate) const INDEX: u16 = 256;
+    pub(crate) const NOTHING: u16 = 0;
 }
 
 /// An input: its name, its value, its set in [`uses`], and its description on the language's page.
@@ -34,27 +36,27 @@ pub(super) mod uses {
 pub(super) struct InputRow {
     pub name: &'static str,
     pub value: InputValue,
-    pub uses: u8,
+    pub uses: u16,
     pub doc: &'static str,
 }
 
-const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str) -> InputRow {
+const fn row(name: &'static str, value: InputValue, uses: u16, doc: &'static str) -> InputRow {
     InputRow { name, value, uses, doc }
 }
 
 use InputValue::{Constant, Many, One};
-use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, PIXEL, POINT, SCREEN};
+use uses::{DIRECTION, EYE, FRAME, INDEX, NORMAL, NOTHING, PIXEL, POINT, SCREEN};
 
 impl InputRow {
     /// True if a scene may declare a value of the same name, because scenes were written before the input existed.
     pub(super) fn may_be_hidden(&self) -> bool {
-        let is_of_picture = self.uses & (PIXEL | SCREEN) != 0;
-        is_of_picture || matches!(self.value, One(input) if input.may_be_hidden())
+        let is_new = self.uses & (PIXEL | SCREEN | INDEX) != 0;
+        is_new || matches!(self.value, One(input) if input.may_be_hidden())
     }
 }
 
-/// All inputs except numbers of the sound. The direction is stored as the normal and the pixel as the point, because no
-/// expression reads both.
+/// All inputs except numbers of the sound. The direction is stored as the normal, and the pixel and the index as the
+/// point, because no expression reads both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -108,6 +110,7 @@ const OTHERS: &[InputRow] = &[
         "the pointer in pixels from the lower left corner, and 1 while its button is held, vec3; the centre in stills \
          and videos; in the sky's colour and in `picture`",
     ),
+    row("index", One(Input::X), INDEX, "the number of a point, from 0 to `count` - 1; in swarms"),
     row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];

@@ -15,7 +15,7 @@ pub struct Field {
     /// The value if a scene does not set it.
     pub default: DefaultValue,
     /// The inputs that the value may use.
-    pub(super) uses: u8,
+    pub(super) uses: u16,
     /// The range of the values; `None` except in materials.
     pub range: Option<MaterialRange>,
     /// The description on the language's page.
@@ -49,7 +49,8 @@ impl Field {
     /// True if the field's three numbers are the colour of light or of a surface.
     pub fn is_color(&self) -> bool {
         let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
-        self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient" | "emission"))
+        self.holds == Holds::Vector
+            && (of_material || matches!(self.name, "color" | "ambient" | "emission" | "glow"))
     }
 }
 

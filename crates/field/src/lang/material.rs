@@ -7,7 +7,7 @@ use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::fields::DefaultValue::Each;
 use super::fields::{Field, Holds, MaterialRange, section};
 
-const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
+const SURFACE: u16 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
 section! {
     /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).

@@ -63,7 +63,8 @@ pub use names::{Declaration, Meaning, Names, names};
 pub use origins::{Origins, TextPlace};
 pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
-    Camera, Light, LightKind, Medium, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
+    Camera, Light, LightKind, Medium, MovingTexture, Object, Param, Picture, Scene, Sky, Swarm, TextureRef,
+    ToneMap,
 };
 pub use shape::{ShapeRef, ShapeSource, SongText, TextBaker};
 pub use source::{Place, SourceFile, Sources, Span};

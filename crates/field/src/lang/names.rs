@@ -93,7 +93,7 @@ fn namespace(kind: NameKind) -> Option<Namespace> {
         }
         NameKind::Function => Some(Namespace::Functions),
         NameKind::Material => Some(Namespace::Materials),
-        NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Camera => None,
+        NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera => None,
     }
 }
 

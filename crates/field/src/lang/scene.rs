@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::about::About;
-use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, PIXEL, POINT, SCREEN, TEXTURE};
+use super::builtin::uses::{DIRECTION, EYE, FRAME, INDEX, NOTHING, PIXEL, POINT, SCREEN, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
 use super::material::Material;
@@ -35,6 +35,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The media that fill space, such as fog and clouds.
     pub media: Vec<Medium>,
+    /// The swarms of points.
+    pub swarms: Vec<Swarm>,
     /// The default camera.
     pub camera: Camera,
     /// The named cameras.
@@ -73,7 +75,7 @@ impl Scene {
             && self.distance == other.distance
             && self.materials.iter().map(nameless).eq(other.materials.iter().map(nameless))
             && self.lights == other.lights
-            && self.media == other.media
+            && (&self.media, &self.swarms) == (&other.media, &other.swarms)
             && self.camera == other.camera
             && self.cameras.iter().map(|one| &one.1).eq(other.cameras.iter().map(|one| &one.1))
             && (&self.sky, self.has_own_sky, &self.picture) == (&other.sky, other.has_own_sky, &other.picture)
@@ -171,6 +173,24 @@ section! {
          around a light, towards -1 backward.";
     shape: Number = Each(-1.0), POINT | FRAME | EYE,
         "Distance to the space that the medium fills. Outside of that space there is no medium.";
+}
+
+section! {
+    /// A swarm: many points, such as sparks, dust, rain or fireflies. Each value is a function of the point's number.
+    Swarm {
+        /// The number of points, which [`Swarm::count`] holds as an expression.
+        points: usize,
+    }
+    count: Number = Each(1000.0), NOTHING, "The number of points, a whole number that never changes.";
+    position: Vector = Each(0.0), INDEX | FRAME | EYE, "The place of the point `index`.";
+    size: Number = Each(0.02), INDEX | FRAME | EYE, "Radius of the ball at that place; 0 for no ball.";
+    color: Vector = Each(1.0), INDEX | FRAME | EYE, "The colour of the ball, 0..1.";
+    emission: Vector = Each(0.0), INDEX | FRAME | EYE, "Light that the ball emits.";
+    glow: Vector = Each(0.0), INDEX | FRAME | EYE,
+        "Light that surrounds the place: its strength in the middle. It does not light surfaces.";
+    reach: Number = Each(0.3), INDEX | FRAME | EYE, "Distance at which the glow has faded to 0.";
+    stretch: Vector = Each(0.0), INDEX | FRAME | EYE,
+        "From the place to the end of a streak: ball and glow are drawn out along this way.";
 }
 
 section! {

@@ -127,20 +127,21 @@ pub struct RegionKey {
     shapes: Option<ShapeAtlas>,
 }
 
+/// The inputs that expressions read, besides the point.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Reads {
+pub(crate) struct Reads {
     inputs: Vec<Input>,
     tables: BTreeSet<Op>,
 }
 
 impl Reads {
-    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
+    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
         let used = graph.inputs_used(roots)?;
         let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
         Ok(Self { inputs, tables: used.tables })
     }
 
-    fn key(&self, inputs: &FrameInputs) -> RegionKey {
+    pub(crate) fn key(&self, inputs: &FrameInputs) -> RegionKey {
         let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
         let (mut tables, mut shapes) = (Vec::new(), None);
         for op in &self.tables {

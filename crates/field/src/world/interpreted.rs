@@ -20,7 +20,7 @@
 //! are also computed for the neighbouring pixels. If a texture's coordinates depend on a second texture, the second
 //! texture is sampled first.
 
-use super::{Bounds, ShortPrograms, World, WorldError, WorthShortening};
+use super::{Bounds, ShortPrograms, SwarmPlan, World, WorldError, WorthShortening};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
 use crate::lang::{Material, SURFACE_NUMBERS};
 use crate::region::MediumPlan;
@@ -47,6 +47,7 @@ pub struct TapeBuffers {
     programs: Vec<Program>,
     of_objects: Vec<[usize; 2]>,
     medium: Option<MediumPlan>,
+    swarm: Option<SwarmPlan>,
     bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
@@ -218,6 +219,11 @@ impl TapeBuffers {
         self.medium.as_ref()
     }
 
+    /// Returns the plan of the swarms; `None` without swarms.
+    pub fn swarm(&self) -> Option<&SwarmPlan> {
+        self.swarm.as_ref()
+    }
+
     pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {
         self.programs.iter().map(|program| &program.plan)
     }
@@ -320,6 +326,7 @@ impl World {
             programs,
             of_objects,
             medium,
+            swarm: SwarmPlan::of(&self.scene).map_err(failed)?,
             bounds: self.bounds,
             cost,
         })

@@ -23,6 +23,7 @@ mod outermost;
 mod planes;
 mod scene_features;
 mod shortening;
+mod swarm;
 mod validate;
 mod warning;
 
@@ -36,6 +37,7 @@ pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
+pub use swarm::{POINT_TEXELS_MAX, SwarmPlan, SwarmView, WIDEST};
 // The kinds of lights, and the tone maps.
 pub use crate::lang::{LightKind, ToneMap};
 

@@ -25,6 +25,8 @@ pub struct SceneFeatures {
     pub pixel: bool,
     /// Fog and other media.
     pub media: bool,
+    /// Swarms of points.
+    pub swarm: bool,
     /// Glass.
     pub glass: bool,
     /// Translucent bodies.
@@ -46,14 +48,22 @@ impl SceneFeatures {
         blend: true,
         pixel: true,
         media: true,
+        swarm: true,
         glass: true,
         translucent: true,
         sheen: true,
         bounce: true,
     };
     /// All features except those whose code few scenes need.
-    pub const USUAL: Self =
-        Self { media: false, glass: false, translucent: false, sheen: false, bounce: false, ..Self::ALL };
+    pub const USUAL: Self = Self {
+        media: false,
+        swarm: false,
+        glass: false,
+        translucent: false,
+        sheen: false,
+        bounce: false,
+        ..Self::ALL
+    };
 
     pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
@@ -69,6 +79,7 @@ impl SceneFeatures {
             lens: some(scene.camera.aperture),
             blend,
             media,
+            swarm: !scene.swarms.is_empty(),
             glass,
             translucent: any(|material| material.translucent),
             sheen: any(|material| material.film) || any(|material| material.velvet),
@@ -84,8 +95,8 @@ impl SceneFeatures {
 
     /// Returns these features and all usual ones.
     pub fn with_usual(self) -> Self {
-        let Self { media, glass, translucent, sheen, bounce, .. } = self;
-        Self { media, glass, translucent, sheen, bounce, ..Self::USUAL }
+        let Self { media, swarm, glass, translucent, sheen, bounce, .. } = self;
+        Self { media, swarm, glass, translucent, sheen, bounce, ..Self::USUAL }
     }
 
     /// Returns the shader defines of these features.
@@ -99,6 +110,7 @@ impl SceneFeatures {
             (self.blend, "BLEND"),
             (self.pixel, "PIXEL"),
             (self.media, "MEDIA"),
+            (self.swarm, "SWARM"),
             (self.glass, "GLASS"),
             (self.translucent, "TRANSLUCENT"),
             (self.sheen, "SHEEN"),

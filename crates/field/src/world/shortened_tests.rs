@@ -270,6 +270,7 @@ proptest! {
         let variant = Variant::of(program.tapes(), false);
         let buffers = TapeBuffers {
             medium: None,
+            swarm: None,
             software_variant: variant.clone(),
             variant: Variant { compounds: Compounds::ALL, ..variant },
             programs: vec![program],

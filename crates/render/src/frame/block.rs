@@ -11,7 +11,7 @@ use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
-use mariana_field::world::{LightKind, PLANES_MAX, World};
+use mariana_field::world::{LightKind, PLANES_MAX, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
@@ -32,7 +32,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 14] {
+pub fn block_defines() -> [String; 15] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -45,6 +45,7 @@ pub fn block_defines() -> [String; 14] {
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
         format!("PART_NUMBERS {}", PartInput::COUNT),
         format!("MEDIUM_SIDE {MEDIUM_SIDE}"),
+        format!("SWARM_WIDEST {WIDEST:?}"),
         format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
         format!("SHAPE_STEP {SHAPE_STEP:?}"),
         format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),
@@ -111,7 +112,12 @@ impl Frame {
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth()],
             [screen_width, screen_height, screen_width / eye_width as f32, screen_height / eye_height as f32],
-            [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
+            [
+                pointer(MouseX),
+                pointer(MouseY),
+                pointer(MousePressed),
+                sound_tables::first_of_swarm(inputs, medium) as f32,
+            ],
             projection.map(|value| value as f32),
             media[0],
             media[1],

@@ -19,7 +19,7 @@ use held_inputs::HeldInputs;
 use image::RgbaImage;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, Screen, TableData};
-use mariana_field::world::{FrameValues, World};
+use mariana_field::world::{FrameValues, SwarmView, World};
 pub use mariana_music::Sound;
 use mariana_music::{Features, HISTORY_POINTS, SongMoment};
 use orbit_controls::OrbitControls;
@@ -112,6 +112,14 @@ impl Frame {
         };
         frame.see_from(world, projection.aspect(size), OrbitControls::OFF);
         frame
+    }
+
+    /// The eye that sees the swarms.
+    pub fn swarm_view(&self) -> SwarmView {
+        SwarmView {
+            eye: self.camera.position.as_vec3().to_array(),
+            pixel: self.projection.pixel_radius(&self.camera, self.size) as f32,
+        }
     }
 
     /// Changes the projection. For two eyes, the frame contains two pictures.

@@ -1,8 +1,8 @@
 //! Packs the tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history, then the grid
-//! over the media, then texts and pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes
-//! find it at constant places.
+//! over the media, then texts and pictures as shapes (`shaders/scene_inputs.glsl`), then the swarms. The sound comes
+//! first, so that scenes find it at constant places.
 
-use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
+use mariana_field::graph::{FrameInputs, Op, PartInput, SHAPE_COLUMNS, TableData};
 use mariana_field::region::MediumGrid;
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
@@ -25,6 +25,12 @@ const HISTORY_ROWS_MIN: usize = 4;
 /// [`SHAPE_COLUMNS`](mariana_field::graph::SHAPE_COLUMNS) texels: one with the shapes' numbers, then the patches.
 pub fn first_shape(inputs: &FrameInputs, medium: Option<&MediumGrid>) -> usize {
     texel_count(inputs) + medium.map_or(0, |grid| grid.densities.len() / 4)
+}
+
+/// Returns the first texel of the swarms.
+pub fn first_of_swarm(inputs: &FrameInputs, medium: Option<&MediumGrid>) -> usize {
+    let rows = inputs.shapes.rows();
+    first_shape(inputs, medium) + if rows > 0 { (rows + 1) * SHAPE_COLUMNS } else { 0 }
 }
 
 /// Number of texels of the sound, after which the grid over the media begins, four cells in a texel.

@@ -34,6 +34,7 @@ pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;
 pub mod stand_ins;
+mod swarm;
 pub mod target;
 pub mod texel_list;
 pub mod texture;

@@ -17,6 +17,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
+use super::swarm;
 use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
 use super::texture;
 use super::tiles::Costs;
@@ -29,7 +30,7 @@ use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::lang::TextureRef;
 use mariana_field::region::{MediumGrid, Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
-    ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
+    ShortPrograms, ShortenOptions, ShortenRequest, SwarmView, TapeBuffers, World, WorthShortening,
 };
 
 /// An uploaded world.
@@ -68,6 +69,8 @@ pub struct RegionRequest {
     pub programs: ShortenRequest,
     /// The inputs that the media read; `None` without media.
     pub medium: Option<RegionKey>,
+    /// The inputs that the swarms read, and their eye; `None` without swarms.
+    pub swarm: Option<(RegionKey, SwarmView)>,
 }
 
 /// Built regions with their request.
@@ -81,6 +84,8 @@ pub struct BuiltRegions {
     pub programs: ShortPrograms,
     /// The grid over the media; `None` without media.
     pub medium: Option<Arc<MediumGrid>>,
+    /// The texels of the swarms; `None` without swarms.
+    pub swarm: Option<Arc<Vec<[f32; 4]>>>,
     /// The build time.
     pub time: Duration,
     /// The tree's build time multiplied by the number of threads. A reused tree keeps its build time.
@@ -102,7 +107,8 @@ impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
     pub fn of((plan, buffers): (&RegionPlan, &TapeBuffers), frame: &Frame, options: RegionOptions) -> Self {
         let medium = buffers.medium().map(|medium| medium.key(&frame.inputs));
-        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium }
+        let swarm = buffers.swarm().map(|swarm| (swarm.key(&frame.inputs), frame.swarm_view()));
+        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium, swarm }
     }
 
     fn has_tree_of(&self, other: &Self) -> bool {
@@ -110,7 +116,9 @@ impl RegionRequest {
     }
 
     fn is_served_by(&self, other: &Self) -> bool {
-        self.has_tree_of(other) && self.medium == other.medium && self.programs.is_served_by(&other.programs)
+        self.has_tree_of(other)
+            && (&self.medium, &self.swarm) == (&other.medium, &other.swarm)
+            && self.programs.is_served_by(&other.programs)
     }
 
     fn has_medium_of(&self, other: &Self) -> bool {
@@ -166,7 +174,16 @@ impl RegionMaker {
         } else {
             ShortPrograms::default()
         };
-        BuiltRegions { regions, programs, medium, time: start.elapsed(), work, request }
+        let known = self.last.as_ref().filter(|last| last.request.swarm == request.swarm);
+        let swarm = match known {
+            Some(last) => last.swarm.clone(),
+            None => self
+                .buffers
+                .swarm()
+                .zip(request.swarm.as_ref())
+                .map(|(plan, (_, view))| Arc::new(swarm::texels(plan, &frame.inputs, view, texels_max))),
+        };
+        BuiltRegions { regions, programs, medium, swarm, time: start.elapsed(), work, request }
     }
 }
 
@@ -177,7 +194,7 @@ const QUICK_TREE: Duration = Duration::from_millis(3);
 /// Maximum number of threads that build a tree. Each thread has its own tapes.
 const THREADS_MAX: usize = 4;
 
-fn processors() -> usize {
+pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
 
@@ -383,8 +400,9 @@ impl SceneResources {
             self.on_gpu.tape.replace(&bytes_of(&texels));
             self.worth.borrow_mut().pass_frame();
         }
-        let medium = self.regions().and_then(|built| built.medium.clone());
-        self.on_gpu.upload_tables(inputs, medium, self.hears_tables);
+        let (medium, swarm) =
+            self.regions().map_or((None, None), |built| (built.medium.clone(), built.swarm.clone()));
+        self.on_gpu.upload_tables(inputs, medium, swarm, self.hears_tables);
         Ok(())
     }
 
@@ -463,6 +481,8 @@ pub(super) struct SceneLists {
     shapes: RefCell<(usize, ShapeAtlas)>,
     /// The uploaded grid over the media.
     medium: RefCell<Option<Arc<MediumGrid>>>,
+    /// The uploaded swarms.
+    swarm: RefCell<Option<Arc<Vec<[f32; 4]>>>>,
 }
 
 impl SceneLists {
@@ -473,29 +493,43 @@ impl SceneLists {
             sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
             shapes: RefCell::new((0, ShapeAtlas::NONE)),
             medium: RefCell::new(None),
+            swarm: RefCell::new(None),
         })
     }
 
-    /// Uploads the texts and pictures and the grid over the media if they have changed, and the tables of the sound if
+    /// Uploads the texts and pictures, the grid over the media and the swarms if they have changed, and the tables of the sound if
     /// the scene reads them.
-    fn upload_tables(&self, inputs: &FrameInputs, medium: Option<Arc<MediumGrid>>, hears_tables: bool) {
+    fn upload_tables(
+        &self,
+        inputs: &FrameInputs,
+        medium: Option<Arc<MediumGrid>>,
+        swarm: Option<Arc<Vec<[f32; 4]>>>,
+        hears_tables: bool,
+    ) {
         let first = sound_tables::first_shape(inputs, medium.as_deref());
         let are_known = {
             let (place, shapes) = &*self.shapes.borrow();
-            *shapes == inputs.shapes && (shapes.rows() == 0 || *place == first)
+            let is_placed = shapes.rows() > 0 || medium.is_some() || swarm.is_some();
+            *shapes == inputs.shapes && (!is_placed || *place == first)
         };
-        let is_same = *self.medium.borrow() == medium;
+        let is_same_swarm = match (&*self.swarm.borrow(), &swarm) {
+            (Some(known), Some(swarm)) => Arc::ptr_eq(known, swarm),
+            (known, swarm) => known.is_none() && swarm.is_none(),
+        };
+        let is_same = is_same_swarm && *self.medium.borrow() == medium;
         if are_known && is_same && !hears_tables {
             return;
         }
         let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
         bytes.extend(medium.iter().flat_map(|grid| floats_as_bytes(grid.densities.as_chunks::<4>().0)));
         *self.medium.borrow_mut() = medium;
-        if are_known && inputs.shapes.rows() > 0 {
+        if are_known && is_same_swarm && inputs.shapes.rows() > 0 {
             self.sound_tables.replace_start(&bytes);
             return;
         }
         bytes.extend(floats_as_bytes(&inputs.shapes.texels()));
+        bytes.extend(swarm.iter().flat_map(|texels| floats_as_bytes(texels)));
+        *self.swarm.borrow_mut() = swarm;
         self.sound_tables.replace(&bytes);
         *self.shapes.borrow_mut() = (first, inputs.shapes.clone());
     }

@@ -160,7 +160,7 @@ impl<'a> SceneBuilder<'a> {
 
     /// Lowers functions that the scene never calls, with unknown arguments, to find their mistakes.
     pub(super) fn check_the_unused(&mut self) {
-        self.lowering.within(u8::MAX, "", |this| {
+        self.lowering.within(u16::MAX, "", |this| {
             for index in 0..this.declared.functions.len() {
                 if this.reports.stopped || std::mem::replace(&mut this.declared.functions[index].called, true)
                 {

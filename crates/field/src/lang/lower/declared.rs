@@ -66,7 +66,7 @@ pub(super) struct GlobalLet {
     pub span: Span,
     pub value: ExprId,
     /// The value and the inputs that it uses, as bits of `uses`; `None` until it is lowered.
-    pub known: Option<(Value, u8)>,
+    pub known: Option<(Value, u16)>,
     /// The notes of the text that computes the value (see `lang::origins`).
     pub by: Stretch,
     /// True while the value is being lowered.

@@ -39,13 +39,13 @@ pub(super) struct Lowering<'a> {
 
 /// The allowed inputs and the used inputs of the current section or let, as bits of [`uses`].
 pub(super) struct Inputs {
-    pub allowed: u8,
+    pub allowed: u16,
     pub place: &'static str,
-    pub used: u8,
+    pub used: u16,
 }
 
 impl Inputs {
-    pub(super) fn take(&mut self, kind: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
+    pub(super) fn take(&mut self, kind: u16, symbol: Symbol, span: Span, reports: &mut Reports) {
         self.used |= kind;
         let missing = kind & !self.allowed;
         if missing != 0 {
@@ -54,10 +54,14 @@ impl Inputs {
     }
 
     #[cold]
-    fn not_here(&self, missing: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
+    fn not_here(&self, missing: u16, symbol: Symbol, span: Span, reports: &mut Reports) {
         let name = reports.names.name(symbol);
         let here = self.place;
         let (message, hint) = match missing {
+            _ if missing & uses::POINT != 0 && self.allowed & uses::INDEX != 0 => (
+                format!("the points of a swarm have numbers, so `{name}` has no value here"),
+                "write a function of `index`, as in `10 * hash_3(vec3(index, 0, 0))`",
+            ),
             _ if missing & uses::POINT != 0 => (
                 format!("{here} is the same at all points, so `{name}` has no value here"),
                 "positions are available in shapes and materials",
@@ -80,6 +84,10 @@ impl Inputs {
             _ if missing & uses::PIXEL != 0 => (
                 format!("{here} cannot depend on `{name}`, which is a place in the picture"),
                 "pixels are available in the sky's colour and in `warp`; shapes and materials have the point `p`",
+            ),
+            _ if missing & uses::INDEX != 0 => (
+                format!("{here} has no points that are numbered, so `{name}` has no value here"),
+                "numbers of points are available in a `swarm`",
             ),
             _ if missing & uses::SCREEN != 0 => (
                 format!(
@@ -272,7 +280,7 @@ impl<'a> Lowering<'a> {
         let outside =
             (self.inputs.used, self.inputs.allowed, self.scope.frame, self.ast, self.reports.library_call);
         (self.inputs.used, self.inputs.allowed, self.scope.frame) =
-            (uses::NOTHING, u8::MAX, self.scope.bindings.len());
+            (uses::NOTHING, u16::MAX, self.scope.bindings.len());
         (self.ast, self.reports.library_call) = (self.scene_ast, None);
         self.reports.calls.push((name, span));
         let from = self.origins.mark();
@@ -303,7 +311,7 @@ impl<'a> Lowering<'a> {
     /// Runs `lower` with this set of allowed inputs; `place` names the section in messages.
     pub(super) fn within<T>(
         &mut self,
-        allowed: u8,
+        allowed: u16,
         place: &'static str,
         lower: impl FnOnce(&mut Self) -> T,
     ) -> T {

@@ -8,7 +8,7 @@ use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
 use super::super::origins::Stretch;
-use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky};
+use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky, Swarm};
 use super::super::source::{Sources, Span};
 use super::lowering::Lowering;
 use super::sections::Values;
@@ -20,6 +20,7 @@ pub(super) struct Parts {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub media: Vec<Medium>,
+    pub swarms: Vec<Swarm>,
     pub camera: Option<Camera>,
     pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
@@ -96,6 +97,7 @@ impl<'a> SceneBuilder<'a> {
             materials: self.parts.materials,
             lights: self.parts.lights,
             media: self.parts.media,
+            swarms: self.parts.swarms,
             camera,
             cameras: self.parts.cameras,
             sky,
@@ -113,7 +115,7 @@ impl<'a> SceneBuilder<'a> {
 
     /// Lowers all lets in the order of the text. A chain of lets that use each other then needs no deep recursion.
     fn lower_lets(&mut self) {
-        self.lowering.within(u8::MAX, "", |this| {
+        self.lowering.within(u16::MAX, "", |this| {
             for index in 0..this.declared.lets.len() {
                 let span = this.declared.lets[index].span;
                 if this.declared.lets[index].known.is_none() && !this.reports.stopped {
@@ -150,7 +152,9 @@ impl<'a> SceneBuilder<'a> {
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
-        if distance.is_none() && (self.parts.sky.is_some() || !self.parts.media.is_empty()) {
+        let is_seen =
+            self.parts.sky.is_some() || !self.parts.media.is_empty() || !self.parts.swarms.is_empty();
+        if distance.is_none() && is_seen {
             // Shaders need a material, even if no ray meets a surface.
             self.default_material();
             return Some(self.lowering.constant(NOWHERE));

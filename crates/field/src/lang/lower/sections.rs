@@ -10,7 +10,7 @@ use super::super::diagnostic::Diagnostic;
 use super::super::fields::{DefaultValue, Field, Holds};
 use super::super::material::Material;
 use super::super::origins::Stretch;
-use super::super::scene::{Camera, Light, Medium, Picture, Sky, ToneMap};
+use super::super::scene::{Camera, Light, Medium, Picture, Sky, Swarm, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -44,7 +44,7 @@ const OBJECT: &[Field] = &[
     ),
 ];
 
-const fn of_object(name: &'static str, holds: Holds, uses: u8, doc: &'static str) -> Field {
+const fn of_object(name: &'static str, holds: Holds, uses: u16, doc: &'static str) -> Field {
     Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc }
 }
 
@@ -54,6 +54,7 @@ fn fields(section: Section) -> &'static [Field] {
         Section::Material => Material::FIELDS,
         Section::Light => Light::FIELDS,
         Section::Medium => Medium::FIELDS,
+        Section::Swarm => Swarm::FIELDS,
         Section::Camera => Camera::FIELDS,
         Section::Sky => Sky::FIELDS,
         Section::Picture => Picture::FIELDS,
@@ -61,11 +62,12 @@ fn fields(section: Section) -> &'static [Field] {
     }
 }
 
-const SECTIONS: [Section; 8] = [
+const SECTIONS: [Section; 9] = [
     Section::Object,
     Section::Material,
     Section::Light,
     Section::Medium,
+    Section::Swarm,
     Section::Camera,
     Section::Sky,
     Section::Picture,
@@ -87,6 +89,7 @@ pub(in crate::lang) fn word(section: Section) -> &'static str {
         Section::Material => "material",
         Section::Light => "light",
         Section::Medium => "medium",
+        Section::Swarm => "swarm",
         Section::Camera => "camera",
         Section::Sky => "sky",
         Section::Picture => "picture",
@@ -100,6 +103,7 @@ fn place(section: Section) -> &'static str {
         Section::Material => "a material",
         Section::Light => "a light",
         Section::Medium => "a medium",
+        Section::Swarm => "a swarm",
         Section::Camera => "the camera",
         Section::Sky => "the sky",
         Section::Picture => "the picture",
@@ -167,6 +171,7 @@ impl SceneBuilder<'_> {
                     self.parts.media.push(Medium::of(medium));
                 }
             }
+            Section::Swarm => self.swarm(span, values),
             Section::Camera => {
                 let camera = Camera::of(self.lowering.numbers(Camera::FIELDS, values));
                 let max = self.lowering.limits.scene_cameras_max;
@@ -199,6 +204,49 @@ impl SceneBuilder<'_> {
                 only(&mut self.lowering.reports, &mut self.parts.about, about, section, span);
             }
         }
+    }
+
+    fn swarm(&mut self, span: Span, values: &Values) {
+        let limits = self.lowering.limits;
+        let (max, points_max) = (limits.scene_swarms_max, limits.scene_swarm_points_max);
+        if self.parts.swarms.len() >= max {
+            let message = format!("the scene has more than {max} swarms");
+            self.lowering.reports.stop(span, message, "let `index` decide what each point of one swarm does");
+            return;
+        }
+        let numbers = self.lowering.numbers(Swarm::FIELDS, values);
+        let swarm = Swarm::of(0, numbers);
+        if values.broken {
+            return;
+        }
+        let place = values.given("count").map_or(span, |(_, place)| place);
+        let Some(count) = self.lowering.known(swarm.count) else {
+            // An input in the field itself was already reported.
+            if self.lowering.reports.diagnostics.is_empty() {
+                let wrong = Diagnostic::new(place, "`count` must be a number that never changes");
+                self.lowering.reports.add(wrong.hint("write a number, as in `count = 10000`"));
+            }
+            return;
+        };
+        if !(count >= 1.0 && count.fract() == 0.0) {
+            let message =
+                format!("`count` must be a whole number of points, at least 1, but this is {count}");
+            self.lowering
+                .reports
+                .add(Diagnostic::new(place, message).hint("write a number, as in `count = 10000`"));
+            return;
+        }
+        // A count is saturated, and the sum of a few cannot overflow.
+        let points = (count as usize).min(u32::MAX as usize);
+        let all = self.parts.swarms.iter().fold(points, |all, other| all.saturating_add(other.points));
+        if all > points_max {
+            let message =
+                format!("the swarms of a scene can have {points_max} points together, but these are {all}");
+            let hint = "lower `count`; fewer, larger points with more `glow` look as dense";
+            self.lowering.reports.add(Diagnostic::over_limit(place, message).hint(hint));
+            return;
+        }
+        self.parts.swarms.push(Swarm { points, ..swarm });
     }
 
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {

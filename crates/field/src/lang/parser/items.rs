@@ -23,6 +23,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("material", Keyword::Section(Section::Material)),
     ("light", Keyword::Section(Section::Light)),
     ("medium", Keyword::Section(Section::Medium)),
+    ("swarm", Keyword::Section(Section::Swarm)),
     ("camera", Keyword::Section(Section::Camera)),
     ("sky", Keyword::Section(Section::Sky)),
     ("picture", Keyword::Section(Section::Picture)),
@@ -43,6 +44,7 @@ fn named(section: Section) -> Option<NameKind> {
         Section::Material => Some(NameKind::Material),
         Section::Light => Some(NameKind::Light),
         Section::Medium => Some(NameKind::Medium),
+        Section::Swarm => Some(NameKind::Swarm),
         Section::Camera => Some(NameKind::Camera),
         Section::Sky | Section::Picture | Section::About => None,
     }
@@ -148,8 +150,8 @@ impl Parser<'_> {
                 }
                 Some(_) => unknown.did_you_mean(near),
                 None => unknown.hint(
-                    "keywords are `object`, `material`, `light`, `camera`, `sky`, `picture`, \
-                     `about`, `param`, `include`, `fn` and `let`",
+                    "keywords are `object`, `material`, `light`, `medium`, `swarm`, `camera`, `sky`, \
+                     `picture`, `about`, `param`, `include`, `fn` and `let`",
                 ),
             };
             self.report(diagnostic);
@@ -389,10 +391,10 @@ impl Parser<'_> {
     fn section(&mut self, section: Section) -> Option<Item> {
         let head = self.advance().span;
         let mut name = None;
-        if matches!(section, Section::Object | Section::Material | Section::Light | Section::Medium) {
-            name = Some(self.name("a name")?);
-        } else if section == Section::Camera {
+        if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };
+        } else if named(section).is_some() {
+            name = Some(self.name("a name")?);
         } else if self.token().is_name() {
             let wrong = self.expected("`{`");
             self.report(wrong.hint("`sky`, `picture` and `about` have no names: a scene has one of each"));

@@ -24,6 +24,8 @@ mod slopes;
 #[cfg(test)]
 mod statements;
 #[cfg(test)]
+mod swarms;
+#[cfg(test)]
 mod warnings;
 
 #[cfg(test)]

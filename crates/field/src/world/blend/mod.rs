@@ -28,7 +28,7 @@ pub use portal::PortalShape;
 use super::media::MediumRoots;
 use super::{Bounds, FrameTape, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
-use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, TransitionStyle};
+use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, Swarm, TransitionStyle};
 use crate::limits::LIMITS;
 use side::{Before, Side, Steps};
 
@@ -169,7 +169,7 @@ impl World {
         let glow = glow(&mut graph, (&a, &b), reach, s);
         let medium = medium(&mut graph, (&a, &b), s);
         let picture = picture(&mut graph, &a.picture, &b.picture, s);
-        let lights = lights(&mut graph, (&a, &b), s);
+        let (lights, swarms) = (lights(&mut graph, (&a, &b), s), swarms(&mut graph, (&a, &b), s));
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
@@ -181,6 +181,7 @@ impl World {
             materials: vec![Material::of(String::new(), material)],
             lights,
             media: Vec::new(),
+            swarms,
             camera,
             cameras: Vec::new(),
             sky,
@@ -246,6 +247,12 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
         ("lights", counts(|world| world.scene.lights.len()), LIMITS.scene_lights_max),
         ("pictures", counts(|world| world.pictures.len()), textures_max),
         ("texts and pictures as shapes", counts(|world| world.scene.shapes.len()), LIMITS.scene_shapes_max),
+        ("swarms", counts(|world| world.scene.swarms.len()), LIMITS.scene_swarms_max),
+        (
+            "points in swarms",
+            counts(|world| world.scene.swarms.iter().map(|swarm| swarm.points).sum()),
+            LIMITS.scene_swarm_points_max,
+        ),
         ("parameters", counts(|world| world.scene.params.len()) + fraction, LIMITS.scene_params_max),
     ] {
         if count > max {
@@ -379,6 +386,22 @@ fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
         }
     }
     lights
+}
+
+/// Returns the swarms of both sides. Balls shrink and light fades with the fraction.
+fn swarms(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Swarm> {
+    let one = graph.constant(1.0);
+    let rest = graph.sub(one, s);
+    let mut swarms: Vec<Swarm> = Vec::with_capacity(a.swarms.len() + b.swarms.len());
+    for (side, fraction) in [(a, rest), (b, s)] {
+        for swarm in &side.swarms {
+            let [emission, glow] =
+                [swarm.emission, swarm.glow].map(|light| light.map(|part| graph.mul(part, fraction)));
+            let size = graph.mul(swarm.size, fraction);
+            swarms.push(Swarm { size, emission, glow, ..swarm.clone() });
+        }
+    }
+    swarms
 }
 
 /// Mixes image settings. The tone map cannot be mixed, so it changes at the middle.

@@ -5,7 +5,7 @@ use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
-use crate::lang::{Camera, Light, Picture, Scene, Sky};
+use crate::lang::{Camera, Light, Picture, Scene, Sky, Swarm};
 use crate::world::World;
 
 /// The numbers of things of the first world, which precede the things of the second world.
@@ -36,6 +36,7 @@ pub(super) struct Side {
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) medium: Option<MediumRoots>,
     pub(super) lights: Vec<Light>,
+    pub(super) swarms: Vec<Swarm>,
     pub(super) camera: Camera,
     /// Parameters in the blend's order: 0 for those before this side's own, then this scene's defaults.
     pub(super) params: Vec<f32>,
@@ -100,6 +101,7 @@ impl Side {
                     Light { position, direction, right, up, ..light }
                 })
                 .collect(),
+            swarms: swarms(graph, &scene, before, alignment)?,
             camera: {
                 let camera = Camera::of(all(scene.camera.numbers()));
                 let [position, target] =
@@ -125,6 +127,25 @@ impl Side {
 
 /// Expressions of the traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
+
+/// Copies the swarms of a scene. The number of a point is the x of its expressions, so it stays in its place.
+fn swarms(
+    graph: &mut Graph,
+    scene: &Scene,
+    before: Before,
+    alignment: &Alignment,
+) -> Result<Vec<Swarm>, GraphError> {
+    let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
+    let own = Own { point: position(graph), ..Own::of(graph, alignment) };
+    let copies = copied_roots(graph, (&scene.graph, &roots), before, &|input| own.value(input))?;
+    let copied = scene.swarms.iter().map(|swarm| {
+        let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| at_index(&copies, id)));
+        let position = alignment.common_point(graph, own.position);
+        let stretch = alignment.common_direction(graph, own.stretch);
+        Swarm { position, stretch, ..own }
+    });
+    Ok(copied.collect())
+}
 
 #[derive(Clone, Copy)]
 struct Own {

@@ -1,0 +1,279 @@
+//! Swarms: sparks, dust, rain, fireflies. The points of a frame are computed on the CPU, and rays find them by trees.
+//!
+//! ```text
+//! number of a point → tape → place, radius, colours → two trees of boxes → texels
+//! ```
+//!
+//! | texel | holds |
+//! |---|---|
+//! | 0 | of the balls, then of everything faint: the first texel of the tree and the number of its nodes |
+//! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
+//! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
+//! | | upper corner; 0, or the texel of the only point in the box |
+//! | a point | place, radius |
+//! | | the way along which it is stretched; its colour, a byte for each part |
+//! | | its light; 1 for a ball |
+//!
+//! The nodes are in the order of a walk through the whole tree. Points are sorted along a curve that
+//! fills space (Morton 1966), and a box is cut where the curve leaves one half of space (Lauterbach et al. 2009).
+//!
+//! Faint are glow, and balls that are thinner than [`THIN`] pixels. They are drawn at least as wide as a pixel, and fainter
+//! instead; boxes contain this width. Rays sum them in any order.
+
+use std::ops::Range;
+
+use super::media::facing;
+use crate::bounds::Bounds;
+use crate::graph::{FrameInputs, NodeId, Point};
+use crate::lang::{Scene, Swarm};
+use crate::limits::{LIMITS, Limits};
+use crate::region::{Reads, RegionKey};
+use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
+
+/// A mirrored point is seen from at most this multiple of its distance from the eye. Beyond it, pixels are wider than
+/// the point is drawn, and it may flicker.
+pub const WIDEST: f32 = 2.0;
+
+/// A ball is thin if its diameter is less than this number of pixels.
+const THIN: f32 = 2.0;
+/// Points with a larger number in any value are left out, and so are points beyond these coordinates.
+const LARGEST: f32 = 1e6;
+/// Texels before the first tree.
+const HEAD: usize = 7;
+const NODE_TEXELS: usize = 2;
+const POINT_TEXELS: usize = 3;
+/// Bits of a coordinate on the curve.
+const CURVE_BITS: u32 = 10;
+
+/// The parts of a scene's swarms that all frames share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SwarmPlan {
+    swarms: Vec<(usize, Tape)>,
+    /// The ambient light along the axes.
+    ambient: Tape,
+    reads: Reads,
+}
+
+/// The eye that sees a swarm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SwarmView {
+    /// Its position.
+    pub eye: [f32; 3],
+    /// Half of a pixel's width at distance 1.
+    pub pixel: f32,
+}
+
+impl SwarmPlan {
+    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, TapeError> {
+        if scene.swarms.is_empty() {
+            return Ok(None);
+        }
+        // The limit on outputs is for shaders, which do not run these tapes.
+        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
+        let options = TapeOptions { limits, ..TapeOptions::default() };
+        let mut graph = scene.graph.clone();
+        let mut ambient = Vec::new();
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                let mut normal = [0.0; 3];
+                normal[axis] = sign;
+                ambient.extend(facing(&mut graph, &scene.sky.ambient, normal)?);
+            }
+        }
+        let numbers = scene.swarms.iter().flat_map(Swarm::numbers);
+        let all: Vec<NodeId> = numbers.chain(ambient.iter().copied()).collect();
+        let tape = |swarm: &Swarm| Ok((swarm.points, Tape::build(&graph, &swarm.numbers(), &options)?));
+        Ok(Some(Self {
+            swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
+            ambient: Tape::build(&graph, &ambient, &options)?,
+            reads: Reads::of(&graph, &all)?,
+        }))
+    }
+
+    /// Returns the inputs that determine a frame's points.
+    pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
+        self.reads.key(inputs)
+    }
+
+    /// Number of points of all swarms.
+    pub fn len(&self) -> usize {
+        self.swarms.iter().map(|(count, _)| count).sum()
+    }
+
+    /// True if there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Computes a part of the points of a frame. Points that are invalid or invisible are left out.
+    pub fn points(&self, inputs: &FrameInputs, part: Range<usize>) -> Vec<Swarm<f32>> {
+        let mut points = Vec::with_capacity(part.len());
+        let mut first = 0;
+        for (count, tape) in &self.swarms {
+            let own = part.start.max(first)..part.end.min(first + count);
+            if !own.is_empty() {
+                let index: Vec<f32> = own.map(|number| (number - first) as f32).collect();
+                let zero = vec![0.0; index.len()];
+                let columns =
+                    Batch::new(tape, inputs).run(Points { position: [&index, &zero, &zero], normal: None });
+                let row =
+                    |at: usize| columns.iter().map(move |column| column.get(at).copied().unwrap_or(f32::NAN));
+                points.extend((0..index.len()).filter_map(|at| checked(Swarm::of(1, row(at)))));
+            }
+            first += count;
+        }
+        points
+    }
+
+    /// Returns the texels of a frame's points.
+    pub fn texels(&self, points: &[Swarm<f32>], inputs: &FrameInputs, view: &SwarmView) -> Vec<[f32; 4]> {
+        let mut texels = vec![[0.0; 4]; HEAD];
+        let mut ambient = PointEvaluator::new(&self.ambient, inputs);
+        let light = ambient.at(&Point::default()).as_chunks::<3>().0;
+        for (texel, [r, g, b]) in texels.iter_mut().skip(1).zip(light) {
+            *texel = [*r, *g, *b, 0.0].map(|part| if part > 0.0 { part.min(LARGEST) } else { 0.0 });
+        }
+        let bodies = points.iter().flat_map(|point| Body::all_of(point, view));
+        let (faint, balls): (Vec<_>, Vec<_>) = bodies.partition(|body| body.is_faint);
+        let [first_ball, ball_nodes] = append_tree(balls, &mut texels);
+        let [first_faint, faint_nodes] = append_tree(faint, &mut texels);
+        let head = [first_ball, ball_nodes, first_faint, faint_nodes].map(|number| number as f32);
+        texels.splice(..1, [head]);
+        texels
+    }
+}
+
+/// Most texels that a point may take.
+pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS);
+
+/// Returns the point with its values in their ranges; `None` if one of them is not a number or too large.
+fn checked(point: Swarm<f32>) -> Option<Swarm<f32>> {
+    let is_sound = point.numbers().iter().all(|number| number.abs() <= LARGEST);
+    let positive = |light: [f32; 3]| light.map(|part| part.max(0.0));
+    is_sound.then(|| Swarm {
+        color: point.color.map(|part| part.clamp(0.0, 1.0)),
+        emission: positive(point.emission),
+        glow: positive(point.glow),
+        ..point
+    })
+}
+
+/// A ball or the glow of a point.
+#[derive(Debug, Clone, Copy)]
+struct Body<'a> {
+    point: &'a Swarm<f32>,
+    radius: f32,
+    light: [f32; 3],
+    is_ball: bool,
+    is_faint: bool,
+    bounds: Bounds,
+    /// The place of its middle on the curve.
+    place: u32,
+}
+
+impl<'a> Body<'a> {
+    /// Returns what is visible of a point.
+    fn all_of(point: &'a Swarm<f32>, view: &SwarmView) -> impl Iterator<Item = Self> {
+        let away = |axis: usize| point.position[axis] - view.eye[axis];
+        let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f32>().sqrt();
+        let pixel = view.pixel * distance;
+        let body = move |radius: f32, light: [f32; 3], is_ball: bool| {
+            // The widths at which shaders draw glow and thin balls. Shaders round differently.
+            let widest = WIDEST * pixel;
+            let drawn = if is_ball { radius.max(widest) + widest } else { radius.hypot(4.0 * widest) };
+            let around = drawn * 1.001 + 1e-6;
+            let (place, way) = (point.position, point.stretch);
+            let bounds = Bounds {
+                low: std::array::from_fn(|axis| place[axis] + way[axis].min(0.0) - around),
+                high: std::array::from_fn(|axis| place[axis] + way[axis].max(0.0) + around),
+            };
+            let is_faint = !is_ball || radius < THIN * pixel;
+            Self { point, radius, light, is_ball, is_faint, bounds, place: 0 }
+        };
+        let ball = (point.size > 0.0).then(|| body(point.size, point.emission, true));
+        let glows = point.reach > 0.0 && point.glow.iter().any(|part| *part > 0.0);
+        ball.into_iter().chain(glows.then(|| body(point.reach, point.glow, false)))
+    }
+
+    fn texels(&self) -> [[f32; 4]; POINT_TEXELS] {
+        let ([x, y, z], [dx, dy, dz], [r, g, b]) = (self.point.position, self.point.stretch, self.light);
+        let color = self.point.color.iter().rfold(0.0, |sum, part| 256.0 * sum + (255.0 * part).round());
+        [[x, y, z, self.radius], [dx, dy, dz, color], [r, g, b, f32::from(self.is_ball)]]
+    }
+}
+
+/// Appends the tree of the bodies of points. Returns its first texel and the number of its nodes.
+fn append_tree(mut bodies: Vec<Body<'_>>, texels: &mut Vec<[f32; 4]>) -> [usize; 2] {
+    let whole = bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0));
+    let Some(whole) = whole else { return [0; 2] };
+    for body in &mut bodies {
+        body.place = place_on_curve(&whole, &body.bounds);
+    }
+    bodies.sort_unstable_by_key(|body| body.place);
+    let first = texels.len();
+    // A tree has a leaf for each body, and a node less between them.
+    let count = 2 * bodies.len() - 1;
+    let mut tree =
+        Tree { nodes: Vec::with_capacity(count), first_point: first + NODE_TEXELS * count, points: 0 };
+    tree.add(&bodies);
+    texels.extend(tree.nodes.into_iter().flatten());
+    texels.extend(bodies.iter().flat_map(Body::texels));
+    [first, count]
+}
+
+struct Tree {
+    nodes: Vec<[[f32; 4]; NODE_TEXELS]>,
+    first_point: usize,
+    /// Number of points so far.
+    points: usize,
+}
+
+impl Tree {
+    /// Adds the node of these bodies and the nodes inside. Returns its box.
+    fn add(&mut self, bodies: &[Body<'_>]) -> Bounds {
+        let number = self.nodes.len();
+        self.nodes.push([[0.0; 4]; NODE_TEXELS]);
+        let mut point = 0;
+        let bounds = if let [body] = bodies {
+            point = self.first_point + POINT_TEXELS * self.points;
+            self.points += 1;
+            body.bounds
+        } else {
+            let (a, b) = bodies.split_at(cut(bodies));
+            let bounds = self.add(a);
+            bounds.hull(&self.add(b), 0.0)
+        };
+        let ([x, y, z], [hx, hy, hz], next) = (bounds.low, bounds.high, self.nodes.len() as f32);
+        if let Some(node) = self.nodes.get_mut(number) {
+            *node = [[x, y, z, next], [hx, hy, hz, point as f32]];
+        }
+        bounds
+    }
+}
+
+/// Returns how many of the sorted bodies are in the first half of their space, or half of them if all are at one place.
+fn cut(bodies: &[Body<'_>]) -> usize {
+    let [first, .., last] = bodies else { return bodies.len() };
+    let differing = first.place ^ last.place;
+    match differing.checked_ilog2() {
+        Some(bit) => bodies.partition_point(|body| (body.place ^ first.place) >> bit == 0),
+        None => bodies.len() / 2,
+    }
+}
+
+/// Returns the place of a box's middle on a curve through `whole`: the bits of the coordinates, interleaved.
+fn place_on_curve(whole: &Bounds, own: &Bounds) -> u32 {
+    let mut place = 0;
+    for axis in 0..3 {
+        let middle = 0.5 * (own.low[axis] + own.high[axis]) - whole.low[axis];
+        let part = middle / (whole.high[axis] - whole.low[axis]);
+        let cell = ((part * (1 << CURVE_BITS) as f32) as u32).min((1 << CURVE_BITS) - 1);
+        let spread = (0..CURVE_BITS).fold(0, |spread, bit| spread | (cell >> bit & 1) << (3 * bit));
+        place |= spread << axis;
+    }
+    place
+}
+
+#[cfg(test)]
+#[path = "swarm_tests.rs"]
+mod tests;

@@ -1,0 +1,196 @@
+// Swarms of points: balls, which hide what is behind them, and glow, which adds light. A ray walks through the trees of
+// the points (crates/field/src/world/swarm.rs), which follow the texts and pictures in the sound tables.
+//
+// A point that is thinner than a pixel is drawn as wide as a pixel and fainter, so that its light does not flicker.
+
+#define swarm_first int(frame_mouse.w)
+
+// Nodes of a tree that a ray visits, at most.
+const int SWARM_NODES_MAX = 2048;
+// The least fraction of light that media leave, if swarms are in them.
+const float MEDIUM_LEFT_MIN = 1e-3;
+// The number of the object in keys of surfaces.
+const int SWARM_OBJECT = 300;
+// Thin balls that reflect less of the light than this are not lit.
+const float SWARM_LIT_MIN = 0.002;
+// Nodes that all rays of a pixel visit together, at most: llvmpipe ends all loops after 65,535 rounds (rounds.glsl).
+const int SWARM_ROUNDS = 10000;
+int swarm_rounds = 0;
+
+// What a ray sees of the swarms: the nearest ball, and in front of it faint light and thin balls.
+struct SwarmSeen {
+    vec3 light;         // of glow and thin balls
+    float light_t;      // its mean distance
+    float left;         // fraction of the light behind the thin balls
+    float thin_t;       // their mean distance
+    vec3 thin_color;    // their mean colour; 0 if they need no light
+    int ball;           // texel of the nearest ball; 0 if there is none
+    float t;            // its distance, or the end of the ray
+};
+
+// The place where a ray is nearest to a point, or to the streak of a point that is stretched.
+struct SwarmApproach {
+    vec3 across;        // from the point to the ray
+    float distance2;    // square of the length of `across`
+    float t;            // along the ray
+    float streak;       // length of the streak, as the ray sees it
+};
+
+SwarmApproach swarm_approach(vec3 origin, vec3 direction, vec3 place, vec3 way) {
+    vec3 off = place - origin;
+    vec3 off_across = off - dot(off, direction) * direction;
+    vec3 way_across = way - dot(way, direction) * direction;
+    float length2 = dot(way_across, way_across);
+    float along = clamp(-dot(off_across, way_across) / max(length2, 1e-12), 0.0, 1.0);
+    vec3 across = -off_across - along * way_across;
+    return SwarmApproach(across, dot(across, across), dot(off + along * way, direction), sqrt(length2));
+}
+
+// Returns the part of its light that a streak keeps if it is drawn with another radius.
+float swarm_dimming(float radius, float drawn, float streak) {
+    return radius * (PI * radius + 2.0 * streak) / (drawn * (PI * drawn + 2.0 * streak));
+}
+
+vec3 swarm_color(float bytes) {
+    int color = int(bytes);
+    return vec3(ivec3(color, color >> 8, color >> 16) & 255) / 255.0;
+}
+
+// Returns what a ray sees of the swarms between two distances. `cone` is the radius of the ray's pixel at its origin.
+SwarmSeen swarm_along(vec3 origin, vec3 direction, float start, float end, float cone) {
+    SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 1.0, 0.0, vec3(0.0), 0, end);
+    // The pass of media shows no swarm.
+    vec4 head = is_medium_pass() ? vec4(0.0) : TEXEL(sound_tables, swarm_first);
+    vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
+    float spread = camera_position.w;
+    float weight = 0.0;
+    float covered = 0.0;
+    // The balls, then everything faint in front of the nearest ball.
+    for (int kind = 0; kind < 2; kind++) {
+        int first = swarm_first + int(kind == 0 ? head.x : head.z);
+        int count = int(kind == 0 ? head.y : head.w);
+        int node = 0;
+        int most = min(SWARM_NODES_MAX, SWARM_ROUNDS - swarm_rounds);
+        int left = most;
+        // The walk to the next point is a loop of its own, because renderers that never skip a branch would compute a point
+        // for each node.
+        for (int i = 0; i < SWARM_NODES_MAX; i++) {
+            int point = 0;
+            for (; left > 0; left--) {
+                if (node >= count || point > 0) break;
+                vec4 low = TEXEL(sound_tables, first + 2 * node);
+                vec4 high = TEXEL(sound_tables, first + 2 * node + 1);
+                vec3 a = (low.xyz - origin) * inverse;
+                vec3 b = (high.xyz - origin) * inverse;
+                vec3 near = min(a, b);
+                vec3 far = max(a, b);
+                float enters = max(max(near.x, near.y), max(near.z, start));
+                float leaves = min(min(far.x, far.y), min(far.z, seen.t));
+                point = enters <= leaves ? int(high.w) : 0;
+                node = enters <= leaves ? node + 1 : int(low.w);
+            }
+            if (point == 0) break;
+            point += swarm_first;
+            vec4 place = TEXEL(sound_tables, point);
+            vec4 way = TEXEL(sound_tables, point + 1);
+            SwarmApproach at = swarm_approach(origin, direction, place.xyz, way.xyz);
+            float radius = place.w;
+            if (kind == 0) {
+                float t = at.t - sqrt(max(radius * radius - at.distance2, 0.0));
+                bool is_nearer = at.distance2 < radius * radius && t > start && t < seen.t;
+                seen.t = is_nearer ? t : seen.t;
+                seen.ball = is_nearer ? point : seen.ball;
+                continue;
+            }
+            float pixel = cone + spread * at.t;
+            pixel = clamp(pixel, 1e-9, SWARM_WIDEST * spread * distance(place.xyz, camera_position.xyz) + 2e-9);
+            vec4 light = TEXEL(sound_tables, point + 2);
+            bool is_thin = light.w > 0.5;
+            // The edge of a thin ball is as wide as a pixel.
+            float middle = max(sqrt(max(radius * radius - pixel * pixel / 3.0, 0.0)), pixel);
+            float wide = is_thin ? middle + pixel : sqrt(radius * radius + 16.0 * pixel * pixel);
+            float drawn = is_thin ? sqrt(middle * middle + pixel * pixel / 3.0) : wide;
+            float part = 1.0 - at.distance2 / (wide * wide);
+            if (part <= 0.0) continue;
+            // The part of the glow that is between both distances.
+            float half_chord = wide * sqrt(part);
+            float between = smoothstep(-half_chord, half_chord, seen.t - at.t)
+                          - smoothstep(-half_chord, half_chord, start - at.t);
+            // A glow that is drawn wider has a softer middle, with the same light in all.
+            float sharp = radius * radius / (wide * wide);
+            float shape = part * part * part * mix(0.313, 1.0, sharp) / (1.0 + 20.0 * sharp * (1.0 - part));
+            if (is_thin) {
+                between = at.t > start && at.t < seen.t ? 1.0 : 0.0;
+                shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
+            }
+            float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
+            float brightness = strength * max(light.r, max(light.g, light.b));
+            weight += brightness;
+            seen.light_t += brightness * at.t;
+            seen.light += strength * light.rgb;
+            if (is_thin) {
+                covered += strength;
+                seen.left *= 1.0 - strength;
+                seen.thin_t += strength * at.t;
+                seen.thin_color += strength * swarm_color(way.w);
+            }
+        }
+        swarm_rounds += most - left;
+#ifdef LIMITED_ROUNDS
+        rounds_run += 2 * (most - left);
+#endif
+    }
+    seen.light_t /= max(weight, 1e-9);
+    seen.thin_t /= max(covered, 1e-9);
+    bool is_lit = max(seen.thin_color.r, max(seen.thin_color.g, seen.thin_color.b)) > SWARM_LIT_MIN;
+    seen.thin_color = is_lit ? seen.thin_color / covered : vec3(0.0);
+    return seen;
+}
+
+// Returns the surface of the nearest ball or of the thin balls, at `p`. Their ambient light is known along the axes.
+Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
+    vec4 place = TEXEL(sound_tables, seen.ball);
+    vec4 way = TEXEL(sound_tables, seen.ball + 1);
+    vec3 color = swarm_color(way.w);
+    vec3 emission = TEXEL(sound_tables, seen.ball + 2).rgb;
+    // From the place of the streak that is nearest to the ray.
+    SwarmApproach at = swarm_approach(p - direction, direction, place.xyz, way.xyz);
+    vec3 normal = at.across + (1.0 - at.t) * direction;
+    if (is_thin) {
+        // Half of a thin ball that is lit from the side is dark, which this normal accounts for.
+        vec3 to_light = lights[0].w == LIGHT_SUN ? -lights[0].xyz : lights[0].xyz - p;
+        normal = to_light * inversesqrt(max(dot(to_light, to_light), 1e-12)) - direction;
+        color = seen.thin_color;
+        emission = vec3(0.0);
+    }
+    Surface s;
+    s.object = SWARM_OBJECT;
+    s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-12));
+    Material m;
+    m.color = color;
+    m.roughness = 0.6;
+    m.metalness = 0.0;
+    m.emission = emission;
+    m.reflect = 0.0;
+    m.coat = 0.0;
+    m.haze = 0.0;
+    m.blur = 0.0;
+#ifdef BODY
+    m.glass = 0.0;
+    m.ior = 1.5;
+    m.absorb = vec3(0.0);
+    m.translucent = 0.0;
+    m.depth = 0.1;
+    m.film = 0.0;
+    m.velvet = 0.0;
+#endif
+    s.material = m;
+    s.ambient = vec3(0.0);
+    for (int axis = 0; axis < 3; axis++) {
+        int facing = s.normal[axis] < 0.0 ? 1 : 0;
+        s.ambient += s.normal[axis] * s.normal[axis] * TEXEL(sound_tables, swarm_first + 1 + 2 * axis + facing).rgb;
+    }
+    s.open = 1.0;
+    s.glow = vec3(0.0);
+    return s;
+}
