@@ -129,7 +129,7 @@ impl Session {
                 Ok(())
             })?;
         self.screen.show_on_output(&mut self.playback.renderer, lay, is_new)?;
-        // A frame that is refined shows no time of the scene.
+        // The cost of a refinement does not tell the cost of a frame.
         let is_refined = self.playback.pace.shown() == Some(shown);
         let first = self.playback.pace.show(shown);
         self.interface.typing_times.note_shown(

@@ -18,7 +18,7 @@ pub(super) enum Task {
     Paths(ProgramOf),
 }
 
-/// The functions of a program for views or paths: those of a scene, or an interpreter.
+/// The functions of a program for views or paths: a scene's own functions, or an interpreter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ProgramOf {
     Compiled(u64),

@@ -42,6 +42,11 @@ impl Refinement {
         !matches!(self.stage, Stage::Off)
     }
 
+    /// True if the refinement has not begun.
+    pub(super) fn is_wanted(&self) -> bool {
+        matches!(self.stage, Stage::Wanted)
+    }
+
     /// True if a call of [`Self::go_on`] may make the frame better.
     pub(super) fn is_unfinished(&self) -> bool {
         matches!(self.stage, Stage::Wanted | Stage::Going { .. })
@@ -66,8 +71,7 @@ impl Refinement {
 
     /// The program to request for a scene in a mode, if it is missing.
     pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ProgramOf> {
-        let wanted = scene.program_of(mode).filter(|_| self.is_on())?;
-        (!self.has(&wanted)).then_some(wanted)
+        scene.program_of(mode).filter(|wanted| !self.has(wanted))
     }
 
     pub(super) fn has(&self, wanted: &ProgramOf) -> bool {
@@ -92,7 +96,7 @@ impl Refinement {
         patience: Duration,
     ) -> Result<(bool, Option<String>), GpuError> {
         let Some(program) = self.program(scene, mode) else { return Ok((false, None)) };
-        if matches!(self.stage, Stage::Wanted) {
+        if self.is_wanted() {
             let mut frame = frame.clone();
             frame.size = within_pixels(frame.size, LIMITS.refined_pixels_max);
             let picture = Box::new(renderer.begin_paths(frame, order())?);

@@ -123,13 +123,13 @@ pub struct ProgramJob {
     pub picture: Picture,
     /// Textures and buffers that the warm-up image reads.
     pub scene: SceneShape,
-    /// What the program draws.
+    /// The kind of images that the program draws.
     pub product: ProgramProduct,
     /// True if the program must not be tried again after the driver has failed to compile it.
     pub can_be_given_up: bool,
 }
 
-/// What a program draws.
+/// The kind of images that a program draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProgramProduct {
     /// Frames.

@@ -10,7 +10,7 @@ use crate::session::scene::program_task::Task;
 use crate::session::scene::regions::Shown;
 
 impl SceneSession {
-    /// Refines the shown frame as soon as it is at rest, or ends this. Returns true if it refines.
+    /// Begins to refine the shown frame once it is at rest, or ends the refinement. Returns true for a beginning.
     pub(crate) fn toggle_refinement(&mut self) -> bool {
         if self.refinement.is_on() {
             self.refine_only(None);
@@ -27,8 +27,7 @@ impl SceneSession {
         true
     }
 
-    /// Ends the refinement of any other frame than the one that is to be shown. `None` ends every refinement, and draws the
-    /// frame again as before.
+    /// Ends the refinement of any frame except `wanted`. `None` ends every refinement, and draws the frame again as before.
     pub(crate) fn refine_only(&mut self, wanted: Option<Shown>) {
         match wanted {
             Some(wanted) => self.refinement.end_of_others(wanted),
@@ -79,7 +78,7 @@ impl SceneSession {
     /// Requests the program of paths if it is needed. Ends the refinement where it is impossible.
     pub(super) fn request_paths(&mut self) {
         self.refinement.keep(&self.scenes.ids());
-        if !self.refinement.is_on() {
+        if !self.refinement.is_wanted() {
             return;
         }
         if let Some(words) = why_not_refined(&self.scenes, &self.composer) {

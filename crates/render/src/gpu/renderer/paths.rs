@@ -103,10 +103,10 @@ pub(super) fn areas((width, height): (u32, u32)) -> Vec<Part> {
 /// The paths of an area so far.
 pub(super) struct PathRun {
     pub(super) state: PathState,
-    /// The areas with unfinished pixels, and what they were before.
+    /// The areas of the next pass, and those with unfinished pixels at the last look.
     parts: Vec<Part>,
     unfinished_before: Option<Vec<Part>>,
-    /// What remains to be drawn of the current pass.
+    /// The rest of the current pass.
     queue: Option<Parts>,
     passes: u32,
 }
@@ -124,7 +124,7 @@ pub(super) struct Look {
     pub(super) is_finished: bool,
 }
 
-/// The time at which a call began, and about how long it may take. A call draws at least one part.
+/// The begin of a call, and the time after which it ends. A call draws at least one part.
 pub(super) type Patience = (Instant, Duration);
 
 /// Waits until the end.
