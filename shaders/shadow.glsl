@@ -71,7 +71,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         if (shadow_dims > 0.0) {
             // A body that lets light through has no penumbra.
             bool is_inside = d < 0.002;
-            float part = max(abs(d), SHADOW_STEP_MIN);
+            float part = max(abs(d), SHADOW_STEP_MIN * (1.0 + 0.1 * float(i)));
             // The part of the last step that was outside of the body after all, or inside.
             float crossed = is_inside ? part + (step_inside > 0.0 ? 0.0 : min(-d, stride)) : -min(d, step_inside);
             passed *= exp(-shadow_dims * crossed);

@@ -21,6 +21,10 @@ pub struct Limits {
     pub exposures_max: u16,
     /// Largest number of paths of light of a pixel, which the shaders count in 32-bit floats.
     pub path_samples_max: u16,
+    /// Largest number of paths of light of a pixel of a refined moment in the window.
+    pub refined_paths_max: u16,
+    /// Maximum number of pixels of a refined moment (4 Mi: their paths take 1 GiB). Larger windows enlarge the image.
+    pub refined_pixels_max: u64,
     /// Longest time that `--at`, `--start` and `--duration` accept, in seconds (a day).
     pub seconds_max: f64,
     /// Maximum size of a song from standard input, in bytes (1 GiB).
@@ -76,6 +80,8 @@ pub const LIMITS: Limits = Limits {
     parts_of_video_max: 10_000,
     exposures_max: 256,
     path_samples_max: u16::MAX,
+    refined_paths_max: 256,
+    refined_pixels_max: 1 << 22,
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
     programs_kept_max: 4,

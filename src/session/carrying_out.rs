@@ -19,6 +19,11 @@ impl Session {
                 self.playback.set_paused(!self.playback.listening.is_paused());
                 self.playback.answer_position(&mut *self.screen);
             }
+            Command::Refine => {
+                if self.playback.scene.toggle_refinement() {
+                    self.playback.set_paused(true);
+                }
+            }
             Command::SeekBy(seconds) => {
                 self.playback.with_song(|player| player.seek_by(seconds));
                 self.playback.answer_position(&mut *self.screen);

@@ -77,7 +77,7 @@ impl Session {
         let playback = &self.playback;
         let is_drawn =
             !playback.scene.composer().is_drawing() && !playback.could_be_better(&*self.screen, now);
-        playback.holds_picture() || playback.pace.stands_still(now) && is_drawn
+        playback.holds_picture() || playback.pace.stands_still(now) && is_drawn && !playback.refines(now)
     }
 
     /// Shows the frame and the overlay, if either has changed. Returns `true` for the first frame.
@@ -129,6 +129,8 @@ impl Session {
                 Ok(())
             })?;
         self.screen.show_on_output(&mut self.playback.renderer, lay, is_new)?;
+        // The cost of a refinement does not tell the cost of a frame.
+        let is_refined = self.playback.pace.shown() == Some(shown);
         let first = self.playback.pace.show(shown);
         self.interface.typing_times.note_shown(
             self.playback.scene.scenes().shown_id(),
@@ -136,7 +138,7 @@ impl Session {
             laid_out,
             clock::now(),
         );
-        if let Some(Drawn { spent, .. }) = new {
+        if let Some(Drawn { spent, .. }) = new.filter(|_| !is_refined) {
             let showing = spent + clock::since(handing_over);
             let cost = self.playback.cost(&mut *self.screen, spent + painting, showing);
             self.playback.pace.note_times(level, showing, cost);
@@ -191,6 +193,10 @@ impl Playback {
     ) -> Result<Option<Drawn>, SessionError> {
         let waits_for_text = self.scene.awaits_edit(begun).is_some();
         let is_there = self.pace.shown() == Some(wanted) && !self.scene.composer().is_drawing();
+        self.scene.refine_only(Some(wanted));
+        if is_there && self.refines(begun) {
+            return Ok(self.scene.refine(&mut self.renderer, wanted)?);
+        }
         if is_there || waits_for_text {
             return Ok(None);
         }
@@ -286,6 +292,11 @@ impl Playback {
 
     pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
         self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max(screen))
+    }
+
+    /// True if the show is idle, and its frame is being refined.
+    pub(super) fn refines(&self, now: Instant) -> bool {
+        self.pace.stands_still(now) && !self.holds_picture() && self.scene.can_refine()
     }
 
     pub(super) fn level(&self, now: Instant) -> Level {

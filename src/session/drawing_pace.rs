@@ -209,7 +209,7 @@ pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u3
 }
 
 /// A size of at most `max` pixels with the aspect ratio of `size`, up to rounding.
-fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
+pub(crate) fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
     let pixels = f64::from(size.0) * f64::from(size.1);
     let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);
     let side = |side: u32| ((f64::from(side) * scale) as u32).max(1);

@@ -326,9 +326,12 @@ impl Session {
         if self.playback.holds_picture() {
             self.playback.record_again(now);
         }
+        if !self.playback.listening.is_paused() {
+            self.playback.scene.refine_only(None);
+        }
         // A frozen frame does not change.
-        let changes =
-            (moves || self.playback.could_be_better(&*self.screen, now)) && !self.playback.holds_picture();
+        let could_be_better = self.playback.could_be_better(&*self.screen, now) || self.playback.refines(now);
+        let changes = (moves || could_be_better) && !self.playback.holds_picture();
         let moving = changes
             || self.playback.is_dimming(now)
             || self.screen.is_stale()

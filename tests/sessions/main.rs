@@ -16,6 +16,7 @@ mod playlist;
 mod programs;
 mod quality;
 mod recording;
+mod refinement;
 mod remote;
 mod scenes;
 mod sends;

@@ -224,7 +224,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -332,7 +332,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -734,7 +734,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -753,7 +753,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -791,6 +791,18 @@ _mariana() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --light)
+                    COMPREPLY=($(compgen -W "raster path" -- "${cur}"))
+                    return 0
+                    ;;
+                --samples)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --noise)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --output)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -800,7 +812,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -873,7 +885,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --part --join --quiet --controlled --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --part --join --quiet --controlled --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -923,6 +935,18 @@ _mariana() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --light)
+                    COMPREPLY=($(compgen -W "raster path" -- "${cur}"))
+                    return 0
+                    ;;
+                --samples)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --noise)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --codec)
                     COMPREPLY=($(compgen -W "h264 h265 vp9 av1" -- "${cur}"))
                     return 0
@@ -940,7 +964,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --show)

@@ -63,7 +63,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l output -d 'Show the ima
 complete -c mariana -n "__fish_mariana_needs_command" -l send -d 'Send the frames to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of the frames that are sent [default: the window\'s size at the start]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-fps -d 'Frames sent per second' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
+complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show a view of the rendering process, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through the camera\'s target, as lines; slice:NUMBER sets the distance between two lines - normals: normals of the surfaces, by finite differences of the distance; normals:NUMBER sets the step of the differences, by default a fraction of a pixel - shadow: the fraction of direct light that arrives - occlusion: the fraction of the ambient light that arrives - clauses: clauses that the interpreter runs; distance evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and the lengths of their tapes - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
 360\t'The whole sphere, twice as wide as high'
@@ -128,8 +128,12 @@ complete -c mariana -n "__fish_mariana_using_subcommand still" -l eye-distance -
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l light -d 'Computation of light' -r -f -a "raster\t'as in the window'
+path\t'paths of light: exact shadows, reflections and indirect light, but slow'"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l samples -d 'With --light path: most paths of a pixel [default: 256]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l noise -d 'With --light path: stop where the light\'s relative error is below this; 0 for all paths [default: 0.03]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s o -l output -d 'The PNG, JPEG or WebP file to write, or \'-\' for a PNG on standard output' -r -F
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l show -d 'Show this moment of a show instead of a scene: \'auto\' for a show that follows the song, or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l into -d 'Show a blend of the scene with this second scene' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l blend -d 'Kind of blend, and the fraction of the second scene from 0 to 1: melt, where every surface flows from one scene to the other; ball, where the other scene is inside a growing ball; plane, where the other scene is behind a moving plane; shape, where the other scene is inside a shape that it names' -r
@@ -149,6 +153,7 @@ none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l no-filter -d 'With --light path: leave the noise that is left, instead of smoothing it'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l alpha -d 'Leave out the sky, so that the image can be laid over another: in PNG and WebP, for scenes whose sky has no color'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help (see more with \'--help\')'
@@ -172,6 +177,10 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l eye-distance -
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l light -d 'Computation of light' -r -f -a "raster\t'as in the window'
+path\t'paths of light: exact shadows, reflections and indirect light, but slow'"
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l samples -d 'With --light path: most paths of a pixel [default: 256]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l noise -d 'With --light path: stop where the light\'s relative error is below this; 0 for all paths [default: 0.03]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l codec -d 'Video codec [default: chosen by the extension of the file\'s name]' -r -f -a "h264\t'Plays everywhere'
 h265\t'Half the bytes of h264'
 vp9\t'For webm'
@@ -183,7 +192,7 @@ best\t'For services that encode the video again'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l lyrics -d 'Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l flash-limiter -d 'Dim flashes if there are more than three a second, as WCAG 2.3.1 requires' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; give several with the time in the song at which each begins, such as --scene orb --scene city@1:20 [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; give several with the time in the song at which each begins, such as --scene orb --scene city@1:20 [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l show -d 'A show instead of scenes: \'auto\' for a show that follows the song with the scenes of --scene, or with all shipped scenes; \'demo\' for the demo track\'s show; or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s o -l output -d 'The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in \'/\' for numbered PNGs, or \'-\' for y4m without sound on standard output' -r -F
@@ -203,6 +212,7 @@ none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l no-filter -d 'With --light path: leave the noise that is left, instead of smoothing it'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l draft -d 'Draw faster, with coarser edges, for a first look'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist during the first five seconds'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another video: in webm, mov, mkv, webp and PNGs, for scenes whose sky has no color'
@@ -224,7 +234,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l at -d 'The mom
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l size -d 'Size in pixels' -r
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l frames -d 'Frames to time' -r
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l only -d 'With --all: measure only scenes whose names contain this text; can be given more than once' -r
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
@@ -263,7 +273,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand export" -s o -l output -
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l glsl -d 'Write GLSL; this is the only format so far'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l main-image -d 'Add a mainImage that draws the scene in Shadertoy'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A scene from which to choose; can be given more than once [default: all shipped scenes]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
+complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A scene from which to choose; can be given more than once [default: all shipped scenes]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain speakers spiral terrain tunnel wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s o -l output -d 'The show file to write; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand scenes" -s h -l help -d 'Print help'

@@ -23,7 +23,17 @@ commands! {
         control: Some(Control::Switch(C::Pause)),
         is_on: Some(|state| state.paused),
         group: Some(Group::Playing),
-        bindings: &[keys!(Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle), "Space", "pause or resume")],
+        bindings: &[keys!(
+            Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle),
+            "Space or Shift+Space", "pause or resume; Shift refines the paused moment by paths of light",
+            shifted: Some(C::Refine)
+        )],
+    }
+    /// Pauses, and draws the paused moment by paths of light until something changes.
+    Refine {
+        name: Some("refine"),
+        control: Some(Control::Press(|| C::Refine)),
+        help: "pause, and draw the paused moment by paths of light; again: end this",
     }
     /// Seeks by this many seconds.
     SeekBy(f64) {

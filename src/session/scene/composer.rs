@@ -14,7 +14,7 @@ use super::feedback::FeedbackPace;
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
-use super::program_task::ViewsOf;
+use super::program_task::ProgramOf;
 use super::regions::{DrawOptions, SceneRegions, Shown};
 use super::scene_change::SceneChange;
 use super::scenery::{Pictured, SeenPictures};
@@ -445,7 +445,7 @@ impl SceneComposer {
 
     pub(super) fn take_views(
         &mut self,
-        of: ViewsOf,
+        of: ProgramOf,
         program: Result<Program, GpuError>,
     ) -> Result<(), GpuError> {
         self.views.take(of, program).inspect_err(|_| self.regions.insist(false))

@@ -36,6 +36,7 @@ mod prepared_scenes;
 mod preview;
 mod program_library;
 mod program_task;
+mod refinement;
 mod refusal;
 mod region_builder;
 mod regions;

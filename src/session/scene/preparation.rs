@@ -19,7 +19,7 @@ use super::messages::Messages;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
 use super::program_library::ProgramLibrary;
-use super::program_task::{Task, ViewsOf};
+use super::program_task::{ProgramOf, Task};
 use super::refusal::{Refusal, TREE_TOO_LONG, too_expensive};
 use super::tree_trials::TreeTrials;
 use super::versions::{last_version, only_settles};
@@ -545,10 +545,11 @@ impl ScenePreparation {
             }
             let what = match task {
                 Task::Compiled { id: of, .. } => scenes.get(*of).map(PreparedScene::title),
-                Task::Views(ViewsOf::Compiled(of)) => {
+                Task::Views(ProgramOf::Compiled(of)) => {
                     scenes.get(*of).map(|scene| format!("the views of {}", scene.title()))
                 }
-                Task::Views(ViewsOf::Interpreted(_)) => Some("the interpreter's views".to_owned()),
+                Task::Views(ProgramOf::Interpreted(_)) => Some("the interpreter's views".to_owned()),
+                Task::Paths(_) => Some("paths of light".to_owned()),
                 Task::Interpreter(_) | Task::Universal { .. } => Some("an interpreter".to_owned()),
             };
             let Some(what) = what else { continue };
@@ -569,7 +570,7 @@ impl ScenePreparation {
     fn user_waits_for(&self, task: &Task, scenes: &PreparedScenes, is_scene_awaited: bool) -> bool {
         let coming = scenes.coming.as_ref().filter(|_| is_scene_awaited);
         let waits = match task {
-            Task::Views(_) => true,
+            Task::Views(_) | Task::Paths(_) => true,
             Task::Compiled { id, .. } => {
                 self.asked_mode == Some(Mode::Compiled) || coming.is_some_and(|scene| scene.id == *id)
             }

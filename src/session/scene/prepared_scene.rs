@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::knobs::SceneKnobs;
-use super::program_task::ViewsOf;
+use super::program_task::ProgramOf;
 use crate::clock;
 use crate::config::SdfChoice;
 use crate::gpu::cell_use::CellUse;
@@ -190,10 +190,11 @@ impl PreparedScene {
         self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
     }
 
-    pub(super) fn views(&self, mode: Mode) -> Option<ViewsOf> {
+    /// The functions that draw views and paths of the scene in a mode.
+    pub(super) fn program_of(&self, mode: Mode) -> Option<ProgramOf> {
         match mode {
-            Mode::Compiled => Some(ViewsOf::Compiled(self.id)),
-            Mode::Interpreted => self.programs.interpreter.clone().map(ViewsOf::Interpreted),
+            Mode::Compiled => Some(ProgramOf::Compiled(self.id)),
+            Mode::Interpreted => self.programs.interpreter.clone().map(ProgramOf::Interpreted),
         }
     }
 

@@ -9,18 +9,18 @@ use std::rc::Rc;
 
 use super::kept::KeptPrograms;
 use super::prepared_scene::PreparedScene;
-use super::program_task::{Task, ViewsOf};
+use super::program_task::{ProgramOf, Task};
 use super::universal::UniversalInterpreters;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::projection::Projection;
-use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, ProgramProduct, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{
-    Interpreter, Mode, as_views, compiled_drawing_variant, compiled_variant_of, projected,
+    Interpreter, Mode, as_paths, as_views, compiled_drawing_variant, compiled_variant_of, projected,
 };
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
@@ -143,7 +143,7 @@ impl ProgramLibrary {
             Task::Universal { .. } => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
             }
-            Task::Views(_) => false,
+            Task::Views(_) | Task::Paths(_) => false,
         })
     }
 
@@ -158,8 +158,9 @@ impl ProgramLibrary {
     /// Drops requests for all other scenes. A program already being compiled is dropped when it is finished.
     pub(super) fn forget_all_but(&mut self, kept: &[u64]) {
         self.tasks.retain(|_, task| match task {
-            Task::Compiled { id, .. } | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
-            Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
+            Task::Compiled { id, .. } => kept.contains(id),
+            Task::Views(of) | Task::Paths(of) => of.may_serve(kept),
+            Task::Interpreter(_) | Task::Universal { .. } => true,
         });
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
@@ -205,23 +206,42 @@ impl ProgramLibrary {
         }
     }
 
-    pub(super) fn request_views(&mut self, scene: &PreparedScene, mode: Mode, wanted: ViewsOf) {
+    pub(super) fn request_views(&mut self, scene: &PreparedScene, mode: Mode, wanted: ProgramOf) {
         let is_asked = |task: &Task| matches!(task, Task::Views(asked) if asked.covers(&wanted));
         if self.tasks.values().any(is_asked) {
             return;
         }
         let mut job = match wanted.clone() {
-            ViewsOf::Compiled(_) => {
+            ProgramOf::Compiled(_) => {
                 let world = scene.resources.world().clone();
                 self.job(scene, move || compiled_variant_of(&world, Counting::On).map(as_views))
             }
-            ViewsOf::Interpreted(variant) => {
+            ProgramOf::Interpreted(variant) => {
                 self.job(scene, move || Ok(as_views(variant.variant(Counting::On))))
             }
         };
-        job.draws_views = true;
+        job.product = ProgramProduct::Views;
         tracing::info!("views of {} are requested, {mode}", scene.title());
         self.submit(job, Task::Views(wanted));
+    }
+
+    pub(super) fn request_paths(&mut self, scene: &PreparedScene, wanted: ProgramOf) {
+        let is_asked = |task: &Task| matches!(task, Task::Paths(asked) if asked.covers(&wanted));
+        if self.tasks.values().any(is_asked) {
+            return;
+        }
+        let mut job = match wanted.clone() {
+            ProgramOf::Compiled(_) => {
+                let (world, has_cells) = (scene.resources.world().clone(), scene.programs.has_cells);
+                self.job(scene, move || compiled_drawing_variant(&world, has_cells).map(as_paths))
+            }
+            ProgramOf::Interpreted(variant) => {
+                self.job(scene, move || Ok(as_paths(variant.variant(Counting::Off))))
+            }
+        };
+        job.product = ProgramProduct::Paths;
+        tracing::info!("paths of {} are requested", scene.title());
+        self.submit(job, Task::Paths(wanted));
     }
 
     fn request_universal(&mut self, non_lipschitz: bool, scene: &PreparedScene) {
@@ -247,7 +267,7 @@ impl ProgramLibrary {
             block: frame.block(world, &RegionTree::default()),
             picture: frame.picture,
             scene: SceneShape::of(world),
-            draws_views: false,
+            product: ProgramProduct::Frames,
             can_be_given_up: false,
         }
     }

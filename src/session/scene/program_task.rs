@@ -13,21 +13,32 @@ pub(super) enum Task {
         /// True for formulas that are not distances.
         non_lipschitz: bool,
     },
-    Views(ViewsOf),
+    Views(ProgramOf),
+    /// Draws by paths of light.
+    Paths(ProgramOf),
 }
 
+/// The functions of a program for views or paths: a scene's own functions, or an interpreter.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum ViewsOf {
+pub(super) enum ProgramOf {
     Compiled(u64),
     Interpreted(Interpreter),
 }
 
-impl ViewsOf {
+impl ProgramOf {
+    /// True if one of these scenes may need the program.
+    pub(super) fn may_serve(&self, scenes: &[u64]) -> bool {
+        match self {
+            ProgramOf::Compiled(id) => scenes.contains(id),
+            ProgramOf::Interpreted(_) => true,
+        }
+    }
+
     /// True if a program for `self` also draws `wanted`.
     pub(super) fn covers(&self, wanted: &Self) -> bool {
         match (self, wanted) {
-            (ViewsOf::Compiled(id), ViewsOf::Compiled(wanted)) => id == wanted,
-            (ViewsOf::Interpreted(known), ViewsOf::Interpreted(wanted)) => known.covers(wanted),
+            (ProgramOf::Compiled(id), ProgramOf::Compiled(wanted)) => id == wanted,
+            (ProgramOf::Interpreted(known), ProgramOf::Interpreted(wanted)) => known.covers(wanted),
             _ => false,
         }
     }

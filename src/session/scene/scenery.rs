@@ -75,6 +75,11 @@ impl SeenPictures {
         (is_flat && picture.world.blended.is_none()).then_some(picture.frame.camera)
     }
 
+    /// The inputs of the shown frame.
+    pub(super) fn frame(&self) -> Option<&Frame> {
+        self.seen.as_ref().map(|picture| &picture.frame)
+    }
+
     pub(crate) fn count(&self) -> u64 {
         self.count
     }

@@ -17,7 +17,7 @@ use super::prepared_scene::{DrawingChoice, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
 use super::preview::NextPicture;
 use super::program_library::ProgramLibrary;
-use super::program_task::Task;
+use super::refinement::Refinement;
 use super::refusal::{Refusal, TREE_TOO_LONG};
 use super::regions::SceneRegions;
 use super::report::SceneReport;
@@ -39,6 +39,8 @@ use mariana_control::Model;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
+mod refining;
+
 pub(crate) struct SceneSession {
     scenes: PreparedScenes,
     show: ShowFollower,
@@ -46,6 +48,7 @@ pub(crate) struct SceneSession {
     messages: Messages,
     composer: SceneComposer,
     next_picture: NextPicture,
+    refinement: Refinement,
     decks: Option<Decks>,
     announced: Option<(u64, Mode)>,
     // The last field, because the compiler's threads draw with objects of the fields above.
@@ -80,6 +83,7 @@ impl SceneSession {
             messages: Messages::default(),
             composer: SceneComposer::new(regions, textures, ways),
             next_picture,
+            refinement: Refinement::default(),
             decks: None,
             announced: None,
             preparation,
@@ -222,12 +226,7 @@ impl SceneSession {
             self.take_loaded(loaded)?;
         }
         while let Some((task, program)) = self.preparation.programs.poll() {
-            if let Task::Views(of) = task {
-                if let Err(error) = self.composer.take_views(of, program) {
-                    self.messages.set_problem("this driver cannot show views".to_owned(), error.to_string());
-                }
-                continue;
-            }
+            let Some((task, program)) = self.take_special(task, program) else { continue };
             let (scenes, messages) = (&mut self.scenes, &mut self.messages);
             let refused = self.preparation.take_program(&task, program, scenes, messages)?;
             refused.into_iter().for_each(|refusal| self.refuse(refusal));
@@ -283,6 +282,7 @@ impl SceneSession {
         }
         self.composer.views.keep(&self.scenes.ids());
         self.request_view();
+        self.request_paths();
         self.preparation.request_cells(&self.scenes);
         self.announce();
     }
@@ -403,7 +403,7 @@ impl SceneSession {
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
-    fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
         };

@@ -10,6 +10,7 @@ use mariana_music::{Features, Section, SongStructure};
 use mariana_player::Moment;
 use mariana_testing::process::wait_until;
 
+use super::program_task::{ProgramOf, Task};
 use super::testing::loader;
 use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
 use crate::config::SdfChoice;
@@ -17,6 +18,7 @@ use crate::frame::projection::Projection;
 use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::shader_source::ShaderLibrary;
@@ -278,4 +280,24 @@ fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     // A change to a neighbour needs no loader and no compiler.
     staged.session.go(true);
     assert_eq!(staged.session.scenes().name().as_deref(), Some("other"));
+}
+
+#[test]
+fn a_driver_that_rejects_paths_ends_the_refinement_with_a_message() {
+    let mut staged = Staged::new();
+    assert!(
+        staged.session.toggle_refinement() && !staged.session.can_refine(),
+        "the program is still to come"
+    );
+    let rejected = GpuError::Compile { name: "path.frag".to_owned(), log: "no paths".to_owned() };
+    let task = Task::Paths(ProgramOf::Compiled(0));
+    assert!(staged.session.take_special(task, Err(rejected)).is_none());
+    let words = staged.words();
+    assert!(words.iter().any(|words| words == "this driver cannot draw paths of light"), "{words:?}");
+    wait_until("the program that was requested", || {
+        staged.session.update().unwrap();
+        staged.session.is_complete()
+    });
+    assert!(!staged.session.can_refine(), "the picture is refined after a failure");
+    assert!(staged.session.toggle_refinement() && staged.session.can_refine(), "a key tries again");
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::kept::KeptPrograms;
 use super::prepared_scene::PreparedScene;
-use super::program_task::ViewsOf;
+use super::program_task::ProgramOf;
 use crate::frame::Frame;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
@@ -18,7 +18,7 @@ use crate::view::{View, ViewChoice};
 #[derive(Default)]
 pub(crate) struct Views {
     choice: Option<ViewChoice>,
-    programs: KeptPrograms<ViewsOf>,
+    programs: KeptPrograms<ProgramOf>,
     legends: Option<LegendPainter>,
     number: Option<f32>,
     revision: u64,
@@ -39,16 +39,13 @@ impl Views {
         let choice = self.choice?;
         let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
         [mode, other].into_iter().find_map(|mode| {
-            let wanted = scene.views(mode)?;
+            let wanted = scene.program_of(mode)?;
             self.programs.find(|known| known.covers(&wanted)).map(|program| (choice, mode, program))
         })
     }
 
     pub(super) fn keep(&mut self, kept: &[u64]) {
-        self.programs.retain(|of| match of {
-            ViewsOf::Compiled(id) => kept.contains(id),
-            ViewsOf::Interpreted(_) => true,
-        });
+        self.programs.retain(|of| of.may_serve(kept));
     }
 
     pub(crate) fn choice(&self) -> Option<ViewChoice> {
@@ -99,13 +96,13 @@ impl Views {
     }
 
     /// The program to request for the chosen view in a mode, if it is missing.
-    pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ViewsOf> {
+    pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ProgramOf> {
         self.choice?;
-        scene.views(mode).filter(|wanted| !self.programs.has(|known| known.covers(wanted)))
+        scene.program_of(mode).filter(|wanted| !self.programs.has(|known| known.covers(wanted)))
     }
 
     /// Takes a requested view program. If the driver rejects it, the view is turned off.
-    pub(super) fn take(&mut self, of: ViewsOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
+    pub(super) fn take(&mut self, of: ProgramOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
         self.revision += 1;
         match program {
             Ok(program) => {

@@ -26,7 +26,7 @@ use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::program::{ProgramTexts, ReadyProgram};
 use super::program_store::ProgramStore;
-use super::scene_program::SCENE_SHADER;
+use super::scene_program::{PATH_SHADER, SCENE_SHADER};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::stand_ins::SceneShape;
 use crate::faults::{self, Fault};
@@ -123,10 +123,30 @@ pub struct ProgramJob {
     pub picture: Picture,
     /// Textures and buffers that the warm-up image reads.
     pub scene: SceneShape,
-    /// True for a program that draws views.
-    pub draws_views: bool,
+    /// The kind of images that the program draws.
+    pub product: ProgramProduct,
     /// True if the program must not be tried again after the driver has failed to compile it.
     pub can_be_given_up: bool,
+}
+
+/// The kind of images that a program draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProgramProduct {
+    /// Frames.
+    Frames,
+    /// Diagnostic views.
+    Views,
+    /// Frames by paths of light.
+    Paths,
+}
+
+impl ProgramProduct {
+    fn shader(self) -> &'static str {
+        match self {
+            Self::Frames | Self::Views => SCENE_SHADER,
+            Self::Paths => PATH_SHADER,
+        }
+    }
 }
 
 /// A finished job.
@@ -252,7 +272,8 @@ impl BackgroundCompiler {
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
-            let program = texts_of(&self.library, job.variant, &self.info).map(ReadyProgram::from);
+            let program =
+                texts_of(&self.library, (job.variant, job.product), &self.info).map(ReadyProgram::from);
             return Some(Finished { id: job.id, program });
         }
         self.finished.try_recv().ok()
@@ -339,6 +360,10 @@ fn work(
     }
 }
 
-fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
-    Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
+fn texts_of(
+    library: &ShaderLibrary,
+    (variant, product): (VariantMaker, ProgramProduct),
+    info: &GlInfo,
+) -> Result<ProgramTexts, GpuError> {
+    Ok(ProgramTexts::assemble(library, product.shader(), &variant()?, info)?)
 }

@@ -20,6 +20,7 @@ mod fade;
 mod flashes;
 mod making;
 mod painter;
+mod path_picture;
 mod paths;
 mod placing;
 mod presenter;
@@ -52,6 +53,7 @@ use making::Product;
 pub use making::Progress;
 use mariana_field::world::ToneMap;
 use painter::Painter;
+pub use path_picture::PathPicture;
 pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSampling};
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
@@ -185,6 +187,33 @@ impl Renderer {
         self.painter.draw_paths(frame, (scene, program), order, go_on)
     }
 
+    /// Begins an image by paths of light that [`Renderer::refine`] draws.
+    ///
+    /// # Errors
+    /// Fails if the driver has no memory for the paths of an image of this size.
+    pub fn begin_paths(&self, frame: Frame, order: PathOrder) -> Result<PathPicture, GpuError> {
+        self.painter.begin_paths(frame, order)
+    }
+
+    /// Continues an image by paths of light for about `patience`, with the same scene and a program of
+    /// [`super::scene_program::as_paths`]. Returns the progress if the image has become better; its fraction is 1 at the
+    /// end. The previous image stays until the first paths are finished.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn refine(
+        &mut self,
+        picture: &mut PathPicture,
+        scene: (&SceneResources, &Program),
+        patience: Duration,
+    ) -> Result<Option<PathProgress>, GpuError> {
+        let progress = self.painter.refine(picture, scene, patience)?;
+        if progress.is_some() {
+            self.presenter.flashes.expect_another();
+        }
+        Ok(progress)
+    }
+
     /// Begins a frame, which replaces any unfinished frame. [`Renderer::go_on`] draws it.
     ///
     /// # Errors
@@ -286,6 +315,20 @@ impl Renderer {
     ) -> Result<(), GpuError> {
         self.painter.begin_block(Product::Picture, size, blocks)?;
         self.painter.go_on(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
+    }
+
+    /// Draws a few paths of light from a frame's blocks and the bound objects of a scene. The image is of no use.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn draw_path_block(
+        &mut self,
+        size: (u32, u32),
+        blocks: (&FrameBlock, &Picture),
+        scene: &SceneNames,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.painter.warm_up_paths(size, blocks, (scene, program))
     }
 
     /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], then the view's legend. The

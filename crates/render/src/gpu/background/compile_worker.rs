@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{ProgramJob, Sources, texts_of};
+use super::{ProgramJob, ProgramProduct, Sources, texts_of};
 use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
@@ -13,7 +13,6 @@ use crate::gpu::gl::Gl;
 use crate::gpu::program::{Program, ProgramBinary, ReadyProgram};
 use crate::gpu::program_store::{ProgramKey, Work};
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
 
@@ -30,7 +29,7 @@ struct Asked {
     block: FrameBlock,
     picture: Picture,
     scene: SceneShape,
-    draws_views: bool,
+    product: ProgramProduct,
 }
 
 pub(super) struct CompileWorker {
@@ -58,13 +57,12 @@ impl CompileWorker {
         if faults::strikes(Fault::SlowCompiler) || is_interpreter && faults::strikes(Fault::SlowInterpreter) {
             std::thread::sleep(SLOW_COMPILER);
         }
-        let texts = texts_of(library, job.variant, self.gl.info())?;
+        let texts = texts_of(library, (job.variant, job.product), self.gl.info())?;
         if texts.len() > LONG_PROGRAM && faults::strikes(Fault::EndlessCompiler) {
             std::thread::sleep(ENDLESS_COMPILER);
         }
         let key = texts.key(self.gl.info());
-        let asked =
-            Asked { block: job.block, picture: job.picture, scene: job.scene, draws_views: job.draws_views };
+        let asked = Asked { block: job.block, picture: job.picture, scene: job.scene, product: job.product };
         let died = cache.death(key);
         if is_interpreter {
             if died == Some(Work::Compiling) {
@@ -101,7 +99,7 @@ impl CompileWorker {
         let start = Instant::now();
         let compiled = match Program::of(&self.gl, &texts) {
             _ if is_interpreter && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
-                name: SCENE_SHADER.to_owned(),
+                name: asked.product.shader().to_owned(),
                 log: "a fault injected by a test".to_owned(),
             }),
             compiled => compiled,
@@ -130,11 +128,13 @@ impl CompileWorker {
     fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let blocks = (&asked.block, &asked.picture);
-        let drawn = if asked.draws_views {
-            let view = [[0.0, 1.0, 0.0, 0.0]; 2];
-            self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, program, &view)
-        } else {
-            self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program)
+        let drawn = match asked.product {
+            ProgramProduct::Frames => self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program),
+            ProgramProduct::Paths => self.renderer.draw_path_block(WARM_UP_SIZE, blocks, &scene, program),
+            ProgramProduct::Views => {
+                let view = [[0.0, 1.0, 0.0, 0.0]; 2];
+                self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, program, &view)
+            }
         };
         // The program can be used even if the warm-up fails.
         if let Err(error) = drawn {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::canvas::Canvas;
 use super::fade::Fade;
 use super::making::{Making, Product, Progress, Tools, rehearse_passes};
-use super::paths::{PathArea, PathOrder, PathProgress, PathResults, areas};
+use super::paths::PathResults;
 use super::sampling::Sampling;
 use super::targets::{Targets, TargetsKind};
 use crate::frame::Frame;
@@ -18,7 +18,6 @@ use crate::gpu::feedback::{self, FeedbackRequest};
 use crate::gpu::gl::Gl;
 use crate::gpu::media::MediaTargets;
 use crate::gpu::passes::Passes;
-use crate::gpu::path_state::PathState;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
@@ -35,16 +34,16 @@ const REFERENCE_SIDE: u32 = 8;
 const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
 pub(super) struct Painter {
-    gl: Gl,
+    pub(super) gl: Gl,
     pub(super) counting: Counting,
     pub(super) sampling: Sampling,
     pub(super) post: Post,
     pub(super) canvas: Canvas,
     pub(super) clock: PictureClock,
-    fade: Option<Fade>,
+    pub(super) fade: Option<Fade>,
     /// The mean of the exposures so far.
     mean: Option<Target>,
-    path_results: PathResults,
+    pub(super) path_results: PathResults,
 }
 
 impl Painter {
@@ -93,7 +92,7 @@ impl Painter {
         Ok(Some(targets))
     }
 
-    fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
+    pub(super) fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
         let kind = TargetsKind { size, has_lens: picture.lens.is_some(), has_media: picture.has_media };
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
     }
@@ -232,58 +231,6 @@ impl Painter {
     ) -> Result<(), GpuError> {
         self.begin(Product::Picture, frame, scene)?;
         self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
-    }
-
-    /// Draws the paths of a frame, then the finished image. The lens and the media are part of the paths.
-    pub(super) fn draw_paths(
-        &mut self,
-        frame: &Frame,
-        (scene, program): (&SceneResources, &Program),
-        order: PathOrder,
-        go_on: &mut dyn FnMut(PathProgress) -> bool,
-    ) -> Result<PathProgress, GpuError> {
-        let picture = Picture { lens: None, has_media: false, ..frame.picture };
-        let mut making = Making::new(picture, Product::Picture);
-        making.trails = scene.feedback().and_then(|feedback| feedback.trails(frame));
-        let tree = scene.tree_of(frame);
-        scene.upload_inputs(frame)?;
-        self.need_targets(frame.size, &picture)?;
-        let Some(mut targets) = self.canvas.targets.take() else {
-            return Ok(PathProgress { fraction: 0.0, paths: 0 });
-        };
-        self.sampling.set_frame(&frame.block(scene.world(), &tree));
-        self.post.bind_picture(&frame.picture, self.sampling.edge_samples);
-        self.post.passes().prepare();
-        self.sampling.settle_samplers(&targets.first)?;
-        let mut cost = scene.costs().of(program);
-        let mut paths = 0;
-        let areas = areas(frame.size);
-        let mut state = None;
-        for (number, area) in areas.iter().copied().enumerate() {
-            let size = (area.width, area.height);
-            let mut own = match state.take().filter(|state: &PathState| state.size() == size) {
-                Some(state) => state,
-                None => PathState::new(&self.gl, size)?,
-            };
-            scene.names().bind(&self.gl);
-            let (sampling, passes) = (&self.sampling, self.post.passes());
-            let drawing = PathArea { sampling, passes, program, order, area };
-            paths += drawing.draw(&mut own, &mut cost, &mut |so_far| {
-                let fraction = (number as f64 + so_far.fraction) / areas.len() as f64;
-                go_on(PathProgress { fraction, paths: paths + so_far.paths })
-            });
-            let guides = order.is_filtered.then(|| drawing.guides(&mut cost)).transpose()?;
-            drawing.resolve((&own, guides.as_ref()), &self.path_results, targets.post.light())?;
-            state = Some(own);
-        }
-        scene.costs().keep(program, cost);
-        self.post.bind_picture(&picture, self.sampling.edge_samples);
-        let tools = Tools { sampling: &self.sampling, post: &self.post, fade: self.fade.as_ref() };
-        making.finish_resolved(&tools, &mut targets)?;
-        self.canvas.targets = Some(targets);
-        self.canvas.finish(&making);
-        self.gl.check("drawing paths")?;
-        Ok(PathProgress { fraction: 1.0, paths })
     }
 
     pub(super) fn draw_reference(

@@ -3,7 +3,7 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glow::HasContext;
 
@@ -100,6 +100,38 @@ pub(super) fn areas((width, height): (u32, u32)) -> Vec<Part> {
     (0..height).step_by(rows as usize).map(area).collect()
 }
 
+/// The paths of an area so far.
+pub(super) struct PathRun {
+    pub(super) state: PathState,
+    /// The areas of the next pass, and those with unfinished pixels at the last look.
+    parts: Vec<Part>,
+    unfinished_before: Option<Vec<Part>>,
+    /// The rest of the current pass.
+    queue: Option<Parts>,
+    passes: u32,
+}
+
+impl PathRun {
+    pub(super) fn over(state: PathState) -> Self {
+        let parts = vec![Part::whole(state.size())];
+        Self { state, parts, unfinished_before: None, queue: None, passes: 0 }
+    }
+}
+
+/// The numbers of paths that were read.
+pub(super) struct Look {
+    pub(super) paths: u64,
+    pub(super) is_finished: bool,
+}
+
+/// The begin of a call, and the time after which it ends. A call draws at least one part.
+pub(super) type Patience = (Instant, Duration);
+
+/// Waits until the end.
+pub(super) fn endless() -> Patience {
+    (Instant::now(), Duration::MAX)
+}
+
 /// An area that is being drawn.
 pub(super) struct PathArea<'a> {
     pub(super) sampling: &'a Sampling,
@@ -114,50 +146,73 @@ impl PathArea<'_> {
     /// Returns the number of paths.
     pub(super) fn draw(
         &self,
-        state: &mut PathState,
+        run: &mut PathRun,
         cost: &mut PixelCost,
         go_on: &mut dyn FnMut(PathProgress) -> bool,
     ) -> u64 {
         let mut most = self.order.samples.clamp(1, PATHS_MAX);
         let wanted = (u64::from(most) * self.area.pixels()) as f64;
-        let mut parts = vec![Part::whole(state.size())];
-        let mut unfinished_before = None;
-        for pass in 1.. {
-            self.draw_pass(state, cost, &parts, (most, if pass == 1 { BEGINNING } else { 0.0 }));
-            if pass % LOOK_PASSES != 0 {
-                continue;
+        loop {
+            match self.go_on(run, cost, most, endless()) {
+                Some(Look { paths, is_finished: true }) => return paths,
+                Some(Look { paths, .. })
+                    if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }) =>
+                {
+                    most = 1;
+                }
+                _ => {}
             }
-            let pixels = state.read();
-            let paths = pixels.iter().map(|(paths, _)| u64::from(*paths)).sum();
-            let unfinished = unfinished_blocks(&pixels, state.size());
-            if unfinished.is_empty() {
-                return paths;
-            }
-            if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }) {
-                most = 1;
-            }
-            // A block that has just finished is drawn once more, so that both states hold its end.
-            parts = unfinished_before.replace(unfinished).unwrap_or(parts);
         }
-        0
     }
 
+    /// Continues the paths of the area, at most until the numbers of paths are read again. `most` is the largest number
+    /// of paths of a pixel. Returns `None` if the patience ended before.
+    pub(super) fn go_on(
+        &self,
+        run: &mut PathRun,
+        cost: &mut PixelCost,
+        most: u32,
+        patience: Patience,
+    ) -> Option<Look> {
+        loop {
+            let kind = if run.passes == 0 { BEGINNING } else { 0.0 };
+            if !self.draw_pass(run, cost, (most, kind), patience) {
+                return None;
+            }
+            if run.passes.is_multiple_of(LOOK_PASSES) {
+                break;
+            }
+        }
+        let pixels = run.state.read();
+        let paths = pixels.iter().map(|(paths, _)| u64::from(*paths)).sum();
+        let unfinished = unfinished_blocks(&pixels, run.state.size());
+        let is_finished = unfinished.is_empty();
+        // A block that has just finished is drawn once more, so that both states hold its end.
+        if let Some(before) = run.unfinished_before.replace(unfinished) {
+            run.parts = before;
+        }
+        Some(Look { paths, is_finished })
+    }
+
+    /// Continues a pass. Returns true when it is finished.
     fn draw_pass(
         &self,
-        state: &mut PathState,
+        run: &mut PathRun,
         cost: &mut PixelCost,
-        parts: &[Part],
         (most, kind): (u32, f32),
-    ) {
+        (begun, patience): Patience,
+    ) -> bool {
         let PathOrder { noise, first, sampling, .. } = self.order;
         let (x, y) = (self.area.x as f32, self.area.y as f32);
         let numbers = [x, y, first as f32, f32::from(sampling as u8), most as f32, noise, kind, 0.0];
         let gl = self.sampling.gl();
-        state.bind();
+        run.state.bind();
         self.program.bind();
-        let mut queue = Parts::of(parts.to_vec(), state.size(), *cost);
+        let mut queue =
+            run.queue.take().unwrap_or_else(|| Parts::of(run.parts.clone(), run.state.size(), *cost));
+        let mut is_finished = true;
         while let Some(part) = queue.next(*cost) {
-            let begun = Instant::now();
+            let drawing = Instant::now();
             let [x, y, width, height] = [part.x, part.y, part.width, part.height].map(u32::cast_signed);
             // SAFETY: sets state of the current context.
             unsafe {
@@ -166,20 +221,28 @@ impl PathArea<'_> {
             }
             self.sampling.draw_paths(numbers);
             gl.finish();
-            queue.note(part, begun.elapsed(), cost);
+            queue.note(part, drawing.elapsed(), cost);
+            if begun.elapsed() >= patience {
+                is_finished = false;
+                break;
+            }
         }
         // SAFETY: sets state of the current context.
         unsafe { gl.disable(glow::SCISSOR_TEST) }
+        if !is_finished {
+            run.queue = Some(queue);
+            return false;
+        }
         cost.finish_picture();
-        state.swap();
+        run.state.swap();
+        run.passes += 1;
+        true
     }
 
-    /// Draws what the area's pixels show first, which guides the filter.
-    pub(super) fn guides(&self, cost: &mut PixelCost) -> Result<PathState, GpuError> {
-        let mut guides = PathState::new(self.sampling.gl(), (self.area.width, self.area.height))?;
-        let whole = [Part::whole(guides.size())];
-        self.draw_pass(&mut guides, cost, &whole, (1, GUIDES));
-        Ok(guides)
+    /// Draws what the area's pixels show first, which guides the filter. Returns true when it is finished; it is then
+    /// the state of `guides`.
+    pub(super) fn guide(&self, guides: &mut PathRun, cost: &mut PixelCost, patience: Patience) -> bool {
+        guides.passes > 0 || self.draw_pass(guides, cost, (1, GUIDES), patience)
     }
 
     /// Writes the light of the paths to the area of `light`, smoothed if there are guides.

@@ -1,0 +1,185 @@
+//! Images by paths of light: drawn in one call for stills and videos, or in several calls for a window, which shows the
+//! image while it gets better.
+
+use std::time::{Duration, Instant};
+
+use super::making::{Making, Product, Tools};
+use super::painter::Painter;
+use super::paths::{
+    Look, PATHS_MAX, PathArea, PathOrder, PathProgress, PathRun, PathSampling, areas, endless,
+};
+use super::targets::Targets;
+use crate::frame::Frame;
+use crate::frame::block::FrameBlock;
+use crate::frame::picture::Picture;
+use crate::gpu::error::GpuError;
+use crate::gpu::path_state::PathState;
+use crate::gpu::program::Program;
+use crate::gpu::scene_resources::{SceneNames, SceneResources};
+use crate::gpu::tiles::{Part, PixelCost};
+
+/// An image that several calls draw ([`super::Renderer::refine`]).
+pub struct PathPicture {
+    frame: Frame,
+    order: PathOrder,
+    run: PathRun,
+    guides: Option<PathRun>,
+    cost: PixelCost,
+    /// The number of paths of the shown image.
+    shown: u64,
+}
+
+impl PathPicture {
+    /// The number of pixels of the image.
+    pub fn pixels(&self) -> u64 {
+        Part::whole(self.frame.size).pixels()
+    }
+}
+
+impl Painter {
+    /// Draws the paths of a frame, then the finished image. The lens and the media are part of the paths.
+    pub(super) fn draw_paths(
+        &mut self,
+        frame: &Frame,
+        (scene, program): (&SceneResources, &Program),
+        order: PathOrder,
+        go_on: &mut dyn FnMut(PathProgress) -> bool,
+    ) -> Result<PathProgress, GpuError> {
+        let Some(targets) = self.prepare_paths(frame, scene)? else {
+            return Ok(PathProgress { fraction: 0.0, paths: 0 });
+        };
+        let mut cost = scene.costs().of(program);
+        let mut paths = 0;
+        let areas = areas(frame.size);
+        let mut state = None;
+        for (number, area) in areas.iter().copied().enumerate() {
+            let size = (area.width, area.height);
+            let own = match state.take().filter(|state: &PathState| state.size() == size) {
+                Some(state) => state,
+                None => PathState::new(&self.gl, size)?,
+            };
+            let mut run = PathRun::over(own);
+            scene.names().bind(&self.gl);
+            let (sampling, passes) = (&self.sampling, self.post.passes());
+            let drawing = PathArea { sampling, passes, program, order, area };
+            paths += drawing.draw(&mut run, &mut cost, &mut |so_far| {
+                let fraction = (number as f64 + so_far.fraction) / areas.len() as f64;
+                go_on(PathProgress { fraction, paths: paths + so_far.paths })
+            });
+            let mut guides = self.guides(order, size)?;
+            guides.iter_mut().for_each(|guides| {
+                drawing.guide(guides, &mut cost, endless());
+            });
+            let guides = guides.as_ref().map(|guides| &guides.state);
+            drawing.resolve((&run.state, guides), &self.path_results, targets.post.light())?;
+            state = Some(run.state);
+        }
+        scene.costs().keep(program, cost);
+        self.finish_paths(frame, scene, targets)?;
+        Ok(PathProgress { fraction: 1.0, paths })
+    }
+
+    /// Begins an image that [`Self::refine`] draws.
+    pub(super) fn begin_paths(&self, frame: Frame, order: PathOrder) -> Result<PathPicture, GpuError> {
+        let (run, guides) = (self.run(frame.size)?, self.guides(order, frame.size)?);
+        Ok(PathPicture { frame, order, run, guides, cost: PixelCost::default(), shown: 0 })
+    }
+
+    /// Continues an image for about `patience`. Returns its progress when there is a better image.
+    pub(super) fn refine(
+        &mut self,
+        picture: &mut PathPicture,
+        (scene, program): (&SceneResources, &Program),
+        patience: Duration,
+    ) -> Result<Option<PathProgress>, GpuError> {
+        let patience = (Instant::now(), patience);
+        let PathPicture { frame, order, run, guides, cost, shown } = picture;
+        let Some(targets) = self.prepare_paths(frame, scene)? else { return Ok(None) };
+        let area = Part::whole(frame.size);
+        let (sampling, passes) = (&self.sampling, self.post.passes());
+        let drawing = PathArea { sampling, passes, program, order: *order, area };
+        let most = order.samples.clamp(1, PATHS_MAX);
+        let is_guided = guides.as_mut().is_none_or(|guides| drawing.guide(guides, cost, patience));
+        let look = if is_guided { drawing.go_on(run, cost, most, patience) } else { None };
+        // Another image is worth its filter if it has many more paths.
+        let look = look.filter(|look| look.is_finished || 4 * look.paths >= 5 * *shown);
+        let Some(Look { paths, is_finished }) = look.filter(|look| look.paths > 0) else {
+            self.canvas.targets = Some(targets);
+            self.gl.check("drawing paths")?;
+            return Ok(None);
+        };
+        let guides = guides.as_ref().map(|guides| &guides.state);
+        drawing.resolve((&run.state, guides), &self.path_results, targets.post.light())?;
+        *shown = paths;
+        self.finish_paths(frame, scene, targets)?;
+        let fraction = paths as f64 / (u64::from(most) * area.pixels()) as f64;
+        Ok(Some(PathProgress { fraction: if is_finished { 1.0 } else { fraction.min(0.999) }, paths }))
+    }
+
+    /// Draws a few rays with a program, so that the driver finishes compiling.
+    pub(super) fn warm_up_paths(
+        &mut self,
+        size: (u32, u32),
+        (block, picture): (&FrameBlock, &Picture),
+        (scene, program): (&SceneNames, &Program),
+    ) -> Result<(), GpuError> {
+        self.begin_block(Product::Light, size, (block, picture))?;
+        self.canvas.making = None;
+        self.post.passes().prepare();
+        if let Some(targets) = &self.canvas.targets {
+            self.sampling.settle_samplers(&targets.first)?;
+        }
+        scene.bind(&self.gl);
+        let sampling = PathSampling::Both;
+        let order = PathOrder { samples: 1, noise: 0.0, first: 0, sampling, is_filtered: false };
+        let (sampling, passes, area) = (&self.sampling, self.post.passes(), Part::whole(size));
+        let drawing = PathArea { sampling, passes, program, order, area };
+        drawing.draw(&mut self.run(size)?, &mut PixelCost::default(), &mut |_| false);
+        self.gl.check("drawing paths")
+    }
+
+    fn run(&self, size: (u32, u32)) -> Result<PathRun, GpuError> {
+        PathState::new(&self.gl, size).map(PathRun::over)
+    }
+
+    fn guides(&self, order: PathOrder, size: (u32, u32)) -> Result<Option<PathRun>, GpuError> {
+        order.is_filtered.then(|| self.run(size)).transpose()
+    }
+
+    /// Sets everything that the paths of a frame read. Returns the targets of the image, or `None` without targets.
+    fn prepare_paths(&mut self, frame: &Frame, scene: &SceneResources) -> Result<Option<Targets>, GpuError> {
+        let tree = scene.tree_of(frame);
+        scene.upload_inputs(frame)?;
+        self.need_targets(frame.size, &of_paths(frame))?;
+        let Some(targets) = self.canvas.targets.take() else { return Ok(None) };
+        self.sampling.set_frame(&frame.block(scene.world(), &tree));
+        self.post.bind_picture(&frame.picture, self.sampling.edge_samples);
+        self.post.passes().prepare();
+        self.sampling.settle_samplers(&targets.first)?;
+        scene.names().bind(&self.gl);
+        Ok(Some(targets))
+    }
+
+    /// Finishes the image of the light of paths.
+    fn finish_paths(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        mut targets: Targets,
+    ) -> Result<(), GpuError> {
+        let picture = of_paths(frame);
+        let mut making = Making::new(picture, Product::Picture);
+        making.trails = scene.feedback().and_then(|feedback| feedback.trails(frame));
+        self.post.bind_picture(&picture, self.sampling.edge_samples);
+        let tools = Tools { sampling: &self.sampling, post: &self.post, fade: self.fade.as_ref() };
+        making.finish_resolved(&tools, &mut targets)?;
+        self.canvas.targets = Some(targets);
+        self.canvas.finish(&making);
+        self.gl.check("drawing paths")
+    }
+}
+
+/// The image of a frame by paths, which contain the lens and the media.
+fn of_paths(frame: &Frame) -> Picture {
+    Picture { lens: None, has_media: false, ..frame.picture }
+}
