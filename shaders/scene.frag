@@ -257,7 +257,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         }
 #endif
 #ifdef DRAWS_SWARM
-        if (!is_behind) seen = swarm_along(origin, direction, 0.0, hit.met ? hit.t : FAR, cone);
+        if (!is_behind) seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, cone, surface == 0);
 #ifdef COVERAGE
         color = vec3(1.0 - seen.left);
         bool is_thin = false;
@@ -506,6 +506,6 @@ void main() {
 #endif
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
     more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, count_lookups);
-    more_clauses = vec4(SURFACE_CLAUSES_RUN, count_medium, count_medium_steps, 0.0);
+    more_clauses = vec4(SURFACE_CLAUSES_RUN, count_medium, count_medium_steps, count_swarm);
 #endif
 }

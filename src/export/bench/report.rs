@@ -137,7 +137,7 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let rows: [Row; 27] = [
+        let rows: [Row; 28] = [
             ("", &|row| row.mode.to_string()),
             ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
             ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
@@ -167,6 +167,7 @@ impl std::fmt::Display for BenchReport {
             ("  occlusion", &|row| format!("{:.2}", row.evaluations_per_pixel.occlusion)),
             ("of media", &|row| format!("{:.2}", row.evaluations_per_pixel.media)),
             ("steps through media", &|row| format!("{:.2}", row.evaluations_per_pixel.media_steps)),
+            ("steps through swarms", &|row| format!("{:.2}", row.evaluations_per_pixel.swarm_steps)),
             ("rays at their step cap, %", &|row| {
                 format!("{:.4}", 100.0 * row.evaluations_per_pixel.capped_rays)
             }),

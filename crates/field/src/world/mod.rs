@@ -24,6 +24,7 @@ mod planes;
 mod scene_features;
 mod shortening;
 mod swarm;
+mod swarm_tiles;
 mod validate;
 mod warning;
 
@@ -38,6 +39,7 @@ pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
 pub use swarm::{POINT_TEXELS_MAX, SwarmPlan, SwarmView, WIDEST};
+pub use swarm_tiles::{SwarmPicture, TILE_PARTS};
 // The kinds of lights, and the tone maps.
 pub use crate::lang::{LightKind, ToneMap};
 

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | 0 | of the balls, then of everything faint: the first texel of the tree and the number of its nodes |
 //! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
+//! | 7 | of the tiles ([`super::swarm_tiles`]): the first texel, their side in pixels, their number in a row |
 //! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
 //! | | upper corner; 0, or the texel of the only point in the box |
 //! | a point | place, radius |
@@ -23,6 +24,7 @@
 use std::ops::Range;
 
 use super::media::facing;
+use super::swarm_tiles::{Outline, SwarmPicture, append_tiles};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
 use crate::lang::{Scene, Swarm};
@@ -39,7 +41,7 @@ const THIN: f32 = 2.0;
 /// Points with a larger number in any value are left out, and so are points beyond these coordinates.
 const LARGEST: f32 = 1e6;
 /// Texels before the first tree.
-const HEAD: usize = 7;
+const HEAD: usize = 8;
 const NODE_TEXELS: usize = 2;
 const POINT_TEXELS: usize = 3;
 /// Bits of a coordinate on the curve.
@@ -61,6 +63,8 @@ pub struct SwarmView {
     pub eye: [f32; 3],
     /// Half of a pixel's width at distance 1.
     pub pixel: f32,
+    /// Its picture, if that is flat and the only one.
+    pub picture: Option<SwarmPicture>,
 }
 
 impl SwarmPlan {
@@ -125,8 +129,14 @@ impl SwarmPlan {
         points
     }
 
-    /// Returns the texels of a frame's points.
-    pub fn texels(&self, points: &[Swarm<f32>], inputs: &FrameInputs, view: &SwarmView) -> Vec<[f32; 4]> {
+    /// Returns the texels of a frame's points: at most `texels_max`, if there is room for [`POINT_TEXELS_MAX`] of each.
+    pub fn texels(
+        &self,
+        points: &[Swarm<f32>],
+        inputs: &FrameInputs,
+        view: &SwarmView,
+        texels_max: usize,
+    ) -> Vec<[f32; 4]> {
         let mut texels = vec![[0.0; 4]; HEAD];
         let mut ambient = PointEvaluator::new(&self.ambient, inputs);
         let light = ambient.at(&Point::default()).as_chunks::<3>().0;
@@ -135,16 +145,22 @@ impl SwarmPlan {
         }
         let bodies = points.iter().flat_map(|point| Body::all_of(point, view));
         let (faint, balls): (Vec<_>, Vec<_>) = bodies.partition(|body| body.is_faint);
-        let [first_ball, ball_nodes] = append_tree(balls, &mut texels);
-        let [first_faint, faint_nodes] = append_tree(faint, &mut texels);
-        let head = [first_ball, ball_nodes, first_faint, faint_nodes].map(|number| number as f32);
-        texels.splice(..1, [head]);
+        let mut outlines = Vec::with_capacity(faint.len() + balls.len());
+        let trees = [balls, faint].map(|bodies| append_tree(bodies, view, &mut texels, &mut outlines));
+        let tiles = view.picture.map_or([0; 3], |picture| {
+            append_tiles(&outlines, picture.size, texels_max.saturating_sub(texels.len()), &mut texels)
+        });
+        if let [head, .., last] = &mut texels[..HEAD] {
+            let [[ball, balls], [faint, all_faint]] = trees;
+            *head = [ball, balls, faint, all_faint].map(|number| number as f32);
+            *last = [tiles[0], tiles[1], tiles[2], 0].map(|number| number as f32);
+        }
         texels
     }
 }
 
 /// Most texels that a point may take.
-pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS);
+pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS + 1);
 
 /// Returns the point with its values in their ranges; `None` if one of them is not a number or too large.
 fn checked(point: Swarm<f32>) -> Option<Swarm<f32>> {
@@ -166,6 +182,8 @@ struct Body<'a> {
     light: [f32; 3],
     is_ball: bool,
     is_faint: bool,
+    /// Half of a pixel's width at its place.
+    pixel: f32,
     bounds: Bounds,
     /// The place of its middle on the curve.
     place: u32,
@@ -188,11 +206,32 @@ impl<'a> Body<'a> {
                 high: std::array::from_fn(|axis| place[axis] + way[axis].max(0.0) + around),
             };
             let is_faint = !is_ball || radius < THIN * pixel;
-            Self { point, radius, light, is_ball, is_faint, bounds, place: 0 }
+            Self { point, radius, light, is_ball, is_faint, pixel, bounds, place: 0 }
         };
         let ball = (point.size > 0.0).then(|| body(point.size, point.emission, true));
         let glows = point.reach > 0.0 && point.glow.iter().any(|part| *part > 0.0);
         ball.into_iter().chain(glows.then(|| body(point.reach, point.glow, false)))
+    }
+
+    /// Returns what a flat picture shows of the body, whose first texel is given.
+    fn outline(&self, view: &SwarmView, texel: usize) -> Option<Outline> {
+        let picture = view.picture?;
+        let away: [f32; 3] = std::array::from_fn(|axis| self.point.position[axis] - view.eye[axis]);
+        let end: [f32; 3] = std::array::from_fn(|axis| away[axis] + self.point.stretch[axis]);
+        let length = |way: [f32; 3]| way.iter().map(|part| part * part).sum::<f32>().sqrt();
+        // The width at the farther end, which rays from the eye see without a mirror.
+        let pixel = (view.pixel * length(end)).clamp(self.pixel, WIDEST * self.pixel);
+        let drawn = match (self.is_ball, self.is_faint) {
+            (true, false) => self.radius,
+            (true, true) => self.radius.max(pixel) + pixel,
+            (false, _) => self.radius.hypot(4.0 * pixel),
+        };
+        let [low, high] = picture.corners([away, end], 1.001 * drawn)?;
+        let before = |axis: usize| {
+            (self.bounds.low[axis] - view.eye[axis]).max(view.eye[axis] - self.bounds.high[axis]).max(0.0)
+        };
+        let near = 0.999 * length([before(0), before(1), before(2)]);
+        Some(Outline { low, high, near, texel, is_faint: self.is_faint })
     }
 
     fn texels(&self) -> [[f32; 4]; POINT_TEXELS] {
@@ -202,8 +241,14 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Appends the tree of the bodies of points. Returns its first texel and the number of its nodes.
-fn append_tree(mut bodies: Vec<Body<'_>>, texels: &mut Vec<[f32; 4]>) -> [usize; 2] {
+/// Appends the tree of the bodies of points, and what a flat picture shows of them. Returns the tree's first texel and the
+/// number of its nodes.
+fn append_tree(
+    mut bodies: Vec<Body<'_>>,
+    view: &SwarmView,
+    texels: &mut Vec<[f32; 4]>,
+    outlines: &mut Vec<Outline>,
+) -> [usize; 2] {
     let whole = bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0));
     let Some(whole) = whole else { return [0; 2] };
     for body in &mut bodies {
@@ -217,6 +262,8 @@ fn append_tree(mut bodies: Vec<Body<'_>>, texels: &mut Vec<[f32; 4]>) -> [usize;
         Tree { nodes: Vec::with_capacity(count), first_point: first + NODE_TEXELS * count, points: 0 };
     tree.add(&bodies);
     texels.extend(tree.nodes.into_iter().flatten());
+    let places = (texels.len()..).step_by(POINT_TEXELS);
+    outlines.extend(bodies.iter().zip(places).filter_map(|(body, texel)| body.outline(view, texel)));
     texels.extend(bodies.iter().flat_map(Body::texels));
     [first, count]
 }

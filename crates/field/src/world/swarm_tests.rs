@@ -3,9 +3,19 @@
 use super::*;
 use crate::limits::LIMITS;
 use crate::world::testing::world_of;
-use crate::world::{Alignment, BlendKind, World};
+use crate::world::{Alignment, BlendKind, TILE_PARTS, World};
 
-const VIEW: SwarmView = SwarmView { eye: [0.0, 1.0, -20.0], pixel: 0.001 };
+const SIZE: [u32; 2] = [1000, 600];
+/// An eye that looks towards +z, with 500 pixels to a slope of 0.5.
+const VIEW: SwarmView = SwarmView {
+    eye: [0.0, 1.0, -20.0],
+    pixel: 0.0005,
+    picture: Some(SwarmPicture {
+        forward: [0.0, 0.0, 1.0],
+        half: [[0.5, 0.0, 0.0], [0.0, 0.3, 0.0]],
+        size: SIZE,
+    }),
+};
 
 fn plan(world: &World) -> SwarmPlan {
     SwarmPlan::of(&world.scene).unwrap().unwrap()
@@ -38,6 +48,19 @@ fn walk(texels: &[[f32; 4]], tree: usize, origin: [f32; 3], direction: [f32; 3])
     met
 }
 
+/// Returns the texels of all points that a ray of the eye may meet, as the list of its tile has them.
+fn look_up(texels: &[[f32; 4]], pixel: [f32; 2]) -> Vec<[f32; 4]> {
+    let [first, side, columns, _] = texels[7];
+    let at = pixel.map(|place| place / side);
+    let tile = texels[(first + at[1].floor() * columns + at[0].floor()) as usize];
+    let own = at.map(|place| TILE_PARTS * place.fract());
+    let is_in =
+        |axis: usize, packed: f32| (packed.floor()..=TILE_PARTS * packed.fract() + 1.0).contains(&own[axis]);
+    let entries = &texels[tile[0] as usize..tile[2] as usize];
+    let met = entries.iter().filter(|entry| is_in(0, entry[0]) && is_in(1, entry[1]));
+    met.map(|entry| texels[entry[3] as usize]).collect()
+}
+
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     (0..3).map(|axis| a[axis] * b[axis]).sum()
 }
@@ -66,8 +89,9 @@ fn assert_that_rays_find_all(text: &str) {
     let plan = plan(&world);
     let inputs = FrameInputs { time: 3.0, ..FrameInputs::default() };
     let points = plan.points(&inputs, 0..plan.len());
-    let texels = plan.texels(&points, &inputs, &VIEW);
-    assert!(texels.len() <= HEAD + points.len() * POINT_TEXELS_MAX);
+    let texels = plan.texels(&points, &inputs, &VIEW, 1 << 22);
+    let least = HEAD + points.len() * POINT_TEXELS_MAX + 1;
+    assert!(plan.texels(&points, &inputs, &VIEW, least).len() <= least);
     let (mut found, mut tested) = (0, 0);
     for ray in 0..400u32 {
         let part = |step: u32| (ray.wrapping_mul(step) % 9973) as f32 / 9973.0 - 0.5;
@@ -109,6 +133,48 @@ fn rays_find_streaks_and_clusters_with_a_point_far_away() {
          swarm same { count = 40  position = vec3(1, 2, 3)  size = 0.2 }
          swarm far { count = 1  position = vec3(90000, 5, 3)  size = 0.2  glow = 1 }",
     );
+}
+
+#[test]
+fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
+    let text = "swarm dust { count = 700  position = vec3(20, 12, 44) * (hash_3(vec3(index, 1, 2)) - 0.5)
+                             size = 0.3 * hash(vec3(index, 5, 0)) - 0.05  glow = vec3(1)
+                             reach = 0.4 * hash(vec3(index, 6, 0))
+                             stretch = step(200, index) * 2 * (hash_3(vec3(index, 7, 2)) - 0.5) }
+                swarm near { count = 20  position = vec3(0.3, 1, -19.9) + 0.2 * hash_3(vec3(index, 9, 9)) - 0.1
+                             size = 0.05  glow = 1  reach = 0.06 }";
+    let world = world_of(text);
+    let plan = plan(&world);
+    let inputs = FrameInputs::default();
+    let points = plan.points(&inputs, 0..plan.len());
+    let whole = HEAD + points.len() * POINT_TEXELS_MAX + 1;
+    for room in [1 << 22, 40_000, whole] {
+        let texels = plan.texels(&points, &inputs, &VIEW, room);
+        let (mut found, mut tested) = (0, 0);
+        for ray in 0..400u32 {
+            let part = |step: u32| (ray.wrapping_mul(step) % 9973) as f32 / 9973.0;
+            let pixel = [part(7919) * SIZE[0] as f32, part(104_729) * SIZE[1] as f32];
+            let way = [pixel[0] / 1000.0 - 0.5, pixel[1] / 1000.0 - 0.3, 1.0];
+            let direction = way.map(|part| part / length(way));
+            let met = look_up(&texels, pixel);
+            tested += met.len();
+            for radius in [(|point| point.size) as fn(&Swarm<f32>) -> f32, |point| point.reach] {
+                for point in &points {
+                    if radius(point) > 0.0 && distance(point, VIEW.eye, direction) < radius(point) {
+                        found += 1;
+                        let [x, y, z] = point.position;
+                        assert!(
+                            met.contains(&[x, y, z, radius(point)]),
+                            "{point:?} at {pixel:?}, room {room}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(found > 1000, "only {found} points were on rays");
+        let is_fine = room < 40_000 || tested < 4 * found;
+        assert!(is_fine, "rays test {tested} points, and meet {found}");
+    }
 }
 
 #[test]

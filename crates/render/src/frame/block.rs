@@ -11,7 +11,7 @@ use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
-use mariana_field::world::{LightKind, PLANES_MAX, WIDEST, World};
+use mariana_field::world::{LightKind, PLANES_MAX, TILE_PARTS, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
@@ -32,7 +32,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 15] {
+pub fn block_defines() -> [String; 16] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -46,6 +46,7 @@ pub fn block_defines() -> [String; 15] {
         format!("PART_NUMBERS {}", PartInput::COUNT),
         format!("MEDIUM_SIDE {MEDIUM_SIDE}"),
         format!("SWARM_WIDEST {WIDEST:?}"),
+        format!("SWARM_TILE_PARTS {TILE_PARTS:?}"),
         format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
         format!("SHAPE_STEP {SHAPE_STEP:?}"),
         format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),

@@ -19,7 +19,7 @@ use held_inputs::HeldInputs;
 use image::RgbaImage;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, Screen, TableData};
-use mariana_field::world::{FrameValues, SwarmView, World};
+use mariana_field::world::{FrameValues, SwarmPicture, SwarmView, World};
 pub use mariana_music::Sound;
 use mariana_music::{Features, HISTORY_POINTS, SongMoment};
 use orbit_controls::OrbitControls;
@@ -119,6 +119,11 @@ impl Frame {
         SwarmView {
             eye: self.camera.position.as_vec3().to_array(),
             pixel: self.projection.pixel_radius(&self.camera, self.size) as f32,
+            picture: self.projection.is_plain().then(|| {
+                let [right, up, forward] =
+                    self.projection.axes(&self.camera).map(|axis| axis.as_vec3().to_array());
+                SwarmPicture { forward, half: [right, up], size: self.size.into() }
+            }),
         }
     }
 

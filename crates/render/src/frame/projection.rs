@@ -128,7 +128,7 @@ impl Projection {
     }
 
     /// The camera's axes to the right, upwards and forward, as the picture has them.
-    fn axes(&self, camera: &Camera) -> [DVec3; 3] {
+    pub(super) fn axes(&self, camera: &Camera) -> [DVec3; 3] {
         let Camera { right, up, forward, .. } = *camera;
         match self.kind {
             ProjectionKind::Flat => [right * camera.tan_half.0, up * camera.tan_half.1, forward],

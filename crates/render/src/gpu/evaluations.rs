@@ -34,6 +34,8 @@ pub struct Evaluations {
     pub media: f64,
     /// Steps through media, including steps through empty space, which need no evaluation.
     pub media_steps: f64,
+    /// Nodes and points of swarms that rays tested.
+    pub swarm_steps: f64,
     /// Pixels with further samples at edges.
     pub edge_pixels: f64,
 }
@@ -58,6 +60,7 @@ impl Evaluations {
             lookups: self.lookups / pixels,
             media: self.media / pixels,
             media_steps: self.media_steps / pixels,
+            swarm_steps: self.swarm_steps / pixels,
             edge_pixels: self.edge_pixels / pixels,
         }
     }

@@ -35,5 +35,5 @@ pub(super) fn texels(
         points
     });
     points.truncate(texels_max / POINT_TEXELS_MAX);
-    plan.texels(&points, inputs, view)
+    plan.texels(&points, inputs, view, texels_max)
 }

@@ -106,6 +106,7 @@ impl Targets {
                 sum.surface_clauses += f64::from(texel[0]);
                 sum.media += f64::from(texel[1]);
                 sum.media_steps += f64::from(texel[2]);
+                sum.swarm_steps += f64::from(texel[3]);
             }
         }
         sum.edge_pixels = self.edge_pixels(samples);
