@@ -25,7 +25,7 @@ commands! {
         group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle),
-            "Space or Shift+Space", "pause or resume; Shift refines the paused moment by paths of light",
+            "Space or Shift+Space", "pause or resume; with Shift, refine the paused picture",
             shifted: Some(C::Refine)
         )],
     }

@@ -58,10 +58,12 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         let _ = write!(
             page,
             "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n\
-             ![{name} in motion](gallery/{name}.webp)\n\n\
-             ![{name} at four moments](gallery/{name}-strip.jpg)\n",
+![{name} at four moments](gallery/{name}-strip.jpg)\n",
             introduction(name)?
         );
+        if folder.join(format!("{name}.webp")).exists() {
+            let _ = write!(page, "\n![{name} in motion](gallery/{name}.webp)\n");
+        }
         let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
         println!("{name}: {figures}");
         let _ = writeln!(table, "| `{name}` {}", figures.row());

@@ -47,6 +47,6 @@ fn a_click_on_a_row_does_what_the_row_says() {
     let content = || OverlayContent { help: Some(help), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
     let (_, texts) = drawn(&shown(&mut stage, help));
-    let at = place_of(&texts, "pause or resume").center();
+    let at = place_of(&texts, "pause or resume; with Shift, refine the paused picture").center();
     assert_eq!(asked(&mut stage, at, content), [UiEvent::Help(0)]);
 }
