@@ -187,10 +187,9 @@ fn the_universal_interpreter_covers_every_shipped_scene() {
         let scene = ready(&SceneSource::Shipped(name.clone()));
         let mut own =
             Interpreter::for_scene(scene.world.features, &scene.buffers, &scene.plan, &driver(false));
-        let SceneFeatures { media, swarm, .. } = scene.world.features;
-        if media || swarm {
-            // Scenes with media or swarms share other interpreters, which differ in the code for these alone.
-            let general = SceneFeatures { media, swarm, ..SceneFeatures::USUAL };
+        let general = scene.world.features.with_usual();
+        if general != SceneFeatures::USUAL {
+            // Scenes with rare features share other interpreters, which differ in the code for these alone.
             assert!(
                 own == Interpreter::for_scene(general, &scene.buffers, &scene.plan, &driver(false)),
                 "{name}"
