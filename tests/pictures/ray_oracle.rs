@@ -8,7 +8,7 @@
 
 use crate::support::expression::Random;
 use mariana::scenes::{SceneSource, shipped_names};
-use mariana_field::graph::{FrameInputs, LevelList, Levels};
+use mariana_field::graph::{FrameInputs, LevelList, Levels, SHAPE_STEP};
 #[allow(dead_code)]
 use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
@@ -106,6 +106,10 @@ fn truth(surely: bool, never: bool) -> Span {
     }
 }
 
+fn is_whole(v: f64) -> bool {
+    v.fract() == 0.0 && v.abs() < 1e9
+}
+
 /// Computes an operator on intervals. Supports the operators that the shipped scenes use; returns [`ALL`] for others.
 fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
@@ -124,6 +128,8 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         "ROUND" => ((a.0 + 0.5).floor(), (a.1 + 0.5).floor()),
         "SIGN" => (f64::from(a.0 > 0.0) - f64::from(a.0 < 0.0), f64::from(a.1 > 0.0) - f64::from(a.1 < 0.0)),
         "NOT" => truth(a == (0.0, 0.0), a.0 > 0.0 || a.1 < 0.0),
+        // Sums of whole numbers are exact. Hashes jump at whole numbers.
+        "ADD" if [a.0, a.1, b.0, b.1].into_iter().all(is_whole) => (a.0 + b.0, a.1 + b.1),
         "ADD" => out((a.0 + b.0, a.1 + b.1)),
         "SUB" => out((a.0 - b.1, a.1 - b.0)),
         "MUL" => mul(a, b),
@@ -159,6 +165,11 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
             out(hull([a.0.atan2(b.0), a.0.atan2(b.1), a.1.atan2(b.0), a.1.atan2(b.1)]))
         }
         "ATAN2" => (-3.2, 3.2),
+        "SHAPE_NUMBER" if a.0 == a.1 => {
+            let number = f64::from(frame.shapes.number(a.0 as f32));
+            (number, number)
+        }
+        "SHAPE" => shape(a, b, frame),
         // The frames of this test have no sound curves and no parts of a song.
         "PART" | "SPECTRUM" | "WAVEFORM" | "HISTORY" => (0.0, 0.0),
         _ => LevelList::named(&name.to_lowercase()).map_or(ALL, |list| level(list, a, frame)),
@@ -170,6 +181,18 @@ fn level(list: LevelList, index: Span, frame: &FrameInputs) -> Span {
     let heard =
         frame.levels.of(list)[number(index.0)..=number(index.1)].iter().map(|level| f64::from(*level));
     heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, level| (all.0.min(level), all.1.max(level)))
+}
+
+/// Bounds of a text's or a picture's distance. Its slope is at most 1 per unit of the coordinates of the shape.
+fn shape(column: Span, row: Span, frame: &FrameInputs) -> Span {
+    let middle = |of: Span| 0.5 * (of.0 + of.1);
+    let coarsest = frame.shapes.shapes().map(|shape| f64::from(shape.grid.points_per_unit()));
+    let slope = f64::from(SHAPE_STEP) / coarsest.fold(f64::INFINITY, f64::min);
+    let away = slope * (0.5 * (column.1 - column.0)).hypot(0.5 * (row.1 - row.0));
+    let value = f64::from(frame.shapes.at(middle(column) as f32, middle(row) as f32));
+    // The coordinates of the middle and the value are rounded to 32 bits.
+    let rounding = 1e-6 * (1.0 + slope * (middle(column).abs() + middle(row).abs()) + value.abs());
+    (value - away - rounding, value + away + rounding)
 }
 
 struct Oracle<'a> {
@@ -340,6 +363,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
         ]),
         levels: Levels::each(|_, number| 0.4 + 0.4 * (number as f32 + time).sin()),
         params: world.scene.params.iter().map(|param| param.default).collect(),
+        shapes: world.scene.atlas.clone(),
         ..Default::default()
     };
     inputs.eye = world.frame_tape.values(&inputs).camera.position;
