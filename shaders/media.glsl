@@ -49,17 +49,40 @@ float densest_at(vec3 p) {
     return TEXEL(sound_tables, int(medium_grid_low.w) + (number >> 2))[number & 3];
 }
 
-// Returns the distance from which a ray meets a medium; `end` if it meets none before.
-float first_medium(vec3 origin, vec3 direction, float t, float end) {
+// A ray through the cells of the grid.
+struct GridWalk {
+    vec3 origin;
+    vec3 direction;
+    vec3 inverse;   // 1 / direction, in cells
+    float nudge;    // a short distance that leads into the next cell
+};
+
+GridWalk grid_walk_of(vec3 origin, vec3 direction) {
     vec3 pace = direction * medium_grid_scale.xyz;
     vec3 inverse = 1.0 / (pace + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(pace, vec3(0.0))));
     float nudge = 1e-4 / max(max(abs(pace.x), abs(pace.y)), max(abs(pace.z), 1e-9));
+    return GridWalk(origin, direction, inverse, nudge);
+}
+
+// Returns the point of the cell that the ray is in, or enters, at t.
+vec3 point_of_cell(GridWalk walk, float t) {
+    return walk.origin + (t + walk.nudge) * walk.direction;
+}
+
+// Returns the distance at which the ray leaves the cell of the point `p`.
+float end_of_cell(GridWalk walk, float t, vec3 p) {
+    vec3 q = (p - medium_grid_low.xyz) * medium_grid_scale.xyz;
+    vec3 left = (floor(q) + step(vec3(0.0), walk.direction) - q) * walk.inverse;
+    return t + (walk.nudge + max(min(left.x, min(left.y, left.z)), 0.0));
+}
+
+// Returns the distance from which a ray meets a medium; `end` if it meets none before.
+float first_medium(vec3 origin, vec3 direction, float t, float end) {
+    GridWalk walk = grid_walk_of(origin, direction);
     for (int i = 0; i < GRID_WALK_MAX; i++) {
-        vec3 p = origin + (t + nudge) * direction;
+        vec3 p = point_of_cell(walk, t);
         if (t >= end || densest_at(p) > 0.0) break;
-        vec3 q = (p - medium_grid_low.xyz) * medium_grid_scale.xyz;
-        vec3 left = (floor(q) + step(vec3(0.0), direction) - q) * inverse;
-        t += nudge + max(min(left.x, min(left.y, left.z)), 0.0);
+        t = end_of_cell(walk, t, p);
     }
     return min(t, end);
 }

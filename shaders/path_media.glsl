@@ -23,16 +23,12 @@ Meeting meet_media(vec3 origin, vec3 direction, float end, bool counts_left) {
     vec2 span = box_span(origin, direction, medium_low.xyz, medium_high.xyz);
     float last = min(min(span.y, end), MEDIUM_FAR);
     float t = max(span.x, 0.0);
-    vec3 pace = direction * medium_grid_scale.xyz;
-    vec3 inverse = 1.0 / (pace + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(pace, vec3(0.0))));
-    float nudge = 1e-4 / max(max(abs(pace.x), abs(pace.y)), max(abs(pace.z), 1e-9));
+    GridWalk walk = grid_walk_of(origin, direction);
     for (int i = 0; i < MEETINGS_MAX; i++) {
         if (!(t < last) || steps_left(1, MEDIUM_ROUNDS) <= 0) break;
-        vec3 ahead = origin + (t + nudge) * direction;
+        vec3 ahead = point_of_cell(walk, t);
         float bound = densest_at(ahead);
-        vec3 q = (ahead - medium_grid_low.xyz) * medium_grid_scale.xyz;
-        vec3 leaving = (floor(q) + step(vec3(0.0), direction) - q) * inverse;
-        float cell_end = t + nudge + max(min(leaving.x, min(leaving.y, leaving.z)), 0.0);
+        float cell_end = end_of_cell(walk, t, ahead);
         bound = bound > 0.0 ? max(bound, MEETINGS_MIN) : 0.0;
         float next = bound > 0.0 ? t - log(1.0 - next_random()) / bound : cell_end;
         // In an exponential distribution the rest of the way does not depend on the way so far, so that each cell may

@@ -89,52 +89,42 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
         // loop, and the results occupy registers during the shadow rays.
         vec3 view_direction = direction + frame_reach.z * float(i);
         Incoming incoming = light_at(i, p, s.normal, view_direction);
-#ifdef LIGHT_THROUGH
+        // Light that comes through the body or from nearby surfaces, and the start of the ray to the light: at the surface,
+        // or for lights behind it where their light arrives.
         vec3 through = vec3(0.0);
-#ifdef TRANSLUCENT
-        // Light that comes out of the body has no direction any more, so half of it comes out on this side.
-        through += incoming.through * m.color * (0.5 * m.translucent / PI);
+        vec3 from = p;
+        vec3 side = s.normal;
+#ifdef LIGHT_THROUGH
+        bool is_behind = dot(s.normal, incoming.direction) < 0.0;
 #endif
 #ifdef BOUNCE
         through += incoming.through * thrown_on * (0.5 / PI);
+        if (is_behind) from += (0.5 * frame_reach.x) * s.normal;
 #endif
-        bool is_behind = dot(s.normal, incoming.direction) < 0.0;
-        bool is_lit = max(incoming.light.r + through.r, max(incoming.light.g + through.g, incoming.light.b + through.b)) > 1e-5;
-#else
-        bool is_lit = max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5;
+#ifdef TRANSLUCENT
+        // Light that comes out of the body has no direction any more, so half of it comes out on this side.
+        through += incoming.through * m.color * (0.5 * m.translucent / PI);
+        shadow_dims = m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
+        if (is_behind && m.translucent > 0.0) {
+            from = p;
+            side = -s.normal;
+        }
 #endif
-        if (is_lit) {
+        vec3 arriving = incoming.light + through;
+        if (max(arriving.r, max(arriving.g, arriving.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             // A light without shadows needs no shadow ray.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
-            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction);
-#ifdef LIGHT_THROUGH
-            // The ray to a light behind the surface starts where that light arrives: in the body, or at surfaces nearby.
-            thrown += through;
-            vec3 from = p;
-            vec3 side = s.normal;
-#ifdef BOUNCE
-            if (is_behind) from += (0.5 * frame_reach.x) * s.normal;
-#endif
-#ifdef TRANSLUCENT
-            if (is_behind && m.translucent > 0.0) {
-                from = p;
-                side = -s.normal;
-            }
-            shadow_dims = m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
-#endif
+            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction) + through;
             float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
-#ifdef TRANSLUCENT
-            shadow_dims = 0.0;
-#endif
-#else
-            float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
-#endif
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
             if (visible > 0.0) light += visible * thrown;
         }
     } while (i++ < last);
+#ifdef TRANSLUCENT
+    shadow_dims = 0.0;
+#endif
     return light;
 }
 

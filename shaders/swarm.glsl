@@ -236,24 +236,10 @@ Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
     Surface s;
     s.object = SWARM_OBJECT;
     s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-12));
-    Material m;
+    Material m = default_material();
     m.color = color;
     m.roughness = 0.6;
-    m.metalness = 0.0;
     m.emission = emission;
-    m.reflect = 0.0;
-    m.coat = 0.0;
-    m.haze = 0.0;
-    m.blur = 0.0;
-#ifdef BODY
-    m.glass = 0.0;
-    m.ior = 1.5;
-    m.absorb = vec3(0.0);
-    m.translucent = 0.0;
-    m.depth = 0.1;
-    m.film = 0.0;
-    m.velvet = 0.0;
-#endif
     s.material = m;
     s.ambient = vec3(0.0);
     for (int axis = 0; axis < 3; axis++) {

@@ -39,7 +39,7 @@ fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
 
     // The bar is hidden, but the screen reader finds its controls.
     reader.listen(true);
-    let pause = wait_for(&reader, TOGGLE, "pause or resume");
+    let pause = wait_for(&reader, TOGGLE, "pause or resume; with Shift, refine the paused picture (Space");
     assert!(!reader.is_on(&pause));
     reader.press(&pause);
     app.wait_for_title("paused", |title| title.contains("paused"));

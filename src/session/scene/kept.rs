@@ -2,7 +2,10 @@
 
 use std::rc::Rc;
 
+use super::prepared_scene::PreparedScene;
+use super::program_task::ProgramOf;
 use crate::gpu::program::Program;
+use crate::gpu::scene_program::Mode;
 use crate::limits::LIMITS;
 
 /// Programs by key; the least recently used is dropped first. A program takes about 20 MiB with a software renderer.
@@ -40,5 +43,25 @@ impl<K> KeptPrograms<K> {
 
     pub(super) fn retain(&mut self, is_of_use: impl Fn(&K) -> bool) {
         self.programs.retain(|(of, _)| is_of_use(of));
+    }
+}
+
+impl KeptPrograms<ProgramOf> {
+    pub(super) fn cover(&self, wanted: &ProgramOf) -> bool {
+        self.has(|known| known.covers(wanted))
+    }
+
+    /// The program to request for a scene in a mode, if it is missing.
+    pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ProgramOf> {
+        scene.program_of(mode).filter(|wanted| !self.cover(wanted))
+    }
+
+    pub(super) fn covering(&mut self, wanted: &ProgramOf) -> Option<Rc<Program>> {
+        self.find(|known| known.covers(wanted))
+    }
+
+    /// Drops programs that none of these scenes may need.
+    pub(super) fn keep(&mut self, scenes: &[u64]) {
+        self.retain(|of| of.may_serve(scenes));
     }
 }

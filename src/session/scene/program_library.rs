@@ -206,42 +206,30 @@ impl ProgramLibrary {
         }
     }
 
-    pub(super) fn request_views(&mut self, scene: &PreparedScene, mode: Mode, wanted: ProgramOf) {
-        let is_asked = |task: &Task| matches!(task, Task::Views(asked) if asked.covers(&wanted));
-        if self.tasks.values().any(is_asked) {
+    /// Requests a program for views or paths, unless one that draws the same is being made.
+    pub(super) fn request_special(&mut self, scene: &PreparedScene, wanted: Task) {
+        let (of, product) = match &wanted {
+            Task::Views(of) => (of.clone(), ProgramProduct::Views),
+            Task::Paths(of) => (of.clone(), ProgramProduct::Paths),
+            _ => return,
+        };
+        if self.tasks.values().any(|task| task.covers(&wanted)) {
             return;
         }
-        let mut job = match wanted.clone() {
-            ProgramOf::Compiled(_) => {
-                let world = scene.resources.world().clone();
-                self.job(scene, move || compiled_variant_of(&world, Counting::On).map(as_views))
-            }
-            ProgramOf::Interpreted(variant) => {
-                self.job(scene, move || Ok(as_views(variant.variant(Counting::On))))
-            }
-        };
-        job.product = ProgramProduct::Views;
-        tracing::info!("views of {} are requested, {mode}", scene.title());
-        self.submit(job, Task::Views(wanted));
-    }
-
-    pub(super) fn request_paths(&mut self, scene: &PreparedScene, wanted: ProgramOf) {
-        let is_asked = |task: &Task| matches!(task, Task::Paths(asked) if asked.covers(&wanted));
-        if self.tasks.values().any(is_asked) {
-            return;
-        }
-        let mut job = match wanted.clone() {
-            ProgramOf::Compiled(_) => {
-                let (world, has_cells) = (scene.resources.world().clone(), scene.programs.has_cells);
-                self.job(scene, move || compiled_drawing_variant(&world, has_cells).map(as_paths))
-            }
-            ProgramOf::Interpreted(variant) => {
-                self.job(scene, move || Ok(as_paths(variant.variant(Counting::Off))))
-            }
-        };
-        job.product = ProgramProduct::Paths;
-        tracing::info!("paths of {} are requested", scene.title());
-        self.submit(job, Task::Paths(wanted));
+        let (world, has_cells) = (scene.resources.world().clone(), scene.programs.has_cells);
+        let mut job = self.job(scene, move || {
+            let draws_views = product == ProgramProduct::Views;
+            let counting = if draws_views { Counting::On } else { Counting::Off };
+            let variant = match of {
+                ProgramOf::Compiled(_) if draws_views => compiled_variant_of(&world, counting)?,
+                ProgramOf::Compiled(_) => compiled_drawing_variant(&world, has_cells)?,
+                ProgramOf::Interpreted(interpreter) => interpreter.variant(counting),
+            };
+            Ok(if draws_views { as_views(variant) } else { as_paths(variant) })
+        });
+        job.product = product;
+        tracing::info!("a program for {product:?} of {} is requested", scene.title());
+        self.submit(job, wanted);
     }
 
     fn request_universal(&mut self, non_lipschitz: bool, scene: &PreparedScene) {

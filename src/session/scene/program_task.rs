@@ -18,6 +18,18 @@ pub(super) enum Task {
     Paths(ProgramOf),
 }
 
+impl Task {
+    /// True if a program for views or paths also serves the task `wanted`.
+    pub(super) fn covers(&self, wanted: &Self) -> bool {
+        match (self, wanted) {
+            (Self::Views(known), Self::Views(wanted)) | (Self::Paths(known), Self::Paths(wanted)) => {
+                known.covers(wanted)
+            }
+            _ => false,
+        }
+    }
+}
+
 /// The functions of a program for views or paths: a scene's own functions, or an interpreter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ProgramOf {

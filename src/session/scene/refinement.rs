@@ -1,6 +1,5 @@
 //! The refinement of a paused moment: the shown frame is drawn again by paths of light, in place, until something changes.
 
-use std::rc::Rc;
 use std::time::Duration;
 
 use super::kept::KeptPrograms;
@@ -10,7 +9,6 @@ use super::regions::Shown;
 use crate::export::paths::PathChoice;
 use crate::frame::Frame;
 use crate::gpu::error::GpuError;
-use crate::gpu::program::Program;
 use crate::gpu::renderer::{PathOrder, PathPicture, PathSampling, Renderer};
 use crate::gpu::scene_program::Mode;
 use crate::limits::LIMITS;
@@ -19,7 +17,7 @@ use crate::session::drawing_pace::within_pixels;
 #[derive(Default)]
 pub(super) struct Refinement {
     stage: Stage,
-    programs: KeptPrograms<ProgramOf>,
+    pub(super) programs: KeptPrograms<ProgramOf>,
 }
 
 #[derive(Default)]
@@ -69,23 +67,6 @@ impl Refinement {
         }
     }
 
-    /// The program to request for a scene in a mode, if it is missing.
-    pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ProgramOf> {
-        scene.program_of(mode).filter(|wanted| !self.has(wanted))
-    }
-
-    pub(super) fn has(&self, wanted: &ProgramOf) -> bool {
-        self.programs.has(|known| known.covers(wanted))
-    }
-
-    pub(super) fn keep(&mut self, scenes: &[u64]) {
-        self.programs.retain(|of| of.may_serve(scenes));
-    }
-
-    pub(super) fn add(&mut self, of: ProgramOf, program: Program) {
-        self.programs.add(of, program);
-    }
-
     /// Continues for about `patience` with the frame that is shown as `of`. Returns true if the image has become better,
     /// and a message.
     pub(super) fn go_on(
@@ -95,7 +76,10 @@ impl Refinement {
         of: Shown,
         patience: Duration,
     ) -> Result<(bool, Option<String>), GpuError> {
-        let Some(program) = self.program(scene, mode) else { return Ok((false, None)) };
+        let wanted = scene.program_of(mode);
+        let Some(program) = wanted.and_then(|wanted| self.programs.covering(&wanted)) else {
+            return Ok((false, None));
+        };
         if self.is_wanted() {
             let mut frame = frame.clone();
             frame.size = within_pixels(frame.size, LIMITS.refined_pixels_max);
@@ -117,11 +101,6 @@ impl Refinement {
         let words =
             || format!("refining: {paths} of at most {} paths for each pixel", LIMITS.refined_paths_max);
         Ok((true, says.then(words)))
-    }
-
-    fn program(&mut self, scene: &PreparedScene, mode: Mode) -> Option<Rc<Program>> {
-        let wanted = scene.program_of(mode)?;
-        self.programs.find(|known| known.covers(&wanted))
     }
 }
 

@@ -335,13 +335,6 @@ impl SceneSession {
         }
     }
 
-    fn request_view(&mut self) {
-        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
-        if let Some(wanted) = self.composer.views.missing(scene, mode) {
-            self.preparation.programs.request_views(scene, mode, wanted);
-        }
-    }
-
     fn composing(&mut self) -> (&mut SceneComposer, Ingredients<'_>) {
         let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
         let choice = self.preparation.choice();

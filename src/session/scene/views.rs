@@ -40,12 +40,12 @@ impl Views {
         let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
         [mode, other].into_iter().find_map(|mode| {
             let wanted = scene.program_of(mode)?;
-            self.programs.find(|known| known.covers(&wanted)).map(|program| (choice, mode, program))
+            self.programs.covering(&wanted).map(|program| (choice, mode, program))
         })
     }
 
     pub(super) fn keep(&mut self, kept: &[u64]) {
-        self.programs.retain(|of| of.may_serve(kept));
+        self.programs.keep(kept);
     }
 
     pub(crate) fn choice(&self) -> Option<ViewChoice> {
@@ -98,7 +98,7 @@ impl Views {
     /// The program to request for the chosen view in a mode, if it is missing.
     pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ProgramOf> {
         self.choice?;
-        scene.program_of(mode).filter(|wanted| !self.programs.has(|known| known.covers(wanted)))
+        self.programs.missing(scene, mode)
     }
 
     /// Takes a requested view program. If the driver rejects it, the view is turned off.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::fields::DefaultValue::Each;
-use super::fields::{Field, Holds, MaterialRange, section};
+use super::fields::{DefaultValue, Field, Holds, MaterialRange, section};
 
 const SURFACE: u16 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
@@ -44,28 +44,28 @@ section! {
 const SURFACE_FIELDS: usize = 8;
 
 /// Count of the numbers in the first fields. The others follow.
-pub(crate) const SURFACE_NUMBERS: usize = numbers_of(0, SURFACE_FIELDS);
-
-const fn numbers_of(first: usize, end: usize) -> usize {
-    let (mut field, mut numbers) = (first, 0);
-    while field < end {
+pub(crate) const SURFACE_NUMBERS: usize = {
+    let (mut field, mut numbers) = (0, 0);
+    while field < SURFACE_FIELDS {
         numbers += Material::FIELDS[field].holds.parts();
         field += 1;
     }
     numbers
-}
+};
 
 const _: () = {
     let mut field = 0;
     while field < Material::FIELDS.len() {
         assert!(Material::FIELDS[field].range.is_some(), "every field of a material needs a range");
+        let default = &Material::FIELDS[field].default;
+        assert!(matches!(default, DefaultValue::Each(_)), "shaders need the default as a number");
         field += 1;
     }
 };
 
-/// Returns GLSL for the fields: the struct, a function that clamps its members to their ranges, and macros that read
-/// the members from the results of interpreted programs, one for each group of fields. In the macros, each component of
-/// `head` holds four numbers.
+/// Returns GLSL for the fields: the struct, the material with all defaults, a function that clamps the members to their
+/// ranges, and macros that read the members from the results of interpreted programs, one for each group of fields. In
+/// the macros, each component of `head` holds four numbers.
 pub fn material_glsl() -> String {
     let [surface, body] =
         [&Material::FIELDS[..SURFACE_FIELDS], &Material::FIELDS[SURFACE_FIELDS..]].map(group_glsl);
@@ -77,16 +77,25 @@ pub fn material_glsl() -> String {
          float fraction_of(float value) {{\n    return within(value, 0.0, 1.0);\n}}\n\
          vec3 light_of(vec3 value) {{\n    return vec3(within(value.r, 0.0, 1e6), within(value.g, 0.0, 1e6), \
          within(value.b, 0.0, 1e6));\n}}\n\
+         Material default_material() {{\n    Material m;\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
          Material within_ranges(Material m) {{\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
          // The fields in these outputs of the interpreter's program.\n\
          #define READ_MATERIAL(m, head) {}\n#define READ_BODY(m, head) {}\n",
-        surface.members, body.members, surface.ranges, body.ranges, surface.read, body.read
+        surface.members,
+        body.members,
+        surface.defaults,
+        body.defaults,
+        surface.ranges,
+        body.ranges,
+        surface.read,
+        body.read
     )
 }
 
 #[derive(Default)]
 struct GroupGlsl {
     members: String,
+    defaults: String,
     ranges: String,
     read: String,
 }
@@ -99,6 +108,9 @@ fn group_glsl(fields: &[Field]) -> GroupGlsl {
         let kind = if field.holds == Holds::Vector { "vec3" } else { "float" };
         let _ = writeln!(glsl.members, "    {kind} {};    // {}", field.name, field.doc);
         let value = format!("m.{}", field.name);
+        if let DefaultValue::Each(number) = field.default {
+            let _ = writeln!(glsl.defaults, "    {value} = {kind}({number:?});");
+        }
         let clamped = match field.range {
             Some(MaterialRange::Fraction) => format!("fraction_of({value})"),
             Some(MaterialRange::Light) => format!("light_of({value})"),

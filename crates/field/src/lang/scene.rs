@@ -182,8 +182,8 @@ section! {
         points: usize,
     }
     count: Number = Each(1000.0), NOTHING, "The number of points, a whole number that never changes.";
-    position: Vector = Each(0.0), INDEX | FRAME | EYE, "The place of the point `index`.";
-    size: Number = Each(0.02), INDEX | FRAME | EYE, "Radius of the ball at that place; 0 for no ball.";
+    position: Vector = Each(0.0), INDEX | FRAME | EYE, "The position of the point `index`.";
+    size: Number = Each(0.02), INDEX | FRAME | EYE, "Radius of the ball around the position; 0 for no ball.";
     color: Vector = Each(1.0), INDEX | FRAME | EYE, "The colour of the ball, 0..1.";
     emission: Vector = Each(0.0), INDEX | FRAME | EYE, "Light that the ball emits.";
     glow: Vector = Each(0.0), INDEX | FRAME | EYE,

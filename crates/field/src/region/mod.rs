@@ -127,7 +127,7 @@ pub struct RegionKey {
     shapes: Option<ShapeAtlas>,
 }
 
-/// The inputs that expressions read, besides the point.
+/// The inputs of the frame that expressions read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Reads {
     inputs: Vec<Input>,

@@ -291,12 +291,13 @@ impl World {
         for roots in materials {
             programs.push(program((&roots[..SURFACE_NUMBERS], Over::Points))?);
         }
-        let run = programs.len();
-        let bodies = if self.features.body() { materials.len() } else { 1 };
+        let has_bodies = self.features.body();
+        let bodies = if has_bodies { materials.len() } else { 1 };
         for roots in materials.iter().take(bodies) {
             programs.push(program((&roots[SURFACE_NUMBERS..], Over::Points))?);
         }
-        let run = if self.features.body() { programs.len() } else { run };
+        // The programs that the scene's own interpreter runs.
+        let run = if has_bodies { programs.len() } else { PROGRAMS_OF_LIGHT + materials.len() };
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
             MediumPlan::new(&self.graph, [density, r, g, b], self.medium_bounds)
         });

@@ -44,13 +44,11 @@ enum Shape {
 pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
-    let shadowless: Vec<Option<NodeId>> =
-        scene.objects.iter().map(|object| glass_of(scene, object.material)).collect::<Result<_, _>>()?;
     let mut planes = Vec::new();
     let mut rest: Vec<Part> = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
+        let shadowless = glass_of(scene, object.material)?;
         if let Some(bound) = object.bound {
-            let shadowless = shadowless[index];
             rest.push(Part { object: index, shape: object.shape, bound: Some(bound), shadowless });
             continue;
         }
@@ -64,7 +62,7 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
         }
         let graph = &mut scene.graph;
         if let Some(shape) = others.into_iter().reduce(|a, b| graph.min(a, b)) {
-            rest.push(Part { object: index, shape, bound: None, shadowless: shadowless[index] });
+            rest.push(Part { object: index, shape, bound: None, shadowless });
         }
     }
     let graph = &mut scene.graph;
@@ -95,7 +93,9 @@ const CLEAR_OF_SHADOWS: f32 = 1e4;
 
 /// Returns the union of `parts`.
 ///
-/// Rays to lights, whose penumbra is above 0, pass through glass. Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
+/// Rays to lights, whose penumbra is above 0, pass through glass.
+///
+/// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);

@@ -185,7 +185,7 @@ struct Body<'a> {
     /// Half of a pixel's width at its place.
     pixel: f32,
     bounds: Bounds,
-    /// The place of its middle on the curve.
+    /// The number of its middle on the curve.
     place: u32,
 }
 
@@ -298,7 +298,7 @@ impl Tree {
     }
 }
 
-/// Returns how many of the sorted bodies are in the first half of their space, or half of them if all are at one place.
+/// Returns how many of the sorted bodies are in the first half of their space, or half of them if none differs.
 fn cut(bodies: &[Body<'_>]) -> usize {
     let [first, .., last] = bodies else { return bodies.len() };
     let differing = first.place ^ last.place;
@@ -308,7 +308,7 @@ fn cut(bodies: &[Body<'_>]) -> usize {
     }
 }
 
-/// Returns the place of a box's middle on a curve through `whole`: the bits of the coordinates, interleaved.
+/// Returns the number of a box's middle on a curve through `whole`: the bits of the coordinates, interleaved.
 fn place_on_curve(whole: &Bounds, own: &Bounds) -> u32 {
     let mut place = 0;
     for axis in 0..3 {

@@ -497,8 +497,8 @@ impl SceneLists {
         })
     }
 
-    /// Uploads the texts and pictures, the grid over the media and the swarms if they have changed, and the tables of the sound if
-    /// the scene reads them.
+    /// Uploads the texts and pictures, the grid over the media and the swarms if they have changed, and the tables of
+    /// the sound if the scene reads them.
     fn upload_tables(
         &self,
         inputs: &FrameInputs,

@@ -139,7 +139,7 @@ fn everything_shows_at_once_and_inside_the_window() {
             for panel in &laid_out.panels {
                 assert!(stage.screen.contains_rect(*panel), "{screen:?}: {panel:?}");
             }
-            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "> Mic"] {
+            for wanted in ["a.scene has mistakes", "compiled", "knob 0", help::PAUSE, "> Mic"] {
                 assert!(place_of(&texts, wanted).area() > 50.0, "{wanted} does not show");
             }
             assert!(texts.iter().any(|(text, _)| text.contains("more lines")), "{texts:?}");

@@ -1,5 +1,5 @@
-//! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, a strip of four moments of the demo track, the
-//! cost, and how much the music changes the image. Run this tool after you change a scene.
+//! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, a strip of four moments of the
+//! demo track, the cost, and how much the music changes the image. Run this tool after you change a scene.
 //!
 //! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all scenes. The figures are always
 //! measured for all scenes.

@@ -42,7 +42,8 @@ impl SceneSession {
     /// True if the shown frame is at rest, and [`Self::refine`] makes it better.
     pub(crate) fn can_refine(&self) -> bool {
         let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return false };
-        let is_ready = || scene.program_of(mode).is_some_and(|wanted| self.refinement.has(&wanted));
+        let is_ready =
+            || scene.program_of(mode).is_some_and(|wanted| self.refinement.programs.cover(&wanted));
         self.refinement.is_unfinished()
             && self.scenes.coming.is_none()
             && self.composer.rests_on(scene.id)
@@ -75,9 +76,16 @@ impl SceneSession {
         }
     }
 
+    pub(super) fn request_view(&mut self) {
+        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
+        if let Some(wanted) = self.composer.views.missing(scene, mode) {
+            self.preparation.programs.request_special(scene, Task::Views(wanted));
+        }
+    }
+
     /// Requests the program of paths if it is needed. Ends the refinement where it is impossible.
     pub(super) fn request_paths(&mut self) {
-        self.refinement.keep(&self.scenes.ids());
+        self.refinement.programs.keep(&self.scenes.ids());
         if !self.refinement.is_wanted() {
             return;
         }
@@ -90,8 +98,8 @@ impl SceneSession {
         if self.preparation.programs.is_making(scene, Mode::Compiled) {
             return;
         }
-        if let Some(wanted) = self.refinement.missing(scene, mode) {
-            self.preparation.programs.request_paths(scene, wanted);
+        if let Some(wanted) = self.refinement.programs.missing(scene, mode) {
+            self.preparation.programs.request_special(scene, Task::Paths(wanted));
         }
     }
 
@@ -104,7 +112,7 @@ impl SceneSession {
         let (failed, error) = match (task, program) {
             (Task::Views(of), program) => ("show views", self.composer.take_views(of, program).err()?),
             (Task::Paths(of), Ok(program)) => {
-                self.refinement.add(of, program);
+                self.refinement.programs.add(of, program);
                 return None;
             }
             (Task::Paths(_), Err(error)) => {

@@ -128,7 +128,7 @@ impl Side {
 /// Expressions of the traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
 
-/// Copies the swarms of a scene. The number of a point is the x of its expressions, so it stays in its place.
+/// Copies the swarms of a scene. The number of a point is the x of its expressions, and a blend does not move it.
 fn swarms(
     graph: &mut Graph,
     scene: &Scene,

@@ -87,7 +87,7 @@ pub struct PathProgress {
 const AREA_PIXELS: u32 = 1 << 21;
 /// Side of the blocks that are finished together.
 const BLOCK: u32 = 32;
-/// The kinds of passes, besides those that go on (`path.frag`).
+/// The numbers of special passes (`path.frag`). Other passes have the number 0.
 const BEGINNING: f32 = 1.0;
 const GUIDES: f32 = 2.0;
 /// Passes between two looks at the numbers of paths.

@@ -3,6 +3,9 @@
 use super::*;
 use mariana_commands::input::{Key, NamedKey};
 
+/// The row of the key that pauses.
+pub(super) const PAUSE: &str = "pause or resume; with Shift, refine the paused picture";
+
 fn shown(stage: &mut Stage, help: &HelpPanel) -> LaidOut {
     let content = || OverlayContent { help: Some(help), ..Default::default() };
     stage.frame(Vec::new(), content());
@@ -47,6 +50,6 @@ fn a_click_on_a_row_does_what_the_row_says() {
     let content = || OverlayContent { help: Some(help), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
     let (_, texts) = drawn(&shown(&mut stage, help));
-    let at = place_of(&texts, "pause or resume; with Shift, refine the paused picture").center();
+    let at = place_of(&texts, PAUSE).center();
     assert_eq!(asked(&mut stage, at, content), [UiEvent::Help(0)]);
 }
