@@ -199,13 +199,12 @@ impl StillFormat {
 }
 
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
-    let same = match song {
-        Song::Embedded { .. } => false,
-        Song::File(path) => {
-            path.canonicalize().is_ok_and(|song| output.canonicalize().is_ok_and(|o| o == song))
-        }
-    };
+    let same = matches!(song, Song::File(path) if same_file(path, output));
     if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
+}
+
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 pub(super) struct Pixels {

@@ -128,6 +128,7 @@ fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
         format!("{:?} {:?} {:?}", request.alpha, request.codec, request.quality),
         format!("{:?} {:?} {:?}", request.title_card, request.shutter, request.limit_flashes),
         format!("{:?} {:?} {:?} {:?} {:?}", scene.sdf, scene.cells, scene.view, scene.edges, scene.tone_map),
+        format!("{:?}", scene.paths),
     ];
     settings.hash(&mut hasher);
     let mut files = Vec::new();
