@@ -103,6 +103,9 @@ fn parts_that_do_not_belong_together_are_refused() {
     video("a1.mp4", &["--part", "1/2"]).done();
     video("a2.mp4", &["--part", "2/2"]).done();
     video("b2.mp4", &["--part", "2/2", "--set", "volume.x=0"]).done();
+    let paths = |samples| ["--light", "path", "--samples", samples];
+    video("p1.mp4", &[&["--part", "1/2"][..], &paths("1")].concat()).done();
+    video("p2.mp4", &[&["--part", "2/2"][..], &paths("2")].concat()).done();
     let faster =
         ["--part", "2/2", "--fps", "20", "--duration", "1", "--flash-limiter", "off", "--size", "32x18"];
     place.run(&[&["video", "one.wav", "mover.scene", "-o", "c2.mp4"], &faster[..]].concat()).done();
@@ -113,6 +116,8 @@ fn parts_that_do_not_belong_together_are_refused() {
     join("one.wav", "j.mp4", &["a1.mp4"]).refused(&["part 2 of 2 is missing", "--part 2/2"]);
     join("one.wav", "j.mp4", &["a1.mp4", "a1.mp4", "a2.mp4"]).refused(&["two files are part 1"]);
     join("one.wav", "j.mp4", &["a1.mp4", "b2.mp4"]).refused(&["b2.mp4", "other settings", "a1.mp4"]);
+    join("one.wav", "j.mp4", &["a1.mp4", "p2.mp4"]).refused(&["p2.mp4", "other settings", "a1.mp4"]);
+    join("one.wav", "j.mp4", &["p1.mp4", "p2.mp4"]).refused(&["p2.mp4", "other settings", "p1.mp4"]);
     join("one.wav", "j.mp4", &["a1.mp4", "c2.mp4"]).refused(&["c2.mp4", "another frame rate"]);
     join("one.wav", "j.mp4", &["a1.mp4", "one.wav"]).refused(&["one.wav is no finished part"]);
     join("one.wav", "j.mp4", &["a1.mp4", "none.mp4"]).refused(&["none.mp4 is no finished part"]);

@@ -24,6 +24,8 @@ use mariana_player::ffmpeg::{CommandLine, ReadBy, Source};
 
 /// Frames of a piece. An interruption loses less than these.
 const PIECE_FRAMES: u64 = 300;
+/// Frames of a piece by paths of light, each of which may take minutes.
+const PATH_PIECE_FRAMES: u64 = 30;
 /// Begins the record in a file's metadata.
 const MARK: &str = "mariana part ";
 
@@ -206,10 +208,11 @@ fn write_pieces(
     let folder = pieces_of(path);
     std::fs::create_dir_all(&folder)
         .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
+    let piece_frames = if request.scene.paths.is_some() { PATH_PIECE_FRAMES } else { PIECE_FRAMES };
     let mut pieces = Vec::new();
     let (mut number, end) = range;
     while number < end {
-        let last = number.saturating_add(PIECE_FRAMES).min(end);
+        let last = number.saturating_add(piece_frames).min(end);
         let piece = PartRecord { first: number, frames: last - number, ..record.clone() };
         let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
         if PartRecord::read(&file).as_ref() != Some(&piece) {
