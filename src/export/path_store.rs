@@ -30,8 +30,6 @@ const MARK: &str = "mariana paths ";
 const ENDING: &str = "paths";
 /// The most bytes of a file besides its paths.
 const RECORD_MAX: usize = 4096;
-/// Saving takes at most one part in this many of the time.
-const SAVING_PART: u32 = 20;
 
 /// The store of an image, which its renderer and the writer of its file share.
 pub(super) type SharedStore = Rc<RefCell<PathStore>>;
@@ -45,8 +43,8 @@ pub(super) struct PathStore {
     next: u64,
     piece: Option<PieceRecord>,
     begun: Instant,
-    /// The end of the last save, and the time that it took.
-    saved: (Instant, Duration),
+    /// The time of the last save, or of the begin of the piece.
+    saved: Instant,
     /// True after a message that pieces are continued, or cannot be.
     has_told_begin: bool,
     /// The result of the save after an interruption.
@@ -72,6 +70,7 @@ struct PieceRecord {
     /// Hashes of the scene's programs and textures, and of all numbers of the frame.
     scene: u64,
     frame: u64,
+    number: u64,
     pixels: usize,
     first: u32,
     samples: u32,
@@ -90,7 +89,8 @@ impl PieceRecord {
             (own.at != other.at, "of another moment"),
             (own.size != other.size, "of another size"),
             (
-                (self.scene, self.frame, self.pixels) != (file.scene, file.frame, file.pixels),
+                (self.scene, self.frame, self.number, self.pixels)
+                    != (file.scene, file.frame, file.number, file.pixels),
                 "of another scene or with other settings",
             ),
             (file.samples > self.samples || file.first != self.first, "with other --samples"),
@@ -130,7 +130,7 @@ impl PathStore {
             next: 0,
             piece: None,
             begun: now,
-            saved: (now, Duration::ZERO),
+            saved: now,
             has_told_begin: false,
             interrupted: None,
             has_warned: false,
@@ -154,6 +154,7 @@ impl PathStore {
             image: self.image.clone(),
             scene,
             frame: inputs.number(),
+            number: self.next,
             pixels,
             first: order.first,
             samples: order.samples,
@@ -163,7 +164,7 @@ impl PathStore {
         let read = read(&file, &piece);
         self.piece = Some(piece);
         self.next += 1;
-        self.saved.0 = Instant::now();
+        self.saved = Instant::now();
         let folder = self.folder.display();
         let words = match &read {
             Err(Useless::Missing) => None,
@@ -185,8 +186,7 @@ impl PathStore {
 
     /// Saves the current piece if it is time.
     pub(super) fn save_in_time(&mut self, kept: &dyn Fn() -> KeptPaths) {
-        let (at, took) = self.saved;
-        if at.elapsed() >= self.every.max(took * SAVING_PART) {
+        if self.saved.elapsed() >= self.every {
             self.save_or_warn(kept);
         }
     }
@@ -238,19 +238,19 @@ impl PathStore {
             && !self.has_warned
         {
             self.has_warned = true;
-            tell(&format!("an interruption would lose the paths, because {error}: free some space"));
+            tell(&format!("an interruption would lose the paths, because {error}: check the folder"));
         }
     }
 
     fn save(&mut self, kept: &dyn Fn() -> KeptPaths) -> Result<(), Unwritable> {
-        let (Some(piece), begun) = (&self.piece, Instant::now()) else { return Ok(()) };
+        let Some(piece) = &self.piece else { return Ok(()) };
         let unwritable =
             |error: std::io::Error| Unwritable { path: self.folder.clone(), reason: error.to_string() };
         let saved = std::fs::create_dir_all(&self.folder).map_err(unwritable).and_then(|()| {
             let path = self.file(self.next.saturating_sub(1));
             AtomicFile::create(&path)?.write(&sealed(piece, &kept().bytes()))
         });
-        self.saved = (Instant::now(), begun.elapsed());
+        self.saved = Instant::now();
         saved
     }
 
@@ -299,4 +299,61 @@ fn read(file: &Path, piece: &PieceRecord) -> Result<KeptPaths, Useless> {
         kept.reopen();
     }
     Ok(kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece() -> PieceRecord {
+        let image = ImageRecord { program: "1.0".into(), size: (2, 1), ..ImageRecord::default() };
+        PieceRecord { image, scene: 1, frame: 2, number: 0, pixels: 2, first: 0, samples: 16, noise: 0.1 }
+    }
+
+    #[test]
+    fn differences_of_images_have_words() {
+        let difference = |change: fn(&mut PieceRecord)| {
+            let mut file = piece();
+            change(&mut file);
+            piece().difference(&file)
+        };
+        assert_eq!(difference(|_| ()), None);
+        assert_eq!(difference(|file| (file.samples, file.noise) = (8, 0.2)), None);
+        let words = [
+            difference(|file| file.image.program = "1.1".into()),
+            difference(|file| file.image.driver = "another".into()),
+            difference(|file| file.image.song = 1),
+            difference(|file| file.image.at = 0.1),
+            difference(|file| file.image.size = (1, 2)),
+            difference(|file| file.scene = 3),
+            difference(|file| file.number = 1),
+            difference(|file| file.first = 16),
+            difference(|file| file.samples = 17),
+            difference(|file| file.noise = 0.0),
+        ];
+        let wanted = [
+            "version",
+            "driver",
+            "song",
+            "moment",
+            "size",
+            "scene",
+            "scene",
+            "--samples",
+            "--samples",
+            "--noise",
+        ];
+        for (words, wanted) in words.into_iter().zip(wanted) {
+            assert!(words.is_some_and(|words| words.contains(wanted)), "{words:?}, {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_file_longer_than_any_paths_is_read_only_as_far_as_needed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("00000000.paths");
+        let file = File::create(&path).unwrap();
+        file.set_len(1 << 40).unwrap();
+        assert!(matches!(read(&path, &piece()), Err(Useless::Damaged)));
+    }
 }

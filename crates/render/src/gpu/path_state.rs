@@ -92,32 +92,30 @@ impl PathState {
         bytes
     }
 
-    /// Fills both states, so that blocks which are no longer drawn are the same in both.
+    /// Fills the current state. Paths of another size are ignored.
     pub(super) fn fill(&self, kept: &KeptPaths) {
+        let (_, texture) = &self.states[self.current];
         let [width, height] = [self.size.0, self.size.1].map(u32::cast_signed);
         let length = TEXEL * self.size.0 as usize * self.size.1 as usize;
-        for (_, texture) in &self.states {
-            for (layer, bytes) in (0..).zip(&kept.layers) {
-                let Some(bytes) = bytes.get(..length) else { continue };
-                let pixels = glow::PixelUnpackData::Slice(Some(bytes));
-                // SAFETY: `self` owns the texture, and the slice holds exactly the texels of a layer.
-                unsafe {
-                    self.gl.active_texture(glow::TEXTURE0 + unit_of("path_state"));
-                    self.gl.bind_texture(glow::TEXTURE_2D_ARRAY, Some(texture.native()));
-                    self.gl.tex_sub_image_3d(
-                        glow::TEXTURE_2D_ARRAY,
-                        0,
-                        0,
-                        0,
-                        layer,
-                        width,
-                        height,
-                        1,
-                        glow::RGBA,
-                        glow::FLOAT,
-                        pixels,
-                    );
-                }
+        for (layer, bytes) in (0..).zip(&kept.layers).filter(|(_, bytes)| bytes.len() == length) {
+            let pixels = glow::PixelUnpackData::Slice(Some(bytes));
+            // SAFETY: `self` owns the texture, and the slice holds exactly the texels of a layer.
+            unsafe {
+                self.gl.active_texture(glow::TEXTURE0 + unit_of("path_state"));
+                self.gl.bind_texture(glow::TEXTURE_2D_ARRAY, Some(texture.native()));
+                self.gl.tex_sub_image_3d(
+                    glow::TEXTURE_2D_ARRAY,
+                    0,
+                    0,
+                    0,
+                    layer,
+                    width,
+                    height,
+                    1,
+                    glow::RGBA,
+                    glow::FLOAT,
+                    pixels,
+                );
             }
         }
     }

@@ -143,7 +143,8 @@ impl PathRun {
         Self { state, parts, unfinished_before: None, queue: None, passes: 0 }
     }
 
-    /// Continues with the paths that were kept after a look.
+    /// Continues with the paths that were kept after a look. The next passes draw all blocks, so that both states hold
+    /// the end of finished ones.
     pub(super) fn resume(&mut self, kept: &KeptPaths) {
         self.state.fill(kept);
         self.passes = LOOK_PASSES;
