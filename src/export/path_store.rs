@@ -17,12 +17,12 @@ use super::error::ExportError;
 use super::fingerprint::{Fingerprint, song_hash};
 use super::output::pieces_of;
 use super::print::tell;
-use super::still::StillRequest;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
 use crate::gpu::kept_paths::KeptPaths;
 use crate::gpu::renderer::PathOrder;
+use mariana_player::song::Song;
 
 /// Begins a file.
 const MARK: &str = "mariana paths ";
@@ -109,20 +109,20 @@ enum Useless {
 }
 
 impl PathStore {
-    /// The store of the still at `path`. Paths are saved after the time `every`.
+    /// The store of the still at `path`, which shows a moment of a song in a size. Paths are saved after the time
+    /// `every`.
     ///
     /// # Errors
     /// Fails if the song cannot be read.
-    pub(super) fn of(request: &StillRequest, path: &Path, every: Duration) -> Result<Self, ExportError> {
+    pub(super) fn shared(
+        path: &Path,
+        (song, at, size): (&Song, f64, (u32, u32)),
+        every: Duration,
+    ) -> Result<SharedStore, ExportError> {
         let now = Instant::now();
-        let image = ImageRecord {
-            program: env!("CARGO_PKG_VERSION").to_owned(),
-            driver: String::new(),
-            song: song_hash(&request.song)?,
-            at: request.at,
-            size: request.size,
-        };
-        Ok(Self {
+        let (program, song) = (env!("CARGO_PKG_VERSION").to_owned(), song_hash(song)?);
+        let image = ImageRecord { program, driver: String::new(), song, at, size };
+        Ok(Rc::new(RefCell::new(Self {
             still: path.to_owned(),
             folder: pieces_of(path),
             image,
@@ -134,7 +134,7 @@ impl PathStore {
             has_told_begin: false,
             interrupted: None,
             has_warned: false,
-        })
+        })))
     }
 
     pub(super) fn know_driver(&mut self, driver: &GlInfo) {

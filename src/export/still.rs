@@ -1,9 +1,7 @@
 //! `mariana still`: one moment of a song as an image file.
 
-use std::cell::RefCell;
 use std::io::Cursor;
 use std::path::Path;
-use std::rc::Rc;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::webp::WebPEncoder;
@@ -114,7 +112,8 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
     };
     let store = match (&request.output, request.scene.paths) {
         (Output::Path(path), Some(_)) => {
-            Some(Rc::new(RefCell::new(PathStore::of(request, path, watch.save_every)?)))
+            let moment = (&request.song, request.at, request.size);
+            Some(PathStore::shared(path, moment, watch.save_every)?)
         }
         _ => None,
     };
