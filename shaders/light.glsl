@@ -152,7 +152,20 @@ vec3 velvet(Material m, float facing, float seen, float nh) {
 // Minimum of alpha. A sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// Returns the reflectance towards the eye, without mirror images. Fresnel's reflection reduces the diffuse part.
+#ifdef PATHS
+// Returns the fraction of light from all directions that the highlight of an insulator (`f0` 0.04) sends to an eye: a fit
+// to the integral of `highlight` over the hemisphere, 0.0006 off on the average of a ball, and 0.03 at single angles.
+// `seen` is the cosine between the normal and the way to the eye.
+float highlight_part(float alpha, float seen) {
+    float x2 = (1.0 - seen) * (1.0 - seen);
+    float x4 = x2 * x2;
+    return 0.0412 + 0.8001 * x4 + sqrt(alpha) * (alpha * (0.6999 * x4 - 0.0219) - 1.3908 * x4 - 0.007);
+}
+#endif
+
+// Returns the reflectance towards the eye, without mirror images. The diffuse part gets the light that is not in the
+// highlight. Paths take exactly that, so that a white surface loses none; the raster takes what Fresnel's reflection leaves
+// of this one light, which is within 3 % of it and needs fewer registers.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
     float facing = max(dot(normal, incoming.mirrored), 1e-3);
@@ -164,7 +177,12 @@ vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
 #ifdef SHEEN
     f0 = min(f0 * film_color(m.film, dot(halfway, incoming.mirrored)), vec3(1.0));
 #endif
-    vec3 diffuse = m.color * ((1.0 - m.metalness) * (0.96 - 0.96 * grazing) / PI);
+#ifdef PATHS
+    float below = 1.0 - highlight_part(alpha, seen);
+#else
+    float below = 0.96 - 0.96 * grazing;
+#endif
+    vec3 diffuse = m.color * ((1.0 - m.metalness) * below / PI);
 #ifdef TRANSLUCENT
     diffuse *= 1.0 - m.translucent;
 #endif

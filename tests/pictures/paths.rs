@@ -95,6 +95,11 @@ fn white_surfaces_in_a_white_sky_are_invisible() {
         "reflect = 1  blur = 0.5",
         "glass = 1  ior = 1.5",
         "glass = 1  ior = 1.5  blur = 0.3",
+        "roughness = 1",
+        "roughness = 0.75",
+        "roughness = 0.5",
+        "roughness = 0.3",
+        "roughness = 0",
     ] {
         let mut paths = Paths::of(&furnace(material), Mode::Compiled);
         assert_near(material, mean(&paths.light(order(64))), [1.0; 3], 0.002);
