@@ -1,8 +1,8 @@
-//! Keeps the paths of a still in files beside it, so that the same command continues after an interruption.
+//! Keeps the paths of a still in a folder next to it, so that the same command continues after an interruption.
 //!
 //! A still by paths is drawn in pieces: areas of exposures. The folder `STILL.pieces` has a file for each piece that has
 //! been begun: a line with its record, the paths, and a hash of both. The files are written now and then, and by
-//! [`PathStore::interrupt`]; [`PathStore::remove`] deletes them when the still is finished.
+//! [`PathStore::interrupt`]; [`PathStore::finish`] deletes them when the still is finished.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -28,7 +28,7 @@ use mariana_player::song::Song;
 const MARK: &str = "mariana paths ";
 /// The ending of the files' names.
 const ENDING: &str = "paths";
-/// The most bytes of a file besides its paths.
+/// Maximum length of a record, in bytes.
 const RECORD_MAX: usize = 4096;
 
 /// The store of an image, which its renderer and the writer of its file share.
@@ -203,7 +203,7 @@ impl PathStore {
         self.interrupted = Some(self.save(kept));
     }
 
-    /// Deletes the pieces of a finished image, or tells how an interrupted one continues. Call this when the image is
+    /// Deletes the pieces of a finished image, or reports how an interrupted one continues. Call this when the image is
     /// written.
     pub(super) fn finish(&self) {
         match &self.interrupted {

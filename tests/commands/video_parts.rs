@@ -186,6 +186,25 @@ fn an_interrupted_part_continues_after_its_last_piece() {
     assert!(!reports.contains("drawn") && reports.contains("p.mp4"), "{reports}");
 }
 
+/// A frame by paths may take minutes.
+#[test]
+fn an_interrupted_part_by_paths_loses_at_most_thirty_frames() {
+    let place = Workplace::new();
+    write_mover(&place);
+    let part = ["video", "one.wav", "mover.scene", "-o", "p.mp4", "--part", "1/1", "--flash-limiter", "off"];
+    let look = ["--fps", "400", "--size", "16x10", "--duration", "1.6", "--light", "path", "--samples", "1"];
+    let mut command = place.command(&[&part[..], &look].concat());
+    let mut interrupted = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let piece = "p.mp4.pieces/00000000.mp4";
+    let begun = Instant::now();
+    while !place.path(piece).exists() && begun.elapsed() < RUN_LIMIT {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    interrupted.kill().unwrap();
+    interrupted.wait().unwrap();
+    assert_eq!(probe(&place, piece)["streams"][0]["nb_read_frames"], "30");
+}
+
 #[test]
 fn players_are_told_the_projection() {
     let place = Workplace::new();

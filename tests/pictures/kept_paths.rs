@@ -133,7 +133,7 @@ fn a_still_continues_from_the_files_that_a_killed_process_leaves() {
     let place = Place::new();
     let request = place.request();
     let whole = place.whole(&request);
-    // The files at the fifth look are those of the fourth one.
+    // At the fifth look, the paths of the fourth one are in the file.
     let (pieces, copy) = (place.piece(0), place.path("copy"));
     let kept = copy.clone();
     place.draw(&request, Duration::ZERO, move |look| {
