@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use super::encoder::{Encoder, Frames};
 use super::encoding;
-use super::part::{PartRecord, song_hash};
+use super::part::PartRecord;
 use super::request::{VideoRequest, Written};
 use crate::export::error::ExportError;
+use crate::export::fingerprint::song_hash;
 use crate::export::output::Output;
 use crate::export::still::{refuse_the_song, same_file};
 
