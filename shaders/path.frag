@@ -173,7 +173,9 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
     float density = point.density * chosen_share / shares;
     if (!(density > 0.0) || point.t < 0.0) return vec3(0.0);
     float weight = path_sampling == SAMPLE_LIGHTS ? 1.0 : mix(1.0, weight_of(density, vertex_density(at, to)), at.lobed);
-    vec3 thrown = vertex_reflectance(at, to) * weight;
+    vec3 thrown = vertex_reflectance(at, to);
+    // The part that rays find by chance.
+    vec3 met = thrown * (1.0 - weight);
     vec3 normal = at.is_medium ? vec3(0.0) : at.lobes.normal;
 #ifdef TRANSLUCENT
     // Light through the body, as in the raster. No ray meets it by chance.
@@ -184,16 +186,30 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
 #endif
     vec3 light = finite_light(thrown * point.radiance / density);
     if (brightness_of(light) <= 0.0) return vec3(0.0);
+    vec3 light_met = finite_light(met * point.radiance / density);
     float t = point.shadow > 0.0 ? point.t : 0.0;
-    float visible = light_visibility(at.origin, normal, to, t, SHARPEST, cone);
+    int rays = 1;
+#ifdef GLASS
+    // Glass stops or bends the rays that meet lights by chance, so a second ray looks for glass. What they miss is left to
+    // the rays towards lights.
+    if (t > 0.0 && brightness_of(light_met) > 0.01 * brightness_of(light)) rays = 2;
+#endif
+    float visible = 0.0;
+    float visible_met = 0.0;
+    for (int i = 0; i < rays; i++) {
+        penumbra_growth = i == 0 ? 1.0 / SHARPNESS_MAX : 0.0;
+        visible_met = mix(1.0, light_visibility(at.origin, normal, to, t, SHARPEST, cone), point.shadow);
+        if (i == 0) visible = visible_met;
+        if (visible <= 0.0) break;
+    }
 #ifdef TRANSLUCENT
     shadow_dims = 0.0;
 #endif
-    visible = mix(1.0, visible, point.shadow);
+    light = light * visible - light_met * visible_met;
 #ifdef MEDIA
-    if (visible > 0.0) visible *= meet_media(at.origin, to, point.t, true).left;
+    if (brightness_of(light) > 0.0) light *= meet_media(at.origin, to, point.t, true).left;
 #endif
-    return light * visible;
+    return light;
 }
 
 // Returns a pixel's first ray.

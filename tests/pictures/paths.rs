@@ -283,6 +283,23 @@ fn glass_absorbs_light_along_the_way_through_it() {
 }
 
 #[test]
+fn glass_casts_no_shadow() {
+    let lamp = "light a { position = vec3(0, 6, 6)  color = 40  radius = 1.5 }";
+    let glass = "object shade { shape = sphere(p - vec3(0, 6, 6), 2)  material = clear }
+                 material clear { glass = 0.9  roughness = 1 }";
+    // Rays find most of the light in the highlight of metal by chance, but not through glass.
+    for material in ["roughness = 0.4", "roughness = 0.3  metalness = 1"] {
+        let bare = floor(lamp).replace("roughness = 0.4", material);
+        let mut of = |text: &str, mode| mean(&Paths::of(text, mode).light(order(128)));
+        let expected = of(&bare, Mode::Compiled);
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let found = of(&format!("{bare} {glass}"), mode);
+            assert_near(&format!("{material}, {mode}"), found, expected, 0.02 * expected[0]);
+        }
+    }
+}
+
+#[test]
 fn a_lens_blurs_what_is_out_of_focus() {
     let sharpness = |focus: &str| {
         let text = format!(
