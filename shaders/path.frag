@@ -13,6 +13,7 @@
 // - Surfaces that emit light are met by chance, and swarms and their glow.
 // - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights
 //   pass glass straight, so there are no caustics of lights. Light through translucent bodies is the raster's.
+// - Media scatter light many times, endless media only twice (path_media.glsl).
 
 #include "frame_block.glsl"
 
@@ -207,7 +208,7 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
 #endif
     light = light * visible - light_met * visible_met;
 #ifdef MEDIA
-    if (brightness_of(light) > 0.0) light *= meet_media(at.origin, to, point.t, true).left;
+    if (brightness_of(light) > 0.0) light *= meet_media(at.origin, to, point.t, true, false).left;
 #endif
     return light;
 }
@@ -299,12 +300,12 @@ bool go_on(inout Path path) {
 #ifdef MEDIA
     // There is no medium in glass, and the filter is guided by surfaces.
     bool is_clear = is_inside || is_guiding;
-    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false);
+    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false, path.density == BY_EYE);
     if (is_clear) met.t = end;
     is_scattered = met.t < end;
     end = met.t;
     add(path, met.emitted);
-    vec3 ambient_throughput = path.throughput * met.ambient;
+    vec3 ambient_throughput = met.is_last ? vec3(0.0) : path.throughput * met.ambient;
 #endif
     if (path.density > 0.0) add(path, lights_met(path, end, is_scattered));
 
@@ -447,6 +448,9 @@ bool go_on(inout Path path) {
         float survives = path.ray < CERTAIN_RAYS ? 1.0 : min(most, 0.95);
         goes_on = most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
         path.throughput /= max(survives, 1e-6);
+#ifdef MEDIA
+        goes_on = goes_on && !(is_scattered && met.is_last);
+#endif
     }
     vec3 next_throughput = path.throughput;
 #ifdef NO_SKY

@@ -264,6 +264,26 @@ fn light_in_media_follows_known_laws() {
 }
 
 #[test]
+fn endless_fog_is_about_as_bright_as_in_the_window() {
+    for density in [0.05, 0.5] {
+        let fog = format!(" medium fog {{ density = {density} }}");
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let found = mean(&Paths::of(&(furnace("roughness = 1") + &fog), mode).light(order(64)));
+            assert_near("a white sky", found, [1.0; 3], 0.01);
+        }
+        let scene = format!(
+            "object floor {{ shape = p.y + 1 }} object ball {{ shape = sphere(p, 1) }}
+             light sun {{ direction = vec3(1, -1, 1)  color = 2 }}
+             sky {{ color = vec3(0.2, 0.3, 0.6)  ambient = vec3(0.1, 0.2, 0.5) }} {PLAIN}
+             camera {{ position = vec3(2, 1.5, -7)  target = vec3(0) }} {fog}"
+        );
+        let mut paths = Paths::of(&scene, Mode::Compiled);
+        let expected = mean(&paths.raster());
+        assert_near(&fog, mean(&paths.light(order(64))), expected, 0.2 * expected[0]);
+    }
+}
+
+#[test]
 fn light_scattered_once_follows_the_phase_function() {
     let sun = "light sun { direction = vec3(0, 0, -1)  color = vec3(90, 0, 0) }";
     let text = layer("density = 0.004  phase = 0.5", "0") + sun;
