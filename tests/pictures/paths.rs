@@ -222,18 +222,64 @@ fn an_interrupted_image_has_whole_paths() {
     assert_near("interrupted", mean(&paths.lights()), [1.0; 3], 0.002);
 }
 
+/// The sum of squared differences of red light.
+fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let error = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((a[0] - b[0]).powi(2)).min(1.0);
+    a.iter().zip(b).map(error).sum()
+}
+
+/// Returns the image with many paths, and with `samples` without and with the filter.
+fn filtered(text: &str, samples: u32) -> [Vec<[f32; 3]>; 3] {
+    let mut paths = Paths::of(text, Mode::Compiled);
+    [(1024, false), (samples, false), (samples, true)]
+        .map(|(samples, is_filtered)| paths.light(PathOrder { is_filtered, ..order(samples) }))
+}
+
 #[test]
 fn the_filter_removes_noise_but_no_light() {
-    let mut paths = Paths::of(EVERYTHING, Mode::Compiled);
-    let exact = paths.light(order(1024));
-    let error = |light: &[[f32; 3]]| {
-        let error = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((a[0] - b[0]).powi(2)).min(1.0);
-        light.iter().zip(&exact).map(error).sum::<f64>()
-    };
-    let noisy = paths.light(order(8));
-    let smooth = paths.light(PathOrder { is_filtered: true, ..order(8) });
-    assert!(error(&smooth) < 0.75 * error(&noisy), "{} {}", error(&smooth), error(&noisy));
+    let [exact, noisy, smooth] = filtered(EVERYTHING, 8);
+    let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
+    assert!(after < 0.75 * before, "{after} {before}");
     assert_near("the mean", mean(&smooth), mean(&noisy), 0.05 * mean(&noisy)[0]);
+}
+
+#[test]
+fn the_filter_draws_no_halos_around_dark_things_that_shine() {
+    let balls = "shape = sphere(p - vec3(round(p.x), 0, 0), 0.3)  material = lamp";
+    for shining in [
+        format!("object balls {{ {balls} }} material lamp {{ color = 0  emission = vec3(1, 0.2, 0.1) }}"),
+        "swarm balls { count = 9  position = vec3(index - 4, 0, 0)  size = 0.3  color = 0  emission = vec3(1, 0.2, 0.1) }".into(),
+    ] {
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&shining), 64);
+        let error = difference(&smooth, &exact);
+        assert!(error < 1.0, "{shining}: {error}");
+    }
+}
+
+#[test]
+fn the_filter_keeps_mirror_images() {
+    for mirror in
+        ["color = 0  reflect = 1  roughness = 0", "color = 0.3  reflect = 0.4", "glass = 1  ior = 1.1"]
+    {
+        let balls = "shape = sphere(p - vec3(round(p.x), 0.3, 0), 0.3)  material = orange";
+        let text = format!(
+            "object balls {{ {balls} }} material orange {{ color = vec3(1, 0.4, 0.1) }}
+             object mirror {{ shape = box(p - vec3(0, 1, 2), vec3(5, 3, 0.1))  material = mirror }}
+             material mirror {{ {mirror} }}"
+        );
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&text), 64);
+        let error = difference(&smooth, &exact);
+        assert!(error < 1.0, "{mirror}: {error}");
+    }
+}
+
+/// A scene on a floor, in the light of a lamp.
+fn in_front_of_a_camera(things: &str) -> String {
+    format!(
+        "object floor {{ shape = p.y + 1 }} {things}
+         light lamp {{ position = vec3(-3, 5, -4)  color = 60  radius = 0.3 }} {PLAIN}
+         camera {{ position = vec3(0, 1.5, -7)  target = vec3(0)  fov = 40 }}"
+    )
 }
 
 /// A sky of light 1 that is seen through a layer with a thickness of 4.
@@ -310,7 +356,7 @@ fn glass_casts_no_shadow() {
     // Rays find most of the light in the highlight of metal by chance, but not through glass.
     for material in ["roughness = 0.4", "roughness = 0.3  metalness = 1"] {
         let bare = floor(lamp).replace("roughness = 0.4", material);
-        let mut of = |text: &str, mode| mean(&Paths::of(text, mode).light(order(128)));
+        let of = |text: &str, mode| mean(&Paths::of(text, mode).light(order(128)));
         let expected = of(&bare, Mode::Compiled);
         for mode in [Mode::Compiled, Mode::Interpreted] {
             let found = of(&format!("{bare} {glass}"), mode);
