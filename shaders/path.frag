@@ -192,8 +192,8 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
     float t = point.shadow > 0.0 ? point.t : 0.0;
     int rays = 1;
 #ifdef GLASS
-    // Glass stops or bends the rays that meet lights by chance, so a second ray looks for glass. What they miss is left to
-    // the rays towards lights.
+    // Glass stops or bends the rays that meet lights by chance, so a second ray looks for glass. The rays towards lights
+    // find the rest.
     if (t > 0.0 && brightness_of(light_met) > 0.01 * brightness_of(light)) rays = 2;
 #endif
     float visible = 0.0;
@@ -262,8 +262,8 @@ void add(inout Path path, vec3 light) {
     path.found += brightness_of(sound);
 }
 
-// What a path shows, for the filter: the normal and distance of the first surface after mirrors and glass, and about the
-// light of the path if everything were lit by a light of 1.
+// The guides of the filter: normal and distance of the first surface after mirrors and glass, and about the light of the path
+// if a light of 1 lit everything.
 vec4 guide = vec4(0.0, 0.0, 0.0, NEVER);
 vec3 guide_color = vec3(0.0);
 // Guides follow a path through this number of mirrors and walls of glass that are no rougher than this.
@@ -440,7 +440,7 @@ bool go_on(inout Path path) {
             add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
         }
         if (is_mirrored) {
-            // What the image shows replaces the image's light.
+            // The next surface's colour replaces the white of this image.
             guide_color -= path.throughput;
             path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
 #ifdef GLASS

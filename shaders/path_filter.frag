@@ -8,8 +8,8 @@
 #include "sample_light.glsl"
 #include "path_state.glsl"
 
-// What each pixel shows, directly or in mirrors and glass: layer 0 the normal and the distance, layer 1 the colour with the
-// emitted light. Both are means over the pixel.
+// Means over each pixel, directly or in mirrors and glass: layer 0 the normal and the distance, layer 1 the colour with the
+// emitted light.
 uniform sampler2DArray path_guides;
 uniform sampler2D path_light;       // light and variance of the pass before
 

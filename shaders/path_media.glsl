@@ -4,8 +4,8 @@
 //
 // No light from infinity arrives through an endless medium, so that it would be black. Only the eye and mirrors see an
 // endless medium as far as in the raster. All other rays leave it after MEDIUM_SHADE_FAR, as rays towards lights do in the
-// raster. If they meet matter before, the path ends there, and the sky's ambient light stands for the rest of it, as in the
-// raster. A white medium in a white sky then stays white.
+// raster. If they meet matter before, the path ends there with the sky's ambient light, as in the raster. A white medium in a
+// white sky then stays white.
 
 // Most places at which a ray looks at a medium. More are needed only in media that no light leaves.
 const int MEETINGS_MAX = 512;
