@@ -120,7 +120,9 @@ pub(super) fn end_by_signals() {
 pub(super) fn finish_by_signals() {
     answer_signals(|signal| {
         end_progress_line();
-        tell(&format!("{signal}: finishing the image with the paths so far; send it again to write nothing"));
+        tell(&format!(
+            "{signal}: finishing the image with the paths so far; send it again to write no image"
+        ));
     });
 }
 

@@ -17,8 +17,10 @@ use super::progress::Progress;
 use super::projection::ProjectionArguments;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
+use crate::ending::asked_to_end;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
+use crate::export::paths::PathWatch;
 use crate::export::still::{Blend, StillRequest, write_still, write_still_watched};
 use mariana_field::world::BlendKind;
 
@@ -101,8 +103,11 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     let Some(samples) = arguments.light.samples() else { return Ok(write_still(&request)?) };
     let progress = Rc::new(RefCell::new(Progress::begin(false, "path")));
     let shown = progress.clone();
-    let watch = Box::new(move |done: f64| shown.borrow_mut().reach(done as u64, Some(samples)));
-    let written = write_still_watched(&request, watch);
+    let reach = Box::new(move |done: f64| {
+        shown.borrow_mut().reach(done as u64, Some(samples));
+        asked_to_end().is_none()
+    });
+    let written = write_still_watched(&request, PathWatch { reach, ..PathWatch::default() });
     progress.borrow_mut().end();
     Ok(written?)
 }

@@ -100,6 +100,12 @@ pub enum ExportError {
         /// The file.
         path: PathBuf,
     },
+    /// The output is one of the parts.
+    #[error("{} is one of the parts: choose another path with -o", .path.display())]
+    OverThePart {
+        /// The output.
+        path: PathBuf,
+    },
     /// Parts of different videos.
     #[error(
         "{} has {difference} than {}: render it again with the flags of the other parts",

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::error::ExportError;
 
@@ -32,6 +32,13 @@ impl fmt::Display for Output {
             Self::Standard => f.write_str("standard output"),
         }
     }
+}
+
+/// The folder beside an output that keeps its pieces until all of them are finished.
+pub(super) fn pieces_of(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".pieces");
+    path.with_file_name(name)
 }
 
 /// Writes bytes to standard output. Returns false if the reader has closed it.

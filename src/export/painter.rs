@@ -4,6 +4,8 @@ use super::alpha::{Coverage, require_no_sky};
 use super::earlier_sound::EarlierSound;
 use super::error::ExportError;
 use super::exact_textures::ExactTextures;
+use super::fingerprint::Fingerprint;
+use super::path_store::SharedStore;
 use super::paths::{PathChoice, PathDrawing, PathWatch};
 use super::show_painter::Heard;
 use super::song_features::SongFeatures;
@@ -13,13 +15,14 @@ use crate::frame::projection::Projection;
 use crate::frame::{Frame, FrameOptions};
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
-    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_paths,
-    link_scene, projected, variant_of, without_sky,
+    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_scene,
+    path_texts, projected, variant_of, without_sky,
 };
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -94,7 +97,8 @@ pub(super) struct HeadlessRenderer {
 pub(super) struct Model {
     program: Program,
     coverage: Option<Program>,
-    paths: Option<Program>,
+    /// The program of paths, and the hash of all that the scene brings to them.
+    paths: Option<(Program, u64)>,
     resources: SceneResources,
     mode: Mode,
 }
@@ -144,7 +148,14 @@ impl HeadlessRenderer {
             variant = without_sky(variant);
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
-        let paths = choice.paths.map(|_| link_paths(gl, &choice.shaders, &variant)).transpose()?;
+        let paths = choice.paths.map(|_| {
+            let texts = path_texts(gl, &choice.shaders, &variant)?;
+            let mut scene = Fingerprint::default();
+            scene.add(&(&texts, &buffers, &plan));
+            world.pictures.iter().for_each(|picture| scene.add_bytes(picture));
+            Ok::<_, GpuError>((Program::of(gl, &texts)?, scene.number()))
+        });
+        let paths = paths.transpose()?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         // Diagnostic views show the cells, so they need cells even where cells do not save time.
         let change = match choice.cells {
@@ -208,11 +219,9 @@ impl HeadlessRenderer {
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
             coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
         }
-        if let Some((drawing, program)) = self.paths.as_mut().zip(model.paths.as_ref()) {
-            let order = drawing.order();
-            let scene = (resources, program);
-            let done =
-                self.renderer.draw_paths(&frame, scene, order, &mut |progress| drawing.go_on(progress))?;
+        if let Some((drawing, (program, scene))) = self.paths.as_mut().zip(model.paths.as_ref()) {
+            drawing.scene = *scene;
+            let done = self.renderer.draw_paths(&frame, (resources, program), drawing.order(), drawing)?;
             let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
             tracing::info!("{:.1} paths for each pixel", done.paths as f64 / pixels.max(1.0));
             return Ok(());
@@ -260,10 +269,13 @@ impl HeadlessRenderer {
         self.paths.iter_mut().for_each(|paths| paths.exposure = (number, count));
     }
 
-    /// Reports the progress of images by paths to `watch`.
-    pub(super) fn watch_paths(&mut self, watch: PathWatch) {
+    /// Reports the progress of an image by paths to `watch`, and keeps the paths in `store`.
+    pub(super) fn watch_paths(&mut self, watch: PathWatch, store: Option<SharedStore>) {
+        if let Some(store) = &store {
+            store.borrow_mut().know_driver(self.context.gl().info());
+        }
         if let Some(paths) = &mut self.paths {
-            paths.watch = watch;
+            (paths.watch, paths.store) = (watch, store);
         }
     }
 
@@ -356,8 +368,8 @@ impl Painter {
         self.headless_renderer.hear(song)
     }
 
-    pub(super) fn watch_paths(&mut self, watch: PathWatch) {
-        self.headless_renderer.watch_paths(watch);
+    pub(super) fn watch_paths(&mut self, watch: PathWatch, store: Option<SharedStore>) {
+        self.headless_renderer.watch_paths(watch, store);
     }
 
     /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.

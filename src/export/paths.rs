@@ -1,8 +1,12 @@
 //! Light by paths, for stills and videos.
 
+use std::time::Duration;
+
+use super::path_store::SharedStore;
 use crate::config::Choice;
-use crate::ending;
-use crate::gpu::renderer::{PathOrder, PathProgress, PathSampling};
+use crate::frame::Frame;
+use crate::gpu::kept_paths::KeptPaths;
+use crate::gpu::renderer::{PathOrder, PathProgress, PathSampling, PathWatcher};
 
 /// How the light of an image is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,20 +42,41 @@ impl PathChoice {
     pub const NOISE: f32 = 0.03;
 }
 
-/// Receives the number of paths of a pixel so far, in the mean.
-pub type PathWatch = Box<dyn FnMut(f64)>;
+/// Watches a still by paths.
+pub struct PathWatch {
+    /// Receives the number of paths of a pixel so far, in the mean. Returns false to finish the image early.
+    pub reach: Box<dyn FnMut(f64) -> bool>,
+    /// The time after which the paths are saved. An interruption without a signal loses less than these.
+    pub save_every: Duration,
+}
+
+impl PathWatch {
+    /// The default time.
+    pub const SAVE_EVERY: Duration = Duration::from_secs(60);
+}
+
+impl Default for PathWatch {
+    fn default() -> Self {
+        Self { reach: Box::new(|_| true), save_every: Self::SAVE_EVERY }
+    }
+}
 
 /// The paths of the images of a renderer.
 pub(super) struct PathDrawing {
     choice: PathChoice,
     /// The exposure of the next image, and their number.
     pub(super) exposure: (usize, usize),
+    /// The hash of the scene of the next image.
+    pub(super) scene: u64,
     pub(super) watch: PathWatch,
+    pub(super) store: Option<SharedStore>,
+    is_ending: bool,
 }
 
 impl PathDrawing {
     pub(super) fn of(choice: PathChoice) -> Self {
-        Self { choice, exposure: (0, 1), watch: Box::new(|_| ()) }
+        let watch = PathWatch::default();
+        Self { choice, exposure: (0, 1), scene: 0, watch, store: None, is_ending: false }
     }
 
     /// The paths of the next exposure, which is a part of the image's paths.
@@ -69,13 +94,34 @@ impl PathDrawing {
             is_filtered: self.choice.is_filtered,
         }
     }
+}
 
-    /// Reports progress. Returns false if a signal asks to end.
-    pub(super) fn go_on(&mut self, progress: PathProgress) -> bool {
+impl PathWatcher for PathDrawing {
+    fn begin(&mut self, frame: &Frame, pixels: usize) -> Option<KeptPaths> {
+        let mut store = self.store.as_ref()?.borrow_mut();
+        store.begin(self.scene, (frame, pixels), &self.order())
+    }
+
+    fn go_on(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool {
         let (number, count) = self.exposure;
         let fraction = (number as f64 + progress.fraction) / count.max(1) as f64;
-        (self.watch)(fraction * f64::from(self.choice.samples));
-        ending::asked_to_end().is_none()
+        if self.is_ending {
+            return false;
+        }
+        self.is_ending = !(self.watch.reach)(fraction * f64::from(self.choice.samples));
+        match self.store.as_ref().map(|store| store.borrow_mut()) {
+            Some(mut store) if self.is_ending => store.interrupt(kept),
+            Some(mut store) => store.save_in_time(kept),
+            None => {}
+        }
+        !self.is_ending
+    }
+
+    fn end(&mut self, is_last: bool, kept: &dyn Fn() -> KeptPaths) {
+        let (number, count) = self.exposure;
+        if let Some(store) = self.store.as_ref().filter(|_| !self.is_ending) {
+            store.borrow_mut().end(is_last && number + 1 == count, kept);
+        }
     }
 }
 

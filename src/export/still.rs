@@ -12,6 +12,7 @@ use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
 use super::panorama;
+use super::path_store::{PathStore, SharedStore};
 use super::paths::PathWatch;
 use super::show_painter::ShowPainter;
 use super::showing::{Holding, Showing};
@@ -87,10 +88,11 @@ impl Blend {
 /// # Errors
 /// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
-    write_still_watched(request, Box::new(|_| ()))
+    write_still_watched(request, PathWatch::default())
 }
 
-/// As [`write_still`]. `watch` receives the progress of a still by paths of light.
+/// As [`write_still`]. `watch` receives the progress of a still by paths of light. If `watch` ends the still early, or
+/// something ends the process, the next call with the same request continues the paths.
 ///
 /// # Errors
 /// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
@@ -108,6 +110,13 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
         }
         Output::Standard => (StillFormat::Png, None),
     };
+    let store = match (&request.output, request.scene.paths) {
+        (Output::Path(path), Some(_)) => {
+            let moment = (&request.song, request.at, request.size);
+            Some(PathStore::shared(path, moment, watch.save_every)?)
+        }
+        _ => None,
+    };
     let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
     let sound = song.require(request.at)?;
     let rgba = match &request.show {
@@ -116,14 +125,14 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
             painter.headless_renderer().hear(&song)?;
-            painter.headless_renderer().watch_paths(watch);
+            painter.headless_renderer().watch_paths(watch, store.clone());
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
             painter.draw(request.at, exposures, held, request.size)?;
             painter.headless_renderer().read()
         }
-        None => drawn(request, &mut song, sound, watch)?,
+        None => drawn(request, &mut song, sound, (watch, store.clone()))?,
     };
     let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
@@ -133,16 +142,18 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
     };
     let bytes = panorama::marked(bytes, &request.scene.projection, request.size);
     match file {
-        Some(file) => Ok(file.write(&bytes)?),
-        None => write_standard(&bytes).map(|_| ()),
+        Some(file) => file.write(&bytes)?,
+        None => write_standard(&bytes).map(|_| ())?,
     }
+    store.iter().for_each(|store| store.borrow().finish());
+    Ok(())
 }
 
 fn drawn(
     request: &StillRequest,
     song: &mut SongFeatures,
     mut sound: Sound,
-    watch: PathWatch,
+    (watch, store): (PathWatch, Option<SharedStore>),
 ) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
@@ -155,7 +166,7 @@ fn drawn(
     let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
     painter.hear(song)?;
-    painter.watch_paths(watch);
+    painter.watch_paths(watch, store);
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
         return Err(ExportError::RayOutside { x, y, width, height });
@@ -199,13 +210,12 @@ impl StillFormat {
 }
 
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
-    let same = match song {
-        Song::Embedded { .. } => false,
-        Song::File(path) => {
-            path.canonicalize().is_ok_and(|song| output.canonicalize().is_ok_and(|o| o == song))
-        }
-    };
+    let same = matches!(song, Song::File(path) if same_file(path, output));
     if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
+}
+
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 pub(super) struct Pixels {

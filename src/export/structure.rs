@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::error::ExportError;
 use super::song_page::page;
+use super::still::same_file;
 use crate::atomic_file::AtomicFile;
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::{PreparedShow, ShowSource};
@@ -99,10 +100,6 @@ fn stems_line(song: &Song) -> String {
 fn is_installed(program: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
-}
-
-fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
-    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// Formats a time as 1:20.5.

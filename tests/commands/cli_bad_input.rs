@@ -367,8 +367,8 @@ fn existing_outputs_survive_every_failure() {
     place.write("good.mp4", "a good video");
     place.write("text.mp3", "no music");
     std::fs::create_dir(place.path("tools")).unwrap();
-    let script =
-        "#!/bin/sh\nfor last; do :; done\necho half > \"${last#file:}\"\necho 'disk on fire' >&2\nexit 1\n";
+    let script = "#!/bin/sh\nfor last; do :; done\necho half > \"${last#file:}\"\ncat > /dev/null\n\
+                  echo \"$SAYS\" >&2\nexit $ENDS\n";
     place.write("tools/ffmpeg", script);
     std::fs::set_permissions(place.path("tools/ffmpeg"), Permissions::from_mode(0o755)).unwrap();
     let names = place.names();
@@ -382,9 +382,13 @@ fn existing_outputs_survive_every_failure() {
     for fault in [&["text.mp3"][..], &["--start", "5000"], &["--shaders", shaders]] {
         place.run(&[&video[..], fault].concat()).refused_with_details(&[]);
     }
-    let mut command = place.command(&video);
-    command.env("PATH", format!("{}:/bin:/usr/bin", place.path("tools").display()));
-    Outcome::of(&mut command, RUN_LIMIT).refused(&["good.mp4", "disk on fire"]);
+    // On a full disk, ffmpeg says so and succeeds.
+    for (says, ends) in [("disk on fire", "1"), ("av_write_trailer: No space left on device\n", "0")] {
+        let mut command = place.command(&video);
+        command.env("PATH", format!("{}:/bin:/usr/bin", place.path("tools").display()));
+        command.env("SAYS", says).env("ENDS", ends);
+        Outcome::of(&mut command, RUN_LIMIT).refused(&["good.mp4", says.trim()]);
+    }
     let mut command = place.command(&["still", "-o", "good.png"]);
     Outcome::of(command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json"), RUN_LIMIT).refused(&[]);
 

@@ -151,16 +151,28 @@ fn an_interrupted_still_by_paths_is_the_image_so_far() {
         &["still", SCENE[0], SCENE[1], "--size", "64x64", "-o", "still.png"][..],
         &["--light", "path", "--samples", "65535", "--noise", "0"],
     ];
-    let mut process = Process::start(&mut command(&place, &arguments.concat()), "coreutils");
-    wait_until("its file", || !unfinished_in(&place.path("")).is_empty());
-    send("INT", process.id());
-    wait_until("its end", || process.ended().is_some());
-    assert_eq!(process.ended().unwrap().code(), Some(130));
-    let reported = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
+    let interrupted = |arguments: &[&str]| {
+        let mut process = Process::start(&mut command(&place, arguments), "coreutils");
+        wait_until("its file", || !unfinished_in(&place.path("")).is_empty());
+        send("INT", process.id());
+        wait_until("its end", || process.ended().is_some());
+        assert_eq!(process.ended().unwrap().code(), Some(130));
+        std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap()
+    };
+    let arguments = arguments.concat();
+    let reported = interrupted(&arguments);
     assert!(reported.starts_with("mariana: SIGINT: finishing"), "{reported}");
+    assert!(reported.contains("still.png shows the paths so far: run the same command again"), "{reported}");
     let picture = image::open(place.path("still.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (64, 64));
     assert!(unfinished_in(&place.path("")).is_empty());
+
+    // Another process finds the same scene, sound and settings.
+    let reported = interrupted(&arguments);
+    assert!(reported.contains("continuing the paths in still.png.pieces"), "{reported}");
+    let reported = interrupted(&[&arguments[..], &["--set", "volume.x=0.5"]].concat());
+    let words = "the paths in still.png.pieces are of an image of another scene or with other settings";
+    assert!(reported.contains(words), "{reported}");
 }
 
 #[test]

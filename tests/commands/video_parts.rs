@@ -103,6 +103,9 @@ fn parts_that_do_not_belong_together_are_refused() {
     video("a1.mp4", &["--part", "1/2"]).done();
     video("a2.mp4", &["--part", "2/2"]).done();
     video("b2.mp4", &["--part", "2/2", "--set", "volume.x=0"]).done();
+    let paths = |samples| ["--light", "path", "--samples", samples];
+    video("p1.mp4", &[&["--part", "1/2"][..], &paths("1")].concat()).done();
+    video("p2.mp4", &[&["--part", "2/2"][..], &paths("2")].concat()).done();
     let faster =
         ["--part", "2/2", "--fps", "20", "--duration", "1", "--flash-limiter", "off", "--size", "32x18"];
     place.run(&[&["video", "one.wav", "mover.scene", "-o", "c2.mp4"], &faster[..]].concat()).done();
@@ -113,11 +116,14 @@ fn parts_that_do_not_belong_together_are_refused() {
     join("one.wav", "j.mp4", &["a1.mp4"]).refused(&["part 2 of 2 is missing", "--part 2/2"]);
     join("one.wav", "j.mp4", &["a1.mp4", "a1.mp4", "a2.mp4"]).refused(&["two files are part 1"]);
     join("one.wav", "j.mp4", &["a1.mp4", "b2.mp4"]).refused(&["b2.mp4", "other settings", "a1.mp4"]);
+    join("one.wav", "j.mp4", &["a1.mp4", "p2.mp4"]).refused(&["p2.mp4", "other settings", "a1.mp4"]);
+    join("one.wav", "j.mp4", &["p1.mp4", "p2.mp4"]).refused(&["p2.mp4", "other settings", "p1.mp4"]);
     join("one.wav", "j.mp4", &["a1.mp4", "c2.mp4"]).refused(&["c2.mp4", "another frame rate"]);
     join("one.wav", "j.mp4", &["a1.mp4", "one.wav"]).refused(&["one.wav is no finished part"]);
     join("one.wav", "j.mp4", &["a1.mp4", "none.mp4"]).refused(&["none.mp4 is no finished part"]);
     join("other.wav", "j.mp4", &["a1.mp4", "a2.mp4"]).refused(&["another song"]);
     join("one.wav", "j.gif", &["a1.mp4", "a2.mp4"]).refused(&["j.gif", ".mp4"]);
+    join("one.wav", "a2.mp4", &["a1.mp4", "a2.mp4"]).refused(&["a2.mp4 is one of the parts", "-o"]);
     assert!(!place.names().iter().any(|name| name.starts_with("j.")), "{:?}", place.names());
     join("one.wav", "j.mp4", &["a2.mp4", "a1.mp4"]).done();
 
@@ -179,6 +185,25 @@ fn an_interrupted_part_continues_after_its_last_piece() {
     let reports = String::from_utf8(finished.wait_with_output().unwrap().stdout).unwrap();
     drop(input);
     assert!(!reports.contains("drawn") && reports.contains("p.mp4"), "{reports}");
+}
+
+/// A frame by paths may take minutes.
+#[test]
+fn an_interrupted_part_by_paths_loses_at_most_thirty_frames() {
+    let place = Workplace::new();
+    write_mover(&place);
+    let part = ["video", "one.wav", "mover.scene", "-o", "p.mp4", "--part", "1/1", "--flash-limiter", "off"];
+    let look = ["--fps", "400", "--size", "16x10", "--duration", "1.6", "--light", "path", "--samples", "1"];
+    let mut command = place.command(&[&part[..], &look].concat());
+    let mut interrupted = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let piece = "p.mp4.pieces/00000000.mp4";
+    let begun = Instant::now();
+    while !place.path(piece).exists() && begun.elapsed() < RUN_LIMIT {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    interrupted.kill().unwrap();
+    interrupted.wait().unwrap();
+    assert_eq!(probe(&place, piece)["streams"][0]["nb_read_frames"], "30");
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod followed_sounds;
 mod glsl_import;
 mod golden;
 mod hardware_path;
+mod kept_paths;
 mod light;
 mod light_to_screen;
 mod materials;

@@ -27,6 +27,9 @@ const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 /// Largest side of a cover, in pixels. A cover of 1 MB can have 100 megapixels, which take many seconds to decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
+/// Words of ffmpeg about a file that is not complete.
+const NOT_WRITTEN: &[&str] = &["No space left on device", "Error writing trailer", "Input/output error"];
+
 /// The origin of a video's frames.
 #[derive(Clone, Copy)]
 pub(super) enum Frames<'a> {
@@ -103,7 +106,9 @@ impl Encoder {
 
     /// Waits for ffmpeg and puts the video at its path. Returns the path.
     pub(super) fn finish(mut self) -> Result<PathBuf, ExportError> {
-        if !self.process.wait().is_ok_and(|status| status.success()) {
+        let has_ended = self.process.wait().is_ok_and(|status| status.success());
+        // On a full disk, ffmpeg reports that it could not write the end of the file, and succeeds.
+        if !has_ended || NOT_WRITTEN.iter().any(|words| self.process.complaint().contains(words)) {
             return Err(self.last_words());
         }
         if let Some((projection, output)) = self.marked.as_ref().zip(self.output.as_ref()) {
@@ -135,7 +140,8 @@ impl Encoder {
             let url = file_address(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
-        let message = tail.lines().last().unwrap_or("it ended without a message").to_owned();
+        let said = tail.lines().map(str::trim).rfind(|line| !line.is_empty());
+        let message = said.unwrap_or("it ended without a message").to_owned();
         ExportError::Encoder { path, message }
     }
 }

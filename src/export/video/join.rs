@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use super::encoder::{Encoder, Frames};
 use super::encoding;
-use super::part::{PartRecord, song_hash};
+use super::part::PartRecord;
 use super::request::{VideoRequest, Written};
 use crate::export::error::ExportError;
+use crate::export::fingerprint::song_hash;
 use crate::export::output::Output;
-use crate::export::still::refuse_the_song;
+use crate::export::still::{refuse_the_song, same_file};
 
 /// Joins parts in any order. `request` has the song and the output; the parts' records decide about everything else.
 ///
@@ -22,6 +23,9 @@ pub fn join_parts(request: &VideoRequest, files: &[PathBuf]) -> Result<Written, 
     refuse_the_song(&request.song, path)?;
     let mut parts = Vec::new();
     for file in files {
+        if same_file(file, path) {
+            return Err(ExportError::OverThePart { path: path.clone() });
+        }
         let record = PartRecord::read(file).ok_or_else(|| ExportError::NoPart { path: file.clone() })?;
         parts.push((file, record));
     }

@@ -15,15 +15,17 @@ use super::encoding::can_be_joined;
 use super::request::{Part, VideoRequest, Written, frames_in};
 use super::sink::{FrameWriter, Sink, is_folder};
 use crate::export::error::ExportError;
-use crate::export::output::Output;
+use crate::export::fingerprint::song_hash;
+use crate::export::output::{Output, pieces_of};
 use crate::export::showing::Showing;
 use crate::frame::projection::Projection;
 use crate::show::ShowSource;
 use mariana_player::ffmpeg::{CommandLine, ReadBy, Source};
-use mariana_player::song::Song;
 
 /// Frames of a piece. An interruption loses less than these.
 const PIECE_FRAMES: u64 = 300;
+/// Frames of a piece by paths of light, each of which may take minutes.
+const PATH_PIECE_FRAMES: u64 = 30;
 /// Begins the record in a file's metadata.
 const MARK: &str = "mariana part ";
 
@@ -108,16 +110,6 @@ impl WholeRecord {
     }
 }
 
-pub(super) fn song_hash(song: &Song) -> Result<u64, ExportError> {
-    let mut hasher = DefaultHasher::new();
-    let read = song.read(|piece| {
-        hasher.write(piece);
-        true
-    });
-    read.map_err(|error| ExportError::UnreadableSong { reason: error.to_string() })?;
-    Ok(hasher.finish())
-}
-
 /// Hashes what decides about the frames, besides the song and what [`WholeRecord`] names. Paths do not count, because
 /// machines may have different ones.
 fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
@@ -127,7 +119,8 @@ fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
         format!("{:?} {:?} {:?}", request.gain, request.set, request.lyrics),
         format!("{:?} {:?} {:?}", request.alpha, request.codec, request.quality),
         format!("{:?} {:?} {:?}", request.title_card, request.shutter, request.limit_flashes),
-        format!("{:?} {:?} {:?} {:?} {:?}", scene.sdf, scene.cells, scene.view, scene.edges, scene.tone_map),
+        format!("{:?} {:?} {:?} {:?}", scene.sdf, scene.cells, scene.view, scene.paths),
+        format!("{:?} {:?}", scene.edges, scene.tone_map),
     ];
     settings.hash(&mut hasher);
     let mut files = Vec::new();
@@ -215,10 +208,11 @@ fn write_pieces(
     let folder = pieces_of(path);
     std::fs::create_dir_all(&folder)
         .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
+    let piece_frames = if request.scene.paths.is_some() { PATH_PIECE_FRAMES } else { PIECE_FRAMES };
     let mut pieces = Vec::new();
     let (mut number, end) = range;
     while number < end {
-        let last = number.saturating_add(PIECE_FRAMES).min(end);
+        let last = number.saturating_add(piece_frames).min(end);
         let piece = PartRecord { first: number, frames: last - number, ..record.clone() };
         let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
         if PartRecord::read(&file).as_ref() != Some(&piece) {
@@ -261,11 +255,4 @@ fn write_frames(
     }
     writer.finish()?;
     Ok(number)
-}
-
-/// The folder of a part's pieces.
-fn pieces_of(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".pieces");
-    path.with_file_name(name)
 }

@@ -17,6 +17,7 @@ mod guest;
 pub mod headless;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub mod heaps;
+pub mod kept_paths;
 mod lens;
 pub mod media;
 mod mode;

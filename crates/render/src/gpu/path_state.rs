@@ -6,14 +6,10 @@ use glow::HasContext;
 
 use super::error::GpuError;
 use super::gl::Gl;
+use super::kept_paths::{KeptPaths, LAYERS, TEXEL, Tag};
 use super::object::{Framebuffer, Texture};
 use super::program::unit_of;
 use super::target::Target;
-
-/// The layers of a state: see `shaders/path_state.glsl`.
-const LAYERS: u32 = 4;
-/// Paths are numbered in multiples of this number (`path_state.glsl`).
-const RAYS_MAX: u32 = 255;
 
 /// Two states, one of which is the current one.
 pub(super) struct PathState {
@@ -68,23 +64,60 @@ impl PathState {
 
     /// Reads the number of finished paths of each pixel, lowest row first, and whether more follow.
     pub(super) fn read(&self) -> Vec<(u32, bool)> {
+        let tag = |texel| {
+            let tag = Tag::of(texel);
+            (tag.paths(), !tag.is_finished())
+        };
+        self.layer(0).as_chunks::<TEXEL>().0.iter().map(tag).collect()
+    }
+
+    /// Reads the current state.
+    pub(super) fn kept(&self) -> KeptPaths {
+        KeptPaths { layers: std::array::from_fn(|layer| self.layer(layer as u32)) }
+    }
+
+    /// Reads the texels of a layer, lowest row first.
+    fn layer(&self, layer: u32) -> Vec<u8> {
         let (framebuffer, _) = &self.states[self.current];
-        let mut bytes = vec![0; 16 * self.size.0 as usize * self.size.1 as usize];
+        let mut bytes = vec![0; TEXEL * self.size.0 as usize * self.size.1 as usize];
         // SAFETY: `self` owns the framebuffer, and the slice holds exactly its texels in this format.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(framebuffer.native()));
-            self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
+            self.gl.read_buffer(glow::COLOR_ATTACHMENT0 + layer);
             self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
             let pixels = glow::PixelPackData::Slice(Some(&mut bytes));
             let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
             self.gl.read_pixels(0, 0, width, height, glow::RGBA, glow::FLOAT, pixels);
         }
-        let tag = |texel: &[u8; 16]| {
-            let [.., a, b, c, d] = *texel;
-            let tag = f32::from_ne_bytes([a, b, c, d]) as u32;
-            (tag / RAYS_MAX, tag % RAYS_MAX != RAYS_MAX - 1)
-        };
-        bytes.as_chunks::<16>().0.iter().map(tag).collect()
+        bytes
+    }
+
+    /// Fills the current state. Paths of another size are ignored.
+    pub(super) fn fill(&self, kept: &KeptPaths) {
+        let (_, texture) = &self.states[self.current];
+        let [width, height] = [self.size.0, self.size.1].map(u32::cast_signed);
+        let length = TEXEL * self.size.0 as usize * self.size.1 as usize;
+        for (layer, bytes) in (0..).zip(&kept.layers).filter(|(_, bytes)| bytes.len() == length) {
+            let pixels = glow::PixelUnpackData::Slice(Some(bytes));
+            // SAFETY: `self` owns the texture, and the slice holds exactly the texels of a layer.
+            unsafe {
+                self.gl.active_texture(glow::TEXTURE0 + unit_of("path_state"));
+                self.gl.bind_texture(glow::TEXTURE_2D_ARRAY, Some(texture.native()));
+                self.gl.tex_sub_image_3d(
+                    glow::TEXTURE_2D_ARRAY,
+                    0,
+                    0,
+                    0,
+                    layer,
+                    width,
+                    height,
+                    1,
+                    glow::RGBA,
+                    glow::FLOAT,
+                    pixels,
+                );
+            }
+        }
     }
 }
 
@@ -93,7 +126,7 @@ fn state(gl: &Gl, size: (u32, u32)) -> Result<(Framebuffer, Texture), GpuError> 
     // SAFETY: both names were just created in the current context, and no data is passed.
     unsafe {
         gl.bind_texture(glow::TEXTURE_2D_ARRAY, Some(texture.native()));
-        let [width, height, layers] = [size.0, size.1, LAYERS].map(u32::cast_signed);
+        let [width, height, layers] = [size.0, size.1, LAYERS as u32].map(u32::cast_signed);
         let none = glow::PixelUnpackData::Slice(None);
         let format = glow::RGBA32F.cast_signed();
         gl.tex_image_3d(
@@ -112,7 +145,7 @@ fn state(gl: &Gl, size: (u32, u32)) -> Result<(Framebuffer, Texture), GpuError> 
             gl.tex_parameter_i32(glow::TEXTURE_2D_ARRAY, name, glow::NEAREST.cast_signed());
         }
         gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer.native()));
-        let attachments: Vec<u32> = (0..LAYERS).map(|layer| glow::COLOR_ATTACHMENT0 + layer).collect();
+        let attachments: Vec<u32> = (0..LAYERS as u32).map(|layer| glow::COLOR_ATTACHMENT0 + layer).collect();
         for (layer, attachment) in (0..).zip(&attachments) {
             let texture = Some(texture.native());
             gl.framebuffer_texture_layer(glow::FRAMEBUFFER, *attachment, texture, 0, layer);

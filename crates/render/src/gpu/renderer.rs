@@ -54,7 +54,7 @@ pub use making::Progress;
 use mariana_field::world::ToneMap;
 use painter::Painter;
 pub use path_picture::PathPicture;
-pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSampling};
+pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSampling, PathWatcher};
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
 use presenter::Presenter;
@@ -172,8 +172,7 @@ impl Renderer {
         self.go_on(scene, program, Duration::MAX).map(|_| ())
     }
 
-    /// Draws `frame` by paths of light, with a program of [`super::scene_program::link_paths`]. `go_on` is called now
-    /// and then; after it has returned false, every pixel finishes only the path that it has begun.
+    /// Draws `frame` by paths of light, with a program of [`super::scene_program::link_paths`].
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
@@ -182,9 +181,9 @@ impl Renderer {
         frame: &Frame,
         (scene, program): (&SceneResources, &Program),
         order: PathOrder,
-        go_on: &mut dyn FnMut(PathProgress) -> bool,
+        watcher: &mut dyn PathWatcher,
     ) -> Result<PathProgress, GpuError> {
-        self.painter.draw_paths(frame, (scene, program), order, go_on)
+        self.painter.draw_paths(frame, (scene, program), order, watcher)
     }
 
     /// Begins an image by paths of light that [`Renderer::refine`] draws.

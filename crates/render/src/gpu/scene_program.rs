@@ -19,7 +19,7 @@ use super::error::GpuError;
 use super::evaluations::Counting;
 use super::gl::{Gl, GlInfo};
 pub use super::mode::Mode;
-use super::program::Program;
+use super::program::{Program, ProgramTexts};
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::{block_defines, light_defines};
 use crate::frame::projection::{Projection, projection_defines};
@@ -267,7 +267,15 @@ pub fn as_paths(mut variant: Variant) -> Variant {
 /// # Errors
 /// Same errors as [`link_scene`].
 pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
-    Program::link(gl, library, PATH_SHADER, &as_paths(variant.clone()))
+    Program::of(gl, &path_texts(gl, library, variant)?)
+}
+
+/// Returns the texts of the program that [`link_paths`] links.
+///
+/// # Errors
+/// Fails if a shader cannot be read.
+pub fn path_texts(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<ProgramTexts, GpuError> {
+    Ok(ProgramTexts::assemble(library, PATH_SHADER, &as_paths(variant.clone()), gl.info())?)
 }
 
 /// Links the program of a variant.

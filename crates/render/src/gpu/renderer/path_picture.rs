@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::making::{Making, Product, Tools};
 use super::painter::Painter;
 use super::paths::{
-    Look, PATHS_MAX, PathArea, PathOrder, PathProgress, PathRun, PathSampling, areas, endless,
+    Look, PATHS_MAX, PathArea, PathOrder, PathProgress, PathRun, PathSampling, PathWatcher, areas, endless,
 };
 use super::targets::Targets;
 use crate::frame::Frame;
@@ -43,7 +43,7 @@ impl Painter {
         frame: &Frame,
         (scene, program): (&SceneResources, &Program),
         order: PathOrder,
-        go_on: &mut dyn FnMut(PathProgress) -> bool,
+        watcher: &mut dyn PathWatcher,
     ) -> Result<PathProgress, GpuError> {
         let Some(targets) = self.prepare_paths(frame, scene)? else {
             return Ok(PathProgress { fraction: 0.0, paths: 0 });
@@ -59,13 +59,17 @@ impl Painter {
                 None => PathState::new(&self.gl, size)?,
             };
             let mut run = PathRun::over(own);
+            if let Some(kept) = watcher.begin(frame, area.pixels() as usize) {
+                run.resume(&kept);
+            }
             scene.names().bind(&self.gl);
             let (sampling, passes) = (&self.sampling, self.post.passes());
             let drawing = PathArea { sampling, passes, program, order, area };
-            paths += drawing.draw(&mut run, &mut cost, &mut |so_far| {
+            paths += drawing.draw(&mut run, &mut cost, &mut |so_far, state| {
                 let fraction = (number as f64 + so_far.fraction) / areas.len() as f64;
-                go_on(PathProgress { fraction, paths: paths + so_far.paths })
+                watcher.go_on(PathProgress { fraction, paths: paths + so_far.paths }, &|| state.kept())
             });
+            watcher.end(number + 1 == areas.len(), &|| run.state.kept());
             let mut guides = self.guides(order, size)?;
             guides.iter_mut().for_each(|guides| {
                 drawing.guide(guides, &mut cost, endless());
@@ -134,7 +138,7 @@ impl Painter {
         let order = PathOrder { samples: 1, noise: 0.0, first: 0, sampling, is_filtered: false };
         let (sampling, passes, area) = (&self.sampling, self.post.passes(), Part::whole(size));
         let drawing = PathArea { sampling, passes, program, order, area };
-        drawing.draw(&mut self.run(size)?, &mut PixelCost::default(), &mut |_| false);
+        drawing.draw(&mut self.run(size)?, &mut PixelCost::default(), &mut |_, _| false);
         self.gl.check("drawing paths")
     }
 

@@ -8,8 +8,10 @@ use std::time::{Duration, Instant};
 use glow::HasContext;
 
 use super::sampling::Sampling;
+use crate::frame::Frame;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::gpu::kept_paths::KeptPaths;
 use crate::gpu::passes::Passes;
 use crate::gpu::path_state::PathState;
 use crate::gpu::program::{LazyProgram, Program, unit_of};
@@ -83,6 +85,30 @@ pub struct PathProgress {
     pub paths: u64,
 }
 
+/// Watches an image by paths, and may keep its paths for another run. Any function of the progress is a watcher too.
+pub trait PathWatcher {
+    /// Returns the paths that were kept of the next area of a frame, of this many pixels.
+    fn begin(&mut self, frame: &Frame, pixels: usize) -> Option<KeptPaths> {
+        let _ = (frame, pixels);
+        None
+    }
+
+    /// Is called now and then; `kept` reads the area's paths. After it has returned false, every pixel finishes only
+    /// the path that it has begun.
+    fn go_on(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool;
+
+    /// Is called after the last path of an area, which may be the last area of the frame.
+    fn end(&mut self, is_last: bool, kept: &dyn Fn() -> KeptPaths) {
+        let _ = (is_last, kept);
+    }
+}
+
+impl<F: FnMut(PathProgress) -> bool> PathWatcher for F {
+    fn go_on(&mut self, progress: PathProgress, _kept: &dyn Fn() -> KeptPaths) -> bool {
+        self(progress)
+    }
+}
+
 /// Pixels of an area whose paths are drawn together: their state takes 256 MiB.
 const AREA_PIXELS: u32 = 1 << 21;
 /// Side of the blocks that are finished together.
@@ -118,6 +144,13 @@ impl PathRun {
         let parts = vec![Part::whole(state.size())];
         Self { state, parts, unfinished_before: None, queue: None, passes: 0 }
     }
+
+    /// Continues with the paths that were kept after a look. The next passes draw all blocks, so that both states hold
+    /// the end of finished ones.
+    pub(super) fn resume(&mut self, kept: &KeptPaths) {
+        self.state.fill(kept);
+        self.passes = LOOK_PASSES;
+    }
 }
 
 /// The numbers of paths that were read.
@@ -150,7 +183,7 @@ impl PathArea<'_> {
         &self,
         run: &mut PathRun,
         cost: &mut PixelCost,
-        go_on: &mut dyn FnMut(PathProgress) -> bool,
+        go_on: &mut dyn FnMut(PathProgress, &PathState) -> bool,
     ) -> u64 {
         let mut most = self.order.samples.clamp(1, PATHS_MAX);
         let wanted = (u64::from(most) * self.area.pixels()) as f64;
@@ -158,7 +191,7 @@ impl PathArea<'_> {
             match self.go_on(run, cost, most, endless()) {
                 Some(Look { paths, is_finished: true }) => return paths,
                 Some(Look { paths, .. })
-                    if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }) =>
+                    if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }, &run.state) =>
                 {
                     most = 1;
                 }
