@@ -252,7 +252,7 @@ fn the_filter_draws_no_halos_around_dark_things_that_shine() {
     ] {
         let [exact, _, smooth] = filtered(&in_front_of_a_camera(&shining), 64);
         let error = difference(&smooth, &exact);
-        assert!(error < 1.0, "{shining}: {error}");
+        assert!(error < 0.5, "{shining}: {error}");
     }
 }
 
@@ -277,7 +277,7 @@ fn the_filter_keeps_mirror_images() {
         );
         let [exact, _, smooth] = filtered(&in_front_of_a_camera(&text), 64);
         let error = difference(&smooth, &exact);
-        assert!(error < 1.0, "{mirror}: {error}");
+        assert!(error < 0.06, "{mirror}: {error}");
     }
 }
 
