@@ -35,7 +35,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             if (t >= end) break;
         }
         if (t >= end) break;
-        vec2 values = scene_distance(cell, origin + t * to_light, t / sharpness);
+        vec2 values = scene_distance(cell, origin + t * to_light, PENUMBRA(t, sharpness));
         COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);

@@ -13,6 +13,7 @@
 // - Surfaces that emit light are met by chance, and swarms and their glow.
 // - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights
 //   pass glass straight, so there are no caustics of lights. Light through translucent bodies is the raster's.
+// - Media scatter light many times, endless media only twice (path_media.glsl).
 
 #include "frame_block.glsl"
 
@@ -59,7 +60,8 @@ layout(location = 3) out vec4 state_sum;
 #define paths_most int(pass_list.x)                 // largest number of paths of a pixel
 #define path_noise pass_list.y                      // a pixel is finished if its relative standard error is below this
 #define is_beginning (pass_list.z > 0.5)            // true in the first pass, in which there is no state
-#define is_guiding (pass_list.z > 1.5)              // true in the pass that writes what pixels show first, for the filter
+#define is_guiding (pass_list.z > 1.5)              // true in the passes that write what pixels show, for the filter
+#define guides_before int(pass_list.z - 1.5)        // number of such passes before
 
 // How light is found: the first one in pictures, the others in tests of it.
 const int SAMPLE_BOTH = 0;
@@ -173,7 +175,9 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
     float density = point.density * chosen_share / shares;
     if (!(density > 0.0) || point.t < 0.0) return vec3(0.0);
     float weight = path_sampling == SAMPLE_LIGHTS ? 1.0 : mix(1.0, weight_of(density, vertex_density(at, to)), at.lobed);
-    vec3 thrown = vertex_reflectance(at, to) * weight;
+    vec3 thrown = vertex_reflectance(at, to);
+    // The part that rays find by chance.
+    vec3 met = thrown * (1.0 - weight);
     vec3 normal = at.is_medium ? vec3(0.0) : at.lobes.normal;
 #ifdef TRANSLUCENT
     // Light through the body, as in the raster. No ray meets it by chance.
@@ -184,16 +188,30 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
 #endif
     vec3 light = finite_light(thrown * point.radiance / density);
     if (brightness_of(light) <= 0.0) return vec3(0.0);
+    vec3 light_met = finite_light(met * point.radiance / density);
     float t = point.shadow > 0.0 ? point.t : 0.0;
-    float visible = light_visibility(at.origin, normal, to, t, SHARPEST, cone);
+    int rays = 1;
+#ifdef GLASS
+    // Glass stops or bends the rays that meet lights by chance, so a second ray looks for glass. The rays towards lights
+    // find the rest.
+    if (t > 0.0 && brightness_of(light_met) > 0.01 * brightness_of(light)) rays = 2;
+#endif
+    float visible = 0.0;
+    float visible_met = 0.0;
+    for (int i = 0; i < rays; i++) {
+        penumbra_growth = i == 0 ? 1.0 / SHARPNESS_MAX : 0.0;
+        visible_met = mix(1.0, light_visibility(at.origin, normal, to, t, SHARPEST, cone), point.shadow);
+        if (i == 0) visible = visible_met;
+        if (visible <= 0.0) break;
+    }
 #ifdef TRANSLUCENT
     shadow_dims = 0.0;
 #endif
-    visible = mix(1.0, visible, point.shadow);
+    light = light * visible - light_met * visible_met;
 #ifdef MEDIA
-    if (visible > 0.0) visible *= meet_media(at.origin, to, point.t, true).left;
+    if (brightness_of(light) > 0.0) light *= meet_media(at.origin, to, point.t, true, false).left;
 #endif
-    return light * visible;
+    return light;
 }
 
 // Returns a pixel's first ray.
@@ -244,9 +262,13 @@ void add(inout Path path, vec3 light) {
     path.found += brightness_of(sound);
 }
 
-// What a path meets first: normal and distance, and colour.
+// The guides of the filter: normal and distance of the first surface after mirrors and glass, and about the light of the path
+// if a light of 1 lit everything.
 vec4 guide = vec4(0.0, 0.0, 0.0, NEVER);
-vec3 guide_color = vec3(1.0);
+vec3 guide_color = vec3(0.0);
+// Guides follow a path through this number of mirrors and walls of glass that are no rougher than this.
+const int GUIDED_RAYS = 6;
+const float GUIDED_ALPHA = 0.01;
 
 // Follows the ray of a path, and draws the next one. Returns false at the end of the path.
 bool go_on(inout Path path) {
@@ -268,6 +290,7 @@ bool go_on(inout Path path) {
     // A ray meets the thin balls of a swarm with the probability of the light that they hide.
     SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, cone, false);
     add(path, seen.light);
+    guide_color += path.throughput * finite_light(seen.light);
     bool is_thin = random_pair(pairs + SWARM_PAIR).x >= seen.left;
     bool is_ball = is_thin || seen.ball > 0;
     if (is_ball) hit = Hit(is_thin ? seen.thin_t : seen.t, NOTHING, true);
@@ -283,12 +306,12 @@ bool go_on(inout Path path) {
 #ifdef MEDIA
     // There is no medium in glass, and the filter is guided by surfaces.
     bool is_clear = is_inside || is_guiding;
-    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false);
+    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false, path.density == BY_EYE);
     if (is_clear) met.t = end;
     is_scattered = met.t < end;
     end = met.t;
     add(path, met.emitted);
-    vec3 ambient_throughput = path.throughput * met.ambient;
+    vec3 ambient_throughput = met.is_last ? vec3(0.0) : path.throughput * met.ambient;
 #endif
     if (path.density > 0.0) add(path, lights_met(path, end, is_scattered));
 
@@ -299,6 +322,10 @@ bool go_on(inout Path path) {
     vec3 seen_direction = path.direction;
     bool is_seen = path.density == BY_EYE;
     bool goes_on = hit.met || is_scattered;
+#ifdef MEDIA
+    // The filter smooths media before the sky.
+    if (!goes_on && path.ray == 0) guide.xyz = -path.direction;
+#endif
     if (goes_on) {
         path.travelled = reached;
         cone = spread * reached;
@@ -342,15 +369,6 @@ bool go_on(inout Path path) {
         vec3 colored = m.color;
 #endif
         at.lobes = lobes_of(m, s.normal, path.direction);
-        if (is_guiding) {
-            guide = vec4(s.normal, end);
-            // Mirror images do not have the surface's colour.
-            float mirrored = max(mirrored_part(m, s.normal, path.direction), m.haze);
-#ifdef GLASS
-            mirrored = max(mirrored, m.glass);
-#endif
-            guide_color = mix(m.color, vec3(1.0), mirrored);
-        }
         if (!is_scattered) {
             sky_fraction = path.throughput * m.haze;
             path.throughput *= 1.0 - m.haze;
@@ -360,7 +378,7 @@ bool go_on(inout Path path) {
             vec3 facing = s.normal;
 #ifdef BLUR
             float alpha = m.blur * m.blur;
-            if (alpha > 1e-4) facing = facet(s.normal, alpha, random_pair(pairs + LOBE_PAIR));
+            if (alpha > 1e-4 && !is_guiding) facing = facet(s.normal, alpha, random_pair(pairs + LOBE_PAIR));
 #endif
             // The fractions of light that the surface mirrors, scatters, and lets through.
             float reflectance = mirrored_part(m, s.normal, path.direction);
@@ -384,10 +402,21 @@ bool go_on(inout Path path) {
 #endif
             path.throughput = kept * scattered;
             add(path, m.emission);
-            add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
+            if (!is_guiding) add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
             // The ray goes one of these ways, with about the probability of the light that takes it.
             vec3 ways = vec3(brightness_of(mirrored), bent, scattered * at.lobed * max(at.lobes.bright, 0.05));
             ways /= max(ways.x + ways.y + ways.z, 1e-6);
+            if (is_guiding) {
+                guide = vec4(s.normal, path.travelled);
+                guide_color += kept * (scattered * (mix(vec3(0.04), vec3(1.0), m.color) + finite_light(m.emission)));
+                guide_color += kept * (mirrored + bent);
+                bool is_rough = false;
+#ifdef BLUR
+                is_rough = alpha > GUIDED_ALPHA;
+#endif
+                bool is_image = !is_rough && ways.x + ways.y > ways.z;
+                ways = is_image ? ways.x > ways.y ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+            }
             is_mirrored = survival.x < ways.x + ways.y;
             if (survival.x < ways.x) {
                 to = reflect(path.direction, facing);
@@ -411,6 +440,8 @@ bool go_on(inout Path path) {
             add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
         }
         if (is_mirrored) {
+            // The next surface's colour replaces the white of this image.
+            guide_color -= path.throughput;
             path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
 #ifdef GLASS
             if (goes_inside) path.density += INSIDE;
@@ -428,11 +459,15 @@ bool go_on(inout Path path) {
         path.origin = at.origin;
         path.direction = to;
         float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
-        float survives = path.ray < CERTAIN_RAYS ? 1.0 : min(most, 0.95);
-        goes_on = most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
+        float survives = path.ray < CERTAIN_RAYS || is_guiding ? 1.0 : min(most, 0.95);
+        goes_on = (is_mirrored || !is_guiding) && most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
         path.throughput /= max(survives, 1e-6);
+#ifdef MEDIA
+        goes_on = goes_on && !(is_scattered && met.is_last);
+#endif
     }
     vec3 next_throughput = path.throughput;
+    guide_color += sky_fraction;
 #ifdef NO_SKY
     if (path.ray == 0) sky_fraction = vec3(0.0);
 #endif
@@ -477,17 +512,21 @@ void main() {
     }
     uvec2 pixel = uvec2(texel + ivec2(path_corner));
     path_seed = hashed(pixel.x ^ hashed(pixel.y ^ 0x9E3779B9u));
-    path_index = path_first + uint(path.number);
+    path_index = path_first + uint(is_guiding ? guides_before : path.number);
 #ifdef MEDIA
     path_stream = hashed(path_seed ^ hashed(path_index * uint(RAYS_MAX) + uint(path.ray)));
 #endif
-    path_place = gl_FragCoord.xy + path_corner + (is_guiding ? vec2(0.0) : random_pair(PLACE_PAIR) - 0.5);
+    path_place = gl_FragCoord.xy + path_corner + random_pair(PLACE_PAIR) - 0.5;
     vec3 eye_direction = eye_ray();
     if (path.ray == 0) begin(path);
     if (path.ray == 0 && path.number >= paths_most) path.ray = FINISHED;
     if (path.ray != FINISHED) {
-        bool goes_on = eye_direction != vec3(0.0) && go_on(path);
-        path.ray++;
+        bool goes_on = eye_direction != vec3(0.0);
+        for (int i = 0; goes_on && i < (is_guiding ? GUIDED_RAYS : 1); i++) {
+            goes_on = go_on(path);
+            path.ray++;
+        }
+        if (goes_on) guide_color += path.throughput;
         if (!goes_on) {
             path.number++;
             path.ray = 0;
@@ -497,8 +536,14 @@ void main() {
         }
     }
     if (is_guiding) {
+        // The mean of all such passes, so that pixels at edges differ from both sides.
         state_origin = guide;
-        state_direction = vec4(guide_color, 1.0);
+        state_direction = vec4(max(guide_color, 0.0), 1.0);
+        if (guides_before > 0) {
+            float before = 1.0 - 1.0 / float(guides_before + 1);
+            state_origin = mix(state_origin, texelFetch(path_state, ivec3(texel, 0), 0), before);
+            state_direction = mix(state_direction, texelFetch(path_state, ivec3(texel, 1), 0), before);
+        }
         state_throughput = vec4(0.0);
         state_sum = vec4(0.0);
         return;

@@ -1,14 +1,15 @@
 // Smooths the noise that paths leave, but no edges: the edge-avoiding wavelets of Dammertz et al. 2010, in the form of
 // Schied et al. 2017 (SVGF), without the earlier frames.
 //
-// FIRST divides the light of each pixel by the colour of its surface and adds its variance; passes with growing steps
+// FIRST divides the light of each pixel by the colour that it shows and adds its variance; passes with growing steps
 // mix neighbours with a similar normal, depth, colour and light; LAST multiplies by the colour again.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"
 #include "path_state.glsl"
 
-// What each pixel shows first: layer 0 the normal and the distance, layer 1 the colour.
+// Means over each pixel, directly or in mirrors and glass: layer 0 the normal and the distance, layer 1 the colour with the
+// emitted light.
 uniform sampler2DArray path_guides;
 uniform sampler2D path_light;       // light and variance of the pass before
 
@@ -24,7 +25,8 @@ const float COLOR_SHARPNESS = 6.0;
 const float DEPTH_FRACTION = 0.01;
 
 vec4 guide_of(ivec2 texel) {
-    return texelFetch(path_guides, ivec3(texel, 0), 0);
+    vec4 guide = texelFetch(path_guides, ivec3(texel, 0), 0);
+    return vec4(guide.xyz * inversesqrt(max(dot(guide.xyz, guide.xyz), 1e-12)), guide.w);
 }
 
 vec3 color_of(ivec2 texel) {

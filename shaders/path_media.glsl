@@ -1,6 +1,11 @@
 // Media on paths: a ray meets matter at random, more often where it is dense (Woodcock et al. 1965, "delta tracking"), and
 // a ray towards a light gets the fraction that is left (Novák et al. 2014, "ratio tracking"). Both need an upper bound of
 // the density, which the grid over the media has for each of its cells.
+//
+// No light from infinity arrives through an endless medium, so that it would be black. Only the eye and mirrors see an
+// endless medium as far as in the raster. All other rays leave it after MEDIUM_SHADE_FAR, as rays towards lights do in the
+// raster. If they meet matter before, the path ends there with the sky's ambient light, as in the raster. A white medium in a
+// white sky then stays white.
 
 // Most places at which a ray looks at a medium. More are needed only in media that no light leaves.
 const int MEETINGS_MAX = 512;
@@ -15,13 +20,15 @@ struct Meeting {
     vec3 ambient;       // scattered fraction of ambient light on the way
     vec3 kept;          // fraction of light that the matter scatters
     float phase;
+    bool is_last;       // the path ends at matter
 };
 
-// Follows a ray up to `end`. With `counts_left`, it does not stop at matter.
-Meeting meet_media(vec3 origin, vec3 direction, float end, bool counts_left) {
-    Meeting met = Meeting(end, 1.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+// Follows a ray up to `end`. With `counts_left`, it does not stop at matter. `is_seen` for rays of the eye and its mirrors.
+Meeting meet_media(vec3 origin, vec3 direction, float end, bool counts_left, bool is_seen) {
     vec2 span = box_span(origin, direction, medium_low.xyz, medium_high.xyz);
-    float last = min(min(span.y, end), MEDIUM_FAR);
+    bool is_last = !is_seen && span.y > MEDIUM_FAR;
+    float last = min(min(span.y, end), is_last ? MEDIUM_SHADE_FAR : MEDIUM_FAR);
+    Meeting met = Meeting(end, 1.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, is_last);
     float t = max(span.x, 0.0);
     GridWalk walk = grid_walk_of(origin, direction);
     for (int i = 0; i < MEETINGS_MAX; i++) {

@@ -4,6 +4,15 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
     return p + normal * max(0.012, 2.0 * cone);
 }
 
+#ifdef PATHS
+// Shadows of paths are sharp. Objects of glass and objects with a bound still get the least penumbra of the raster, because
+// that lets light pass (crates/field/src/world/planes.rs); it is 0 for a ray that glass stops.
+float penumbra_growth = 1.0 / SHARPNESS_MAX;
+#define PENUMBRA(t, sharpness) ((t) * penumbra_growth)
+#else
+#define PENUMBRA(t, sharpness) ((t) / (sharpness))
+#endif
+
 #ifdef TRANSLUCENT
 // Fraction of light per unit of length that a translucent body removes from rays that start at it; 0 if it is opaque.
 float shadow_dims = 0.0;
@@ -61,7 +70,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         }
         if (t >= end) break;
 #endif
-        vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
+        vec2 nearest = scene_distance(cell, origin + t * to_light, PENUMBRA(t, sharpness));
         float d = nearest.y;
         COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS

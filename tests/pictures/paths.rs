@@ -222,18 +222,72 @@ fn an_interrupted_image_has_whole_paths() {
     assert_near("interrupted", mean(&paths.lights()), [1.0; 3], 0.002);
 }
 
+/// The sum of squared differences of red light.
+fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let error = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((a[0] - b[0]).powi(2)).min(1.0);
+    a.iter().zip(b).map(error).sum()
+}
+
+/// Returns the image with many paths, and with `samples` without and with the filter.
+fn filtered(text: &str, samples: u32) -> [Vec<[f32; 3]>; 3] {
+    let mut paths = Paths::of(text, Mode::Compiled);
+    [(512, false), (samples, false), (samples, true)]
+        .map(|(samples, is_filtered)| paths.light(PathOrder { is_filtered, ..order(samples) }))
+}
+
 #[test]
 fn the_filter_removes_noise_but_no_light() {
-    let mut paths = Paths::of(EVERYTHING, Mode::Compiled);
-    let exact = paths.light(order(1024));
-    let error = |light: &[[f32; 3]]| {
-        let error = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((a[0] - b[0]).powi(2)).min(1.0);
-        light.iter().zip(&exact).map(error).sum::<f64>()
-    };
-    let noisy = paths.light(order(8));
-    let smooth = paths.light(PathOrder { is_filtered: true, ..order(8) });
-    assert!(error(&smooth) < 0.75 * error(&noisy), "{} {}", error(&smooth), error(&noisy));
+    let [exact, noisy, smooth] = filtered(EVERYTHING, 8);
+    let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
+    assert!(after < 0.75 * before, "{after} {before}");
     assert_near("the mean", mean(&smooth), mean(&noisy), 0.05 * mean(&noisy)[0]);
+}
+
+#[test]
+fn the_filter_draws_no_halos_around_dark_things_that_shine() {
+    let balls = "shape = sphere(p - vec3(round(p.x), 0, 0), 0.3)  material = lamp";
+    for shining in [
+        format!("object balls {{ {balls} }} material lamp {{ color = 0  emission = vec3(1, 0.2, 0.1) }}"),
+        "swarm balls { count = 9  position = vec3(index - 4, 0, 0)  size = 0.3  color = 0  emission = vec3(1, 0.2, 0.1) }".into(),
+    ] {
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&shining), 64);
+        let error = difference(&smooth, &exact);
+        assert!(error < 0.5, "{shining}: {error}");
+    }
+}
+
+#[test]
+fn the_filter_smooths_fog_before_the_sky() {
+    let fog = "medium fog { density = 0.05 } camera { position = vec3(0)  target = vec3(0, 1, 1) }";
+    let [exact, noisy, smooth] = filtered(&format!("{fog} {PLAIN}"), 8);
+    let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
+    assert!(after < 0.75 * before, "{after} {before}");
+}
+
+#[test]
+fn the_filter_keeps_mirror_images() {
+    for mirror in
+        ["color = 0  reflect = 1  roughness = 0", "color = 0.3  reflect = 0.4", "glass = 1  ior = 1.1"]
+    {
+        let balls = "shape = sphere(p - vec3(round(p.x), 0.3, 0), 0.3)  material = orange";
+        let text = format!(
+            "object balls {{ {balls} }} material orange {{ color = vec3(1, 0.4, 0.1) }}
+             object mirror {{ shape = box(p - vec3(0, 1, 2), vec3(5, 3, 0.1))  material = mirror }}
+             material mirror {{ {mirror} }}"
+        );
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&text), 64);
+        let error = difference(&smooth, &exact);
+        assert!(error < 0.06, "{mirror}: {error}");
+    }
+}
+
+/// A scene on a floor, in the light of a lamp.
+fn in_front_of_a_camera(things: &str) -> String {
+    format!(
+        "object floor {{ shape = p.y + 1 }} {things}
+         light lamp {{ position = vec3(-3, 5, -4)  color = 60  radius = 0.3 }} {PLAIN}
+         camera {{ position = vec3(0, 1.5, -7)  target = vec3(0)  fov = 40 }}"
+    )
 }
 
 /// A sky of light 1 that is seen through a layer with a thickness of 4.
@@ -264,6 +318,26 @@ fn light_in_media_follows_known_laws() {
 }
 
 #[test]
+fn endless_fog_is_about_as_bright_as_in_the_window() {
+    for density in [0.05, 0.5] {
+        let fog = format!(" medium fog {{ density = {density} }}");
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let found = mean(&Paths::of(&(furnace("roughness = 1") + &fog), mode).light(order(64)));
+            assert_near("a white sky", found, [1.0; 3], 0.01);
+        }
+        let scene = format!(
+            "object floor {{ shape = p.y + 1 }} object ball {{ shape = sphere(p, 1) }}
+             light sun {{ direction = vec3(1, -1, 1)  color = 2 }}
+             sky {{ color = vec3(0.2, 0.3, 0.6)  ambient = vec3(0.1, 0.2, 0.5) }} {PLAIN}
+             camera {{ position = vec3(2, 1.5, -7)  target = vec3(0) }} {fog}"
+        );
+        let mut paths = Paths::of(&scene, Mode::Compiled);
+        let expected = mean(&paths.raster());
+        assert_near(&fog, mean(&paths.light(order(64))), expected, 0.3 * expected[0]);
+    }
+}
+
+#[test]
 fn light_scattered_once_follows_the_phase_function() {
     let sun = "light sun { direction = vec3(0, 0, -1)  color = vec3(90, 0, 0) }";
     let text = layer("density = 0.004  phase = 0.5", "0") + sun;
@@ -280,6 +354,23 @@ fn glass_absorbs_light_along_the_way_through_it() {
         .replace("sphere(p, 1)", "box(p, vec3(9, 9, 1))");
     let found = mean(&middle(&Paths::of(&text, Mode::Compiled).light(order(64))));
     assert_near("glass", found, [(-0.6f32).exp(), (-1.2f32).exp(), 1.0], 0.01);
+}
+
+#[test]
+fn glass_casts_no_shadow() {
+    let lamp = "light a { position = vec3(0, 6, 6)  color = 40  radius = 1.5 }";
+    let glass = "object shade { shape = sphere(p - vec3(0, 6, 6), 2)  material = clear }
+                 material clear { glass = 0.9  roughness = 1 }";
+    // Rays find most of the light in the highlight of metal by chance, but not through glass.
+    for material in ["roughness = 0.4", "roughness = 0.3  metalness = 1"] {
+        let bare = floor(lamp).replace("roughness = 0.4", material);
+        let of = |text: &str, mode| mean(&Paths::of(text, mode).light(order(128)));
+        let expected = of(&bare, Mode::Compiled);
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let found = of(&format!("{bare} {glass}"), mode);
+            assert_near(&format!("{material}, {mode}"), found, expected, 0.02 * expected[0]);
+        }
+    }
 }
 
 #[test]

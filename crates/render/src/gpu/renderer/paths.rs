@@ -113,9 +113,11 @@ impl<F: FnMut(PathProgress) -> bool> PathWatcher for F {
 const AREA_PIXELS: u32 = 1 << 21;
 /// Side of the blocks that are finished together.
 const BLOCK: u32 = 32;
-/// The numbers of special passes (`path.frag`). Other passes have the number 0.
+/// The numbers of special passes (`path.frag`): the beginning, and the first pass of guides. Other passes have the number 0.
 const BEGINNING: f32 = 1.0;
 const GUIDES: f32 = 2.0;
+/// Passes of guides, each at another place in the pixel.
+const GUIDE_PASSES: u32 = 8;
 /// Passes between two looks at the numbers of paths.
 const LOOK_PASSES: u32 = 16;
 
@@ -272,10 +274,15 @@ impl PathArea<'_> {
         true
     }
 
-    /// Draws what the area's pixels show first, which guides the filter. Returns true when it is finished; it is then
-    /// the state of `guides`.
+    /// Draws what the area's pixels show, which guides the filter. Returns true when it is finished; it is then the state
+    /// of `guides`.
     pub(super) fn guide(&self, guides: &mut PathRun, cost: &mut PixelCost, patience: Patience) -> bool {
-        guides.passes > 0 || self.draw_pass(guides, cost, (1, GUIDES), patience)
+        while guides.passes < GUIDE_PASSES {
+            if !self.draw_pass(guides, cost, (1, GUIDES + guides.passes as f32), patience) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Writes the light of the paths to the area of `light`, smoothed if there are guides.
