@@ -170,3 +170,19 @@ fn the_last_frame_of_an_eye_is_not_that_of_both_eyes() {
         }
     }
 }
+
+#[test]
+fn trails_do_not_fill_the_square_around_a_dome() {
+    let text = "sky { color = vec3(1, 0.5, 0.2) }\n\
+                picture { decay = 0.95  warp = (pixel / resolution - 0.5) * 0.8 + 0.5 }";
+    for (stereo, eyes) in [(Stereo::None, 1), (Stereo::OverUnder, 2)] {
+        let dome = Projection { kind: ProjectionKind::Dome, stereo, ..Projection::default() };
+        let picture = projected(text, dome, SdfChoice::Compiled, (24, 24 * eyes));
+        for (at, pixel) in picture.chunks(4).enumerate() {
+            let [x, y] = [at % 24, at / 24 % 24].map(|at| at as f32 + 0.5 - 12.0);
+            let radius = x.hypot(y);
+            assert!(radius < 13.0 || pixel[..3] == [0; 3], "{x}, {y}: {pixel:?}");
+            assert!(radius > 11.0 || pixel[0] > 200, "{x}, {y}: {pixel:?}");
+        }
+    }
+}
