@@ -39,8 +39,8 @@ uniform sampler2D scene_texture_11;
 #endif
 
 #ifdef PROJECTED
-// Returns the place in a texture of `size` texels. Each of two eyes reads its own part of the last frame, whose edge goes
-// on beyond it.
+// Returns the place in a texture of `size` texels. Each of two eyes reads its own part of the last frame, and repeats the
+// edge of this part.
 vec2 texture_place(int index, vec2 uv, ivec2 size) {
     if (index != int(medium_low.w)) return uv;
     vec2 parts = viewport.xy / eye_size();

@@ -11,7 +11,7 @@ uniform sampler2D picture;          // linear light; with MIX a last frame
 uniform sampler2D last_frame;       // linear light in fractions of the brightest light
 
 // The rules: decay, the radius of the blur across and up (0..1 is an eye's picture), the brightest light. Then the columns
-// and rows of the grid, and those of the eyes' pictures in the frame. Then 1 for a dome. Then the corners of the grid row
+// and rows of the grid, and of the eyes' pictures in the frame. Then 1 for a dome. Then the corners of the grid row
 // by row: xy the place in the last frame (crates/render/src/gpu/trails.rs).
 uniform NUMBER_LIST warp_grid;
 

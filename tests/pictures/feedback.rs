@@ -164,7 +164,7 @@ fn the_last_frame_of_an_eye_is_not_that_of_both_eyes() {
                 let own = &alone[row % height as usize * line..][..line];
                 line_of_both.take(columns as usize).map(move |part| (part, own))
             });
-            // Pixels beside the other eye have more samples.
+            // Pixels next to the other eye have more samples.
             let wrong: usize = parts.map(|(part, own)| differing(part, own, 6)).sum();
             assert_eq!(wrong, 0, "{kind:?} {stereo:?}:\n{text}");
         }
