@@ -21,7 +21,8 @@ layout(std140) uniform FrameBlock {
                             // of the swarms
     vec4 frame_projection;  // x a PROJECTION_..., y a STEREO_..., z half the distance of the eyes, w 1 / distance of the
                             // camera's target; only programs with PROJECTED read it
-    vec4 medium_low;        // xyz lower corner of the media
+    vec4 medium_low;        // xyz lower corner of the media; w the scene's texture that is the last frame, or -1; only
+                            // programs with PROJECTED read w
     vec4 medium_high;       // xyz upper corner of the media
     vec4 medium_grid_low;   // xyz lower corner of the grid over the media; w its first texel in the sound tables
     vec4 medium_grid_scale; // xyz cells of the grid per unit; w upper bound of the density

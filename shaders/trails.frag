@@ -10,17 +10,22 @@
 uniform sampler2D picture;          // linear light; with MIX a last frame
 uniform sampler2D last_frame;       // linear light in fractions of the brightest light
 
-// The rules: decay, the radius of the blur across and up (0..1 is the frame), the brightest light. Then the columns and
-// rows of the grid, then its corners row by row: xy the place in the last frame (crates/render/src/gpu/feedback.rs).
+// The rules: decay, the radius of the blur across and up (0..1 is an eye's picture), the brightest light. Then the columns
+// and rows of the grid, and of the eyes' pictures in the frame. Then 1 for a dome. Then the corners of the grid row
+// by row: xy the place in the last frame (crates/render/src/gpu/trails.rs).
 uniform NUMBER_LIST warp_grid;
 
 layout(location = 0) out vec4 light;
 
 vec2 corner(ivec2 at, int columns) {
-    return TEXEL(warp_grid, 2 + at.y * (columns + 1) + at.x).xy;
+    return TEXEL(warp_grid, 3 + at.y * (columns + 1) + at.x).xy;
 }
 
-// Returns the place in the last frame that is visible at `place`.
+// Columns and rows of the eyes' pictures in the frame, and the picture of this pixel's eye.
+vec2 eye_parts;
+vec2 eye_part;
+
+// Returns the place in the eye's last picture that is visible at `place`.
 vec2 warped(vec2 place) {
     ivec2 cells = ivec2(TEXEL(warp_grid, 1).xy);
     vec2 along = place * vec2(cells);
@@ -33,7 +38,9 @@ vec2 warped(vec2 place) {
 
 vec3 last_light(vec2 place) {
     vec2 inside = step(abs(place - 0.5), vec2(0.5));
-    return inside.x * inside.y * texture(last_frame, place).rgb;
+    vec2 edge = 0.5 * eye_parts / vec2(textureSize(last_frame, 0));
+    vec2 own = (eye_part + clamp(place, edge, 1.0 - edge)) / eye_parts;
+    return inside.x * inside.y * texture(last_frame, own).rgb;
 }
 
 // A tent of nine taps.
@@ -47,14 +54,24 @@ vec3 blurred(vec2 place, vec2 radius) {
     return sum / 16.0;
 }
 
+// Returns the fraction of the pixel that is in the circle of a dome; 1 in other pictures.
+float in_dome(vec2 place) {
+    vec2 size = 1.0 / (post_target.xy * eye_parts);
+    float radius = 0.5 * min(size.x, size.y);
+    float inside = clamp(radius - length((place - 0.5) * size) + 0.5, 0.0, 1.0);
+    return mix(1.0, inside, TEXEL(warp_grid, 2).x);
+}
+
 void main() {
-    vec2 place = post_place();
     vec4 own = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #ifdef MIX
-    light = mix(own, texture(last_frame, place), post_target.z);
+    light = mix(own, texture(last_frame, post_place()), post_target.z);
 #else
     vec4 rules = TEXEL(warp_grid, 0);
-    vec3 trails = rules.x * rules.w * blurred(warped(place), rules.yz);
+    eye_parts = TEXEL(warp_grid, 1).zw;
+    eye_part = floor(post_place() * eye_parts);
+    vec2 place = post_place() * eye_parts - eye_part;
+    vec3 trails = in_dome(place) * rules.x * rules.w * blurred(warped(place), rules.yz);
     vec3 both = max(own.rgb, trails);
 #ifdef KEPT
     both = min(both / rules.w, vec3(1.0));

@@ -198,7 +198,9 @@ impl HeadlessRenderer {
         if self.view.is_some() {
             return Ok(());
         }
-        while let Some(request) = self.renderer.feedback_before(resources, (0, time), size, self.is_video) {
+        let picture = (size, self.projection.stereo);
+        while let Some(request) = self.renderer.feedback_before(resources, (0, time), picture, self.is_video)
+        {
             let sound = match &mut self.earlier {
                 Some(earlier) => earlier.at(request.time)?,
                 None => sound.clone(),

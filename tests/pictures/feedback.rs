@@ -2,6 +2,7 @@
 
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice};
+use mariana::frame::projection::{Projection, ProjectionKind, Stereo};
 use mariana::scenes::SceneSource;
 use mariana_music::Features;
 
@@ -126,4 +127,62 @@ fn a_surface_shows_the_last_frame() {
     );
     let interpreted = still(scene, SdfChoice::Interpreted, 0.5);
     assert!(differing(&interpreted, &later, 6) < 10);
+}
+
+/// Draws a scene of pixels at 0.8 s, without effects that depend on other pixels.
+fn projected(text: &str, projection: Projection, sdf: SdfChoice, (width, height): (u32, u32)) -> Vec<u8> {
+    let text = text
+        .replace("picture {", "picture { memory = 0.4  tone_map = none  bloom = 0  grain = 0  vignette = 0 ");
+    let choice = SceneChoice { projection, sdf, ..SceneChoice::from(SceneSource::Formula(text)) };
+    let mut painter = Painter::open(&choice).unwrap_or_else(|error| panic!("{error}"));
+    painter
+        .draw(0.8, Features::SILENCE.into(), (width, height))
+        .unwrap_or_else(|error| panic!("{projection:?}: {error}"));
+    painter.read()
+}
+
+#[test]
+fn the_last_frame_of_an_eye_is_not_that_of_both_eyes() {
+    let steps = "sky { let q = pixel / resolution\n\
+                 color = if q.x < 0.2 then vec3(0.6, q) else 0.7 * previous(q - vec2(0.2, 0.1)) }\npicture { }";
+    let away = "warp = (pixel / resolution - 0.5) * 0.9 + vec2(0.55, 0.45)";
+    let spot = "sky { color = vec3(smoothstep(0.3, 0.1, length(pixel / resolution - vec2(0.6, 0.3)))) }\n";
+    let trails = format!("{spot}picture {{ decay = 0.9  blur = 0.02  {away} }}");
+    let (width, height) = (24, 14);
+    for (text, kind, sdf) in [
+        (steps, ProjectionKind::Flat, SdfChoice::Compiled),
+        (steps, ProjectionKind::Sphere, SdfChoice::Interpreted),
+        (&trails, ProjectionKind::Sphere, SdfChoice::Compiled),
+    ] {
+        let of = |stereo| Projection { kind, stereo, ..Projection::default() };
+        let alone = projected(text, of(Stereo::None), sdf, (width, height));
+        for (stereo, columns, rows) in [(Stereo::SideBySide, 2, 1), (Stereo::OverUnder, 1, 2)] {
+            let both = projected(text, of(stereo), sdf, (columns * width, rows * height));
+            let line = 4 * width as usize;
+            let parts = (0..(rows * height) as usize).flat_map(|row| {
+                let line_of_both = both[row * columns as usize * line..].chunks(line);
+                let own = &alone[row % height as usize * line..][..line];
+                line_of_both.take(columns as usize).map(move |part| (part, own))
+            });
+            // Pixels next to the other eye have more samples.
+            let wrong: usize = parts.map(|(part, own)| differing(part, own, 6)).sum();
+            assert_eq!(wrong, 0, "{kind:?} {stereo:?}:\n{text}");
+        }
+    }
+}
+
+#[test]
+fn trails_do_not_fill_the_square_around_a_dome() {
+    let text = "sky { color = vec3(1, 0.5, 0.2) }\n\
+                picture { decay = 0.95  warp = (pixel / resolution - 0.5) * 0.8 + 0.5 }";
+    for (stereo, eyes) in [(Stereo::None, 1), (Stereo::OverUnder, 2)] {
+        let dome = Projection { kind: ProjectionKind::Dome, stereo, ..Projection::default() };
+        let picture = projected(text, dome, SdfChoice::Compiled, (24, 24 * eyes));
+        for (at, pixel) in picture.chunks(4).enumerate() {
+            let [x, y] = [at % 24, at / 24 % 24].map(|at| at as f32 + 0.5 - 12.0);
+            let radius = x.hypot(y);
+            assert!(radius < 13.0 || pixel[..3] == [0; 3], "{x}, {y}: {pixel:?}");
+            assert!(radius > 11.0 || pixel[0] > 200, "{x}, {y}: {pixel:?}");
+        }
+    }
 }

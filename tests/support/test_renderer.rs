@@ -6,6 +6,7 @@ use crate::support::drawing::Context;
 use image::RgbaImage;
 use mariana::frame::Frame;
 use mariana::frame::picture::Picture;
+use mariana::frame::projection::Stereo;
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
@@ -129,7 +130,7 @@ impl TestRenderer {
         // Another sound is another song.
         self.drawn += 1;
         while let Some(request) =
-            self.renderer.feedback_before(&self.resources, (self.drawn, time), size, false)
+            self.renderer.feedback_before(&self.resources, (self.drawn, time), (size, Stereo::None), false)
         {
             let mut frame = self.frame(request.time, sound.clone(), size);
             frame.size = request.size;

@@ -121,7 +121,7 @@ impl SceneSource {
         }
         let world = World::new(&self.name(), scene, pictures)?;
         let mut diagnostics = compiled.warnings;
-        diagnostics.extend(world.warning());
+        diagnostics.extend(world.warning().into_iter().chain(world.feedback_warning()));
         let warnings = Arc::new(FoundMistakes { diagnostics, sources: compiled.sources });
         Ok(ReadyScene { warnings, ..ReadyScene::of(world)? })
     }

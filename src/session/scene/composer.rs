@@ -330,7 +330,8 @@ impl SceneComposer {
         };
         let mut pace = std::mem::take(&mut self.feedback);
         let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, frame), picture);
-        let fed = pace.go_on(renderer, (scene.id, &scene.resources, program), (now, picture), &frame_at);
+        let moment = (now, picture, self.projection.stereo);
+        let fed = pace.go_on(renderer, (scene.id, &scene.resources, program), moment, &frame_at);
         self.feedback = pace;
         fed
     }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::composer::WantedPicture;
 use crate::clock;
 use crate::frame::Frame;
+use crate::frame::projection::Stereo;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::Renderer;
@@ -32,16 +33,15 @@ impl FeedbackPace {
         &mut self,
         renderer: &mut Renderer,
         (id, scene, program): (u64, &SceneResources, &Program),
-        (time, picture): (f64, &WantedPicture<'_>),
+        (time, picture, stereo): (f64, &WantedPicture<'_>, Stereo),
         frame_at: &dyn Fn(f64) -> Frame,
     ) -> Result<(), GpuError> {
         let size = picture.screen.size.map(|side| side as u32);
         let begun = clock::now();
         for _ in 0..FRAMES_MAX {
             let moment = (picture.moment.track, time);
-            let Some(request) = renderer.feedback_before(scene, moment, (size[0], size[1]), true) else {
-                break;
-            };
+            let shown = ((size[0], size[1]), stereo);
+            let Some(request) = renderer.feedback_before(scene, moment, shown, true) else { break };
             let mut frame = frame_at(request.time);
             frame.size = request.size;
             renderer.draw_feedback(&request, &frame, (scene, program))?;

@@ -4,11 +4,11 @@
 //! The CPU computes `warp` on a coarse grid, as MilkDrop does, so that no shader depends on the scene, and both modes
 //! warp alike.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::World;
 use crate::graph::{FrameInputs, Graph, NodeId, Point, Screen, ScreenInput, SoundInputs, TextureReader};
-use crate::lang::{Diagnostic, Picture, Scene};
+use crate::lang::{Diagnostic, Picture, Scene, Span};
 use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
 use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
 
@@ -73,58 +73,152 @@ impl Feedback {
     }
 }
 
-/// Any last frame with the same light everywhere, as a fraction of the brightest light.
+/// A last frame with the same light everywhere, as a fraction of the brightest light. Other textures are black.
 #[derive(Debug)]
-struct EvenLight(f32);
+struct EvenLight {
+    texture: u16,
+    fraction: f32,
+    /// Position of the last read.
+    place: Mutex<Option<[f32; 2]>>,
+}
 
 impl TextureReader for EvenLight {
-    fn read(&self, _texture: u16, _channel: u8, _u: f32, _v: f32) -> f32 {
-        self.0
+    fn read(&self, texture: u16, _channel: u8, u: f32, v: f32) -> f32 {
+        if texture != self.texture {
+            return 0.0;
+        }
+        if let Ok(mut place) = self.place.lock() {
+            *place = Some([u, v]);
+        }
+        self.fraction
     }
 }
 
 /// A scene keeps the light of its last frame if it reads it at least this bright.
 const GAIN: f32 = 1.001;
+/// A scene changes visibly when a history begins if more than this fraction of light is left by then.
+const VISIBLE: f32 = 4.0 * FORGOTTEN;
 /// Columns and rows of the pixels that are tried.
 const TRIED: (u16, u16) = (7, 5);
+/// The size of the picture in which they are.
+const TRIED_SIZE: (u16, u16) = (160, 90);
 
-impl World {
-    /// Returns a warning if the sky or a shining material is brighter than the last frame that it reads, so that light
-    /// grows up to its limit: tried at some pixels, in silence and in the loudest sound.
-    pub fn feedback_warning(&self) -> Option<Diagnostic> {
-        let texture = self.scene.textures.iter().find(|texture| texture.is_last_frame())?;
-        let emissions = self.scene.materials.iter().flat_map(|material| material.emission);
-        let roots: Vec<NodeId> = self.scene.sky.color.into_iter().chain(emissions).collect();
-        let screen = Screen::of_size((160, 90));
-        let (fractions, silence) = ([0.25, 0.5], SoundInputs::SILENCE);
-        let loud = SoundInputs::each(|input| input.range().1.min(1.0));
-        let mut gain: f32 = 0.0;
-        for sound in [silence, loud] {
-            let of = |fraction| FrameInputs {
-                textures: Some(Arc::new(EvenLight(fraction))),
-                params: self.scene.params.iter().map(|param| param.default).collect(),
-                shapes: self.scene.atlas.clone(),
+/// How formulas read the last frame in one sound.
+struct LastFrameUse<'w> {
+    world: &'w World,
+    /// Two brightnesses of the last frame.
+    frames: [(Arc<EvenLight>, FrameInputs); 2],
+}
+
+impl<'w> LastFrameUse<'w> {
+    fn new(world: &'w World, texture: usize, sound: SoundInputs) -> Self {
+        let of = |fraction| {
+            let light = Arc::new(EvenLight { texture: texture as u16, fraction, place: Mutex::default() });
+            let inputs = FrameInputs {
+                textures: Some(light.clone()),
+                params: world.scene.params.iter().map(|param| param.default).collect(),
+                shapes: world.scene.atlas.clone(),
                 sound,
-                screen,
+                screen: Screen::of_size((TRIED_SIZE.0.into(), TRIED_SIZE.1.into())),
                 time: 1.0,
                 ..FrameInputs::default()
             };
-            let frames = fractions.map(of);
+            (light, inputs)
+        };
+        Self { world, frames: [0.25, 0.5].map(of) }
+    }
+
+    /// Returns by which factor formulas change the light of the last frame at a pixel, and the place that they read.
+    fn gain(&self, roots: &[NodeId], [x, y]: [f32; 2]) -> Option<(f32, [f32; 2])> {
+        let (width, height) = (f32::from(TRIED_SIZE.0), f32::from(TRIED_SIZE.1));
+        let point = Point { position: [x * width, y * height, 0.0], normal: [0.0, 0.6, 0.8] };
+        let light = |inputs| self.world.scene.graph.evaluate(roots, &point, inputs).ok();
+        let [(dim, dim_inputs), (bright, bright_inputs)] = &self.frames;
+        let more = (bright.fraction - dim.fraction) * LAST_LIGHT_MAX;
+        let gains = light(dim_inputs)?.into_iter().zip(light(bright_inputs)?);
+        let gain = gains.map(|(dim, bright)| (bright - dim) / more).fold(0.0, f32::max);
+        Some((gain, bright.place.lock().ok()?.unwrap_or([x, y])))
+    }
+
+    /// Returns the fraction of light that is left after `frames` frames at a pixel, whose light comes from other places
+    /// from frame to frame. Ends as soon as the light is not visible any more.
+    fn left(&self, roots: &[NodeId], pixel: [f32; 2], frames: u32) -> Option<f32> {
+        let (mut at, mut left) = (pixel, 1.0);
+        for frame in 0..frames {
+            let (gain, from) = self.gain(roots, at)?;
+            if from == at {
+                return Some(left * gain.powf((frames - frame) as f32));
+            }
+            left *= gain;
+            if left < VISIBLE {
+                break;
+            }
+            at = from.map(|part| part.clamp(0.0, 1.0));
+        }
+        Some(left)
+    }
+}
+
+impl World {
+    /// Returns a warning if the sky or a shining material is brighter than the last frame that it reads, so that light
+    /// grows up to its limit, or if light lasts longer than the scene's memory: tried at some pixels, in silence and in
+    /// the loudest sound.
+    pub fn feedback_warning(&self) -> Option<Diagnostic> {
+        let textures = &self.scene.textures;
+        let (number, texture) = textures.iter().enumerate().find(|(_, texture)| texture.is_last_frame())?;
+        let frames = self.frame_tape.feedback.as_ref()?.frames;
+        let emissions: Vec<NodeId> =
+            self.scene.materials.iter().flat_map(|material| material.emission).collect();
+        let loud = SoundInputs::each(|input| input.range().1.min(1.0));
+        let (mut most, mut left): (f32, f32) = (0.0, 0.0);
+        for sound in [SoundInputs::SILENCE, loud] {
+            let of = LastFrameUse::new(self, number, sound);
             for at in 0..TRIED.0 * TRIED.1 {
-                let [column, row] = [at % TRIED.0, at / TRIED.0].map(|at| f32::from(at) + 0.5);
-                let position = [column / f32::from(TRIED.0) * 160.0, row / f32::from(TRIED.1) * 90.0, 0.0];
-                let point = Point { position, normal: [0.0, 0.6, 0.8] };
-                let light = |frame: &FrameInputs| self.scene.graph.evaluate(&roots, &point, frame).ok();
-                let (dim, bright) = (light(&frames[0])?, light(&frames[1])?);
-                let more = (fractions[1] - fractions[0]) * LAST_LIGHT_MAX;
-                let gains = dim.iter().zip(bright).map(|(dim, bright)| (bright - dim) / more);
-                gain = gains.fold(gain, f32::max);
+                let pixel = [
+                    (f32::from(at % TRIED.0) + 0.5) / f32::from(TRIED.0),
+                    (f32::from(at / TRIED.0) + 0.5) / f32::from(TRIED.1),
+                ];
+                let (sky, _) = of.gain(&self.scene.sky.color, pixel)?;
+                let (emission, _) = of.gain(&emissions, pixel)?;
+                most = most.max(sky).max(emission);
+                // Which pixel shows a surface is not known.
+                left = left.max(emission.powf(frames as f32));
+                if sky.powf(frames as f32) > left.max(VISIBLE) {
+                    left = left.max(of.left(&self.scene.sky.color, pixel, frames)?);
+                }
             }
         }
-        let message = format!("the last frame gains light: it is shown {gain:.2} times as bright as it was");
-        let hint = format!("multiply `previous` by less than 1; light is limited to {LAST_LIGHT_MAX}");
-        (gain > GAIN).then(|| Diagnostic::warning(texture.span, message).hint(hint))
+        if most > GAIN {
+            let message =
+                format!("the last frame gains light: it is shown {most:.2} times as bright as it was");
+            let hint = format!("multiply `previous` by less than 1; light is limited to {LAST_LIGHT_MAX}");
+            return Some(Diagnostic::warning(texture.span, message).hint(hint));
+        }
+        (left > VISIBLE).then(|| outlasts(left.min(1.0), frames, texture.span))
     }
+}
+
+/// The warning about light of which a visible fraction is left after the frames that a scene remembers.
+fn outlasts(left: f32, frames: u32, span: Span) -> Diagnostic {
+    let (rate, most) = (FEEDBACK_RATE as f32, FEEDBACK_FRAMES_MAX as f32);
+    let seconds = frames as f32 / rate;
+    let percent = 100.0 * left;
+    let message = format!(
+        "light of `previous` lasts longer than the scene's memory of {seconds} s: {percent:.0} % is left when it ends, so \
+         the brightness changes every {seconds} s"
+    );
+    // Rounded down: light that is multiplied by it is forgotten in time.
+    let allowed = |frames: f32| (100.0 * FORGOTTEN.powf(frames.recip())).floor() / 100.0;
+    let needed = frames as f32 * FORGOTTEN.ln().abs() / left.ln().abs();
+    let less = format!("multiply `previous` by at most {}", allowed(frames as f32));
+    let hint = if needed <= most {
+        format!("write `picture {{ memory = {} }}`, or {less}", (needed / rate).ceil())
+    } else if (frames as f32) < most {
+        format!("{less}, or by at most {} with `picture {{ memory = {} }}`", allowed(most), most / rate)
+    } else {
+        less
+    };
+    Diagnostic::warning(span, message).hint(hint)
 }
 
 /// A place far outside the frame.
@@ -202,7 +296,7 @@ mod tests {
         };
         for color in [
             "vec3(0.5)",
-            "0.99 * previous(vec2(0.5))",
+            "0.95 * previous(vec2(0.5))",
             "bass + (0.9 - 0.2 * bass) * previous(vec2(pixel.x, 0))",
         ] {
             assert_eq!(gain(color), None, "{color}");
@@ -214,6 +308,49 @@ mod tests {
         ] {
             let shown = "the last frame gains light: it is shown 1.10 times as bright as it was";
             assert_eq!(gain(color).as_deref(), Some(shown), "{color}");
+        }
+    }
+
+    #[test]
+    fn light_that_outlasts_the_memory_is_warned_of_because_it_pulses() {
+        let warned = |text: &str| {
+            let warning = world_of(text).feedback_warning()?;
+            Some((warning.message, warning.hint.expect("a hint")))
+        };
+        let forgotten = [
+            "sky { color = 0.05 + 0.95 * previous(pixel / resolution) }",
+            "sky { color = 0.996 * previous(pixel / resolution) * 0.9 }",
+            "sky { color = 0.05 + 0.98 * previous(pixel / resolution) }\npicture { memory = 6 }",
+            // Light that moves on until new light covers it.
+            "sky { let q = pixel / resolution\ncolor = if q.x < 0.1 then vec3(bass) else previous(q - vec2(0.01, 0)) }",
+            // A texture is no last frame.
+            "sky { color = 20 * texture(\"a.png\", pixel / resolution).rgb + 0.5 * previous(vec2(0)) }",
+        ];
+        for text in forgotten {
+            assert_eq!(warned(text), None, "{text}");
+        }
+        let (message, hint) =
+            warned("sky { color = 0.004 + 0.996 * previous(pixel / resolution) }").expect("a warning");
+        assert_eq!(
+            message,
+            "light of `previous` lasts longer than the scene's memory of 2 s: 62 % is left when it ends, so the brightness \
+             changes every 2 s"
+        );
+        let less = "multiply `previous` by at most 0.95";
+        assert_eq!(hint, format!("{less}, or by at most 0.99 with `picture {{ memory = 10 }}`"));
+        let of_surface = "material m { emission = 0.98 * previous(p.xy) }\nobject a { shape = sphere(p, 1)  material = m }";
+        for (text, hint) in [
+            (
+                "sky { color = 0.98 * previous(pixel / resolution) }",
+                format!("write `picture {{ memory = 5 }}`, or {less}"),
+            ),
+            (of_surface, format!("write `picture {{ memory = 5 }}`, or {less}")),
+            (
+                "sky { color = previous(0.9 * pixel / resolution) }\npicture { memory = 10 }",
+                "multiply `previous` by at most 0.99".to_owned(),
+            ),
+        ] {
+            assert_eq!(warned(text).map(|one| one.1), Some(hint), "{text}");
         }
     }
 

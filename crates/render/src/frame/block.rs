@@ -7,7 +7,7 @@ use mariana_field::graph::ScreenInput::{MousePressed, MouseX, MouseY};
 use mariana_field::graph::{
     FRAME_SHAPES_MAX, LEVEL_COUNT, PartInput, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_STEP, SoundInput,
 };
-use mariana_field::lang::Light;
+use mariana_field::lang::{Light, TextureRef};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
@@ -96,7 +96,9 @@ impl Frame {
         let medium = tree.medium.as_deref();
         let has_cells = tree.size.iter().all(|side| *side > 0.0);
         let per_unit = tree.size.map(|side| if has_cells { ROOT_SIDE / side } else { 1.0 });
-        let media = media(world, medium, sound_tables::texel_count(inputs));
+        let mut media = media(world, medium, sound_tables::texel_count(inputs));
+        let last_frame = world.scene.textures.iter().position(TextureRef::is_last_frame);
+        media[0][3] = last_frame.map_or(-1.0, |number| number as f32);
         let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),

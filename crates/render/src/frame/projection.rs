@@ -87,7 +87,8 @@ impl Stereo {
     const ALL: [(Self, &'static str); 3] =
         [(Self::None, "NONE"), (Self::SideBySide, "SIDE_BY_SIDE"), (Self::OverUnder, "OVER_UNDER")];
 
-    fn pictures(self) -> (u32, u32) {
+    /// The columns and rows of the eyes' pictures.
+    pub(crate) fn pictures(self) -> (u32, u32) {
         match self {
             Self::None => (1, 1),
             Self::SideBySide => (2, 1),

@@ -16,6 +16,7 @@ use super::texel_list::TexelList;
 use super::trails::{TrailSource, Trails, empty_grid, fill_grid};
 use crate::frame::Frame;
 use crate::frame::feedback::{FeedbackOrder, FeedbackStep, moment_of, newest_before};
+use crate::frame::projection::Stereo;
 use mariana_field::world::{self, World};
 
 /// The number of pixels of a frame of feedback.
@@ -83,10 +84,10 @@ impl SceneFeedback {
     pub(super) fn request(
         &mut self,
         (song, time): (u64, f64),
-        size: (u32, u32),
+        (size, stereo): ((u32, u32), Stereo),
         ahead: bool,
     ) -> Option<FeedbackRequest> {
-        let size = size_for(size);
+        let size = size_for(size, stereo);
         if self.of.replace((song, size)) != Some((song, size)) {
             (self.histories, self.mixed) = ([None, None], None);
             (self.order, self.canvas) = (FeedbackOrder::new(self.rules.frames), Canvas::default());
@@ -203,30 +204,34 @@ pub(super) fn black(gl: &Gl) -> Result<Target, GpuError> {
 }
 
 /// Returns the size of the frames of feedback for an image of `size` pixels: about [`PIXELS`], or as many as the image
-/// has, in its aspect ratio. No side is a power of two (see [`black`]).
-fn size_for((width, height): (u32, u32)) -> (u32, u32) {
+/// has, in its aspect ratio. Each of two eyes has whole pixels. No side is a power of two (see [`black`]).
+fn size_for((width, height): (u32, u32), stereo: Stereo) -> (u32, u32) {
     let pixels = f64::from(width) * f64::from(height);
     let scale = (PIXELS / pixels.max(1.0)).sqrt().min(1.0);
-    let side = |side: u32| {
-        let side = ((f64::from(side) * scale).round() as u32).max(3);
-        if side.is_power_of_two() { side + 1 } else { side }
+    let side = |side: u32, eyes: u32| {
+        let side = ((f64::from(side) / f64::from(eyes) * scale).round() as u32).max(3);
+        eyes * if side.is_power_of_two() { side + 1 } else { side }
     };
-    (side(width), side(height))
+    let (columns, rows) = stereo.pictures();
+    (side(width, columns), side(height, rows))
 }
 
 #[cfg(test)]
 mod tests {
     use super::size_for;
+    use crate::frame::projection::Stereo;
 
     #[test]
     fn frames_of_feedback_are_small_and_have_the_aspect_of_the_image() {
-        assert_eq!(size_for((1920, 1080)), (640, 360));
-        assert_eq!(size_for((3840, 2160)), (640, 360));
-        assert_eq!(size_for((1080, 1920)), (360, 640));
-        assert_eq!(size_for((320, 180)), (320, 180));
-        assert_eq!(size_for((64, 36)), (65, 36));
-        assert_eq!(size_for((0, 1)), (3, 3));
-        let (width, height) = size_for((20_000, 100));
+        assert_eq!(size_for((1920, 1080), Stereo::None), (640, 360));
+        assert_eq!(size_for((3840, 2160), Stereo::None), (640, 360));
+        assert_eq!(size_for((1080, 1920), Stereo::None), (360, 640));
+        assert_eq!(size_for((320, 180), Stereo::None), (320, 180));
+        assert_eq!(size_for((64, 36), Stereo::None), (65, 36));
+        assert_eq!(size_for((0, 1), Stereo::None), (3, 3));
+        assert_eq!(size_for((128, 36), Stereo::SideBySide), (130, 36));
+        assert_eq!(size_for((127, 65), Stereo::OverUnder), (127, 66));
+        let (width, height) = size_for((20_000, 100), Stereo::None);
         assert!(width * height < 300_000 && width > 100 * height);
     }
 }

@@ -45,6 +45,7 @@ use super::timer::PictureClock;
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
+use crate::frame::projection::Stereo;
 use crate::placement::{Area, Map, Placement, WHOLE};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
@@ -267,17 +268,17 @@ impl Renderer {
     }
 
     /// Returns the next frame of feedback to draw ([`Renderer::draw_feedback`]) before an image at a moment: the number
-    /// of the song, and the time in seconds. The image is shown with `size` pixels. Returns `None` if all frames are
-    /// drawn, or the scene needs none. Frames of another song or size are forgotten. `ahead` is true if images of later
-    /// moments follow.
+    /// of the song, and the time in seconds. `picture` is the number of pixels with which the image is shown, and the
+    /// arrangement of its eyes. Returns `None` if all frames are drawn, or the scene needs none. Frames of another song
+    /// or size are forgotten. `ahead` is true if images of later moments follow.
     pub fn feedback_before(
         &self,
         scene: &SceneResources,
         (song, time): (u64, f64),
-        size: (u32, u32),
+        picture: ((u32, u32), Stereo),
         ahead: bool,
     ) -> Option<FeedbackRequest> {
-        scene.feedback()?.request((song, time), size, ahead)
+        scene.feedback()?.request((song, time), picture, ahead)
     }
 
     /// Draws a frame of feedback. `frame` is the frame at its moment and of its size. A frame in progress is lost.

@@ -9,6 +9,7 @@ use super::program::{LazyProgram, unit_of};
 use super::target::Target;
 use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
 use crate::frame::Frame;
+use crate::frame::projection::ProjectionKind;
 use mariana_field::limits::LAST_LIGHT_MAX;
 use mariana_field::world::{Feedback, WARP_CELLS};
 
@@ -79,11 +80,15 @@ pub(super) fn empty_grid(gl: &Gl) -> Result<TexelList, GpuError> {
 
 /// Uploads the rules and the grid of a frame's trails, in the order of `trails.frag`.
 pub(super) fn fill_grid(grid: &TexelList, feedback: &Feedback, frame: &Frame) {
-    let aspect = frame.size.0 as f32 / frame.size.1 as f32;
+    let projection = &frame.projection;
+    let (width, height) = projection.eye_size(frame.size);
+    let aspect = (width / height) as f32;
     let (decay, blur) = (frame.picture.decay, frame.picture.blur);
     let rules = [decay, blur / aspect, blur, LAST_LIGHT_MAX];
-    let cells = [WARP_CELLS.0 as f32, WARP_CELLS.1 as f32, 0.0, 0.0];
+    let (columns, rows) = projection.stereo.pictures();
+    let cells = [WARP_CELLS.0 as f32, WARP_CELLS.1 as f32, columns as f32, rows as f32];
+    let shape = [f32::from(u8::from(projection.kind == ProjectionKind::Dome)), 0.0, 0.0, 0.0];
     let corners = feedback.warped(&frame.inputs).into_iter().map(|[u, v]| [u, v, 0.0, 0.0]);
-    let texels: Vec<[f32; 4]> = [rules, cells].into_iter().chain(corners).collect();
+    let texels: Vec<[f32; 4]> = [rules, cells, shape].into_iter().chain(corners).collect();
     grid.replace(&floats_as_bytes(&texels));
 }

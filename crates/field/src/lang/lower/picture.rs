@@ -2,7 +2,7 @@
 //! that never ends or never begins.
 
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::Picture;
+use super::super::scene::{Picture, TextureRef};
 use super::scene::SceneBuilder;
 use super::sections::Values;
 use crate::graph::{FrameInputs, Input, NodeId, ShapeAtlas};
@@ -66,7 +66,9 @@ impl SceneBuilder<'_> {
         let memory = self.lowering.graph.as_constant(picture.memory);
         if let Some((_, span)) = values.given("memory") {
             match memory {
-                Some(memory) if (0.0..=most as f32).contains(&memory) => {}
+                Some(memory) if (0.0..=most as f32).contains(&memory) => {
+                    self.parts.memory = Some(span).filter(|_| decay <= 0.0);
+                }
                 Some(memory) if memory > most as f32 => warn(
                     span,
                     format!("a `memory` of {memory} s would delay each still and each jump"),
@@ -78,6 +80,15 @@ impl SceneBuilder<'_> {
                     self.lowering.reports.add(wrong.hint(format!("write a number from 0 to {most}")));
                 }
             }
+        }
+    }
+
+    /// Warns of a `memory` without anything to remember; after all blocks, which may call `previous`.
+    pub(super) fn check_memory(&mut self) {
+        let is_read = self.lowering.declared.textures.iter().any(TextureRef::is_last_frame);
+        if let Some(span) = self.parts.memory.filter(|_| !is_read) {
+            let warning = Diagnostic::warning(span, "`memory` has no effect without trails and `previous`");
+            self.lowering.reports.diagnostics.warn(warning.hint("set `decay = 0.95`, or leave `memory` out"));
         }
     }
 }

@@ -28,6 +28,8 @@ pub(super) struct Parts {
     /// The directions of suns whose light rises.
     pub rising: Vec<Span>,
     pub picture: Option<Picture>,
+    /// Where a picture without trails sets `memory`.
+    pub memory: Option<Span>,
     pub about: Option<About>,
     /// Index of the material for objects that set no material. The material is created when it is first needed.
     pub default_material: Option<usize>,
@@ -81,6 +83,7 @@ impl<'a> SceneBuilder<'a> {
         self.check_the_graph();
         let distance = self.distance(sources)?;
         self.warn_of_light_from_below();
+        self.check_memory();
         self.add_default_light();
         self.add_changing_numbers();
         self.lowering.origins.finish(sources);

@@ -142,3 +142,14 @@ fn trails_that_last_too_long_or_never_begin_are_warned_of() {
         ]
     );
 }
+
+#[test]
+fn a_memory_without_anything_to_remember_is_warned_of() {
+    let message = "`memory` has no effect without trails and `previous`".to_owned();
+    let scene = |picture: &str| warnings(&format!("sphere(p, 1)\npicture {{ {picture} }}"));
+    assert_eq!(scene("memory = 5"), [("memory".to_owned(), message)]);
+    for rest in ["memory = 5  decay = 0.9", "memory = 5 }\nsky { color = 0.5 * previous(pixel / resolution)"]
+    {
+        assert_eq!(scene(rest), [], "{rest}");
+    }
+}
