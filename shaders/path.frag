@@ -322,8 +322,10 @@ bool go_on(inout Path path) {
         if (hit.plane != NOTHING && !is_scattered) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
         Surface s;
 #ifdef SWARM
-        if (is_ball) {
-            s = swarm_surface(seen, is_thin, p, path.direction);
+        if (is_thin) {
+            s = thin_surface(seen.thin_color, p, path.direction);
+        } else if (is_ball) {
+            s = swarm_surface(seen.ball, p, path.direction);
         } else
 #endif
         s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
