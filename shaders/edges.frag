@@ -21,14 +21,15 @@ const ivec2 PLACES[NEIGHBOURS] = ivec2[](
     ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
 );
 
-// True if the point of a swarm is in one of the pixels.
+// Keys below 0 are this number minus the key, where a swarm's thin balls and glow are seen.
+const float FAINT_KEY = -1.0;
 bool has_faint = false;
 
 vec4 seen(ivec2 texel, ivec2 limit) {
     vec4 sampled = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
     bool is_faint = sampled.a < 0.0;
     has_faint = has_faint || is_faint;
-    sampled.a = is_faint ? -1.0 - sampled.a : sampled.a;
+    if (is_faint) sampled.a = FAINT_KEY - sampled.a;
     return sampled;
 }
 

@@ -266,7 +266,7 @@ bool go_on(inout Path path) {
     Hit hit = trace(path.origin, path.direction, start, cone, spread, true);
 #ifdef SWARM
     // A ray meets the thin balls of a swarm with the probability of the light that they hide.
-    SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, cone, false);
+    SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, path.travelled, 0);
     add(path, seen.light);
     bool is_thin = random_pair(pairs + SWARM_PAIR).x >= seen.left;
     bool is_ball = is_thin || seen.ball > 0;

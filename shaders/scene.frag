@@ -64,6 +64,9 @@ layout(location = 1) out float sample_beam;
 float seen_nearness = 0.0;
 
 #ifdef DRAWS_SWARM
+// Light of thin balls that is weaker than this has no shadows.
+const float THIN_SHADOWED_MIN = 0.001;
+
 // Thin balls in front of the end of a ray.
 struct ThinBalls {
     vec3 color;     // 0 if they need no light
@@ -154,6 +157,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
             vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction) + through;
 #ifdef DRAWS_SWARM
             thrown *= fraction;
+            if (i >= count && max(thrown.r, max(thrown.g, thrown.b)) < THIN_SHADOWED_MIN) t = 0.0;
 #endif
             float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
@@ -176,7 +180,10 @@ const float KEYS = 1021.0;
 const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
 
-#ifdef SWARM
+#ifdef DRAWS_SWARM
+// Subtracting a key from this marks a pixel in which faint points of swarms change the light by more than FAINT_PART.
+const float FAINT_KEY = -1.0;
+const float FAINT_PART = 0.04;
 // The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
 float seen_sharp = 0.0;
 float seen_left = 1.0;
@@ -242,6 +249,13 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     int air_segment = 0;
 #endif
 #endif
+#ifdef DRAWS_SWARM
+#ifdef SWARM_TILES
+    int swarm_tiles = SWARM_TILES_OF_EYE;
+#else
+    const int swarm_tiles = 0;
+#endif
+#endif
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
 #ifdef GLASS
@@ -277,7 +291,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         }
 #endif
 #ifdef DRAWS_SWARM
-        SwarmSeen seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, cone, surface == 0);
+        SwarmSeen seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, travelled, swarm_tiles);
         bool is_ball = seen.ball > 0;
         ThinBalls thin = ThinBalls(seen.thin_color, throughput * (1.0 - seen.left), 0.0);
         // The fractions of light from the swarm that media leave, divided by the fraction for the whole ray, by which all
@@ -393,11 +407,19 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             throughput = kept * reflectance * tint;
             float off = hit.plane != NOTHING ? 0.0 : max(0.002, cone);
+#if defined(DRAWS_SWARM) && defined(SWARM_TILES)
+            // The plane mirrors the whole picture, but a rough mirror or a ray close to the plane changes the direction.
+            bool is_flat = surface == 0 && dot(direction, s.normal) < -0.02;
+            swarm_tiles = is_flat ? swarm_tiles_of(hit.plane) : 0;
+#endif
             origin = p + s.normal * off;
             vec3 mirror = s.normal;
 #ifdef BLUR
             float alpha = m.blur * m.blur;
             if (alpha > 1e-4) {
+#if defined(DRAWS_SWARM) && defined(SWARM_TILES)
+                swarm_tiles = 0;
+#endif
                 mirror = facet(s.normal, alpha, scatter(surface));
                 seen_rough = ROUGH_KEY;
                 blurred += 0.5 * alpha;
@@ -513,8 +535,8 @@ void main() {
 #else
     float key = surface_key + seen_rough;
 #ifdef DRAWS_SWARM
-    bool is_faint = seen_left < 0.96 || seen_sharp > 0.04 * max(color.r, max(color.g, color.b));
-    key = is_faint ? -1.0 - key : key;
+    bool is_faint = seen_left < 1.0 - FAINT_PART || seen_sharp > FAINT_PART * max(color.r, max(color.g, color.b));
+    key = is_faint ? FAINT_KEY - key : key;
 #endif
     sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA

@@ -135,10 +135,20 @@ void swarm_pass(int tests) {
 // would compute a point for each test.
 
 #ifdef SWARM_TILES
-// Looks through the list of the tile that a ray of the eye belongs to: the balls, then everything faint in front of the
-// nearest ball.
-void swarm_look_up(inout SwarmSeen seen, vec3 origin, vec3 direction) {
-    vec4 tiles = TEXEL(sound_tables, swarm_first + 7);
+// The texel of the tiles of rays of the eye. The tiles of rays that a plane mirrors follow.
+const int SWARM_TILES_OF_EYE = 7;
+
+// Returns the texel of the tiles of rays that a plane mirrors, or 0.
+int swarm_tiles_of(int plane) {
+    bool has_tiles = plane != NOTHING && int(TEXEL(sound_tables, swarm_first + SWARM_TILES_OF_EYE + 1).w) == plane + 1;
+    return has_tiles ? SWARM_TILES_OF_EYE + 1 : 0;
+}
+
+// Looks through the list of the tile that a ray belongs to: the balls, then everything faint in front of the nearest ball.
+// `head` is the texel of the tiles. `travelled` is the way from the eye to `origin`, and `cone` the radius of the ray's
+// pixel there.
+void swarm_look_up(inout SwarmSeen seen, int head, vec3 origin, vec3 direction, float travelled, float cone) {
+    vec4 tiles = TEXEL(sound_tables, swarm_first + head);
     vec2 in_tile = sample_place() / tiles.y;
     vec2 tile = floor(in_tile);
     // In the unit of the boxes.
@@ -157,11 +167,11 @@ void swarm_look_up(inout SwarmSeen seen, vec3 origin, vec3 direction) {
                 vec2 low = floor(box.xy);
                 vec2 high = SWARM_TILE_PARTS * (box.xy - low) + 1.0;
                 bool is_in = all(greaterThanEqual(in_tile, low)) && all(lessThanEqual(in_tile, high));
-                point = is_in && box.z < seen.t ? int(box.w) : 0;
+                point = is_in && box.z < travelled + seen.t ? int(box.w) : 0;
                 entry++;
             }
             if (point == 0) break;
-            swarm_add(seen, swarm_first + point, kind > 0, origin, direction, 0.0);
+            swarm_add(seen, swarm_first + point, kind > 0, origin, direction, cone);
         }
         swarm_pass(most - left);
     }
@@ -202,17 +212,18 @@ void swarm_walk(inout SwarmSeen seen, vec3 origin, vec3 direction, float cone) {
 }
 #endif
 
-// Returns what a ray sees of the swarms up to a distance. `cone` is the radius of the ray's pixel at its origin; `of_eye` is
-// true for a ray of the eye. The pass of media shows no swarm.
-SwarmSeen swarm_along(vec3 origin, vec3 direction, float end, float cone, bool of_eye) {
+// Returns what a ray sees of the swarms up to a distance. `travelled` is the way from the eye to the ray's origin. `head` is
+// the texel of the tiles of such rays, or 0. The pass of media shows no swarm.
+SwarmSeen swarm_along(vec3 origin, vec3 direction, float end, float travelled, int head) {
     SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, vec3(0.0), 0, end);
+    float cone = camera_position.w * travelled;
 #ifdef SWARM_TILES
-    if (of_eye && !is_medium_pass()) swarm_look_up(seen, origin, direction);
+    if (head > 0 && !is_medium_pass()) swarm_look_up(seen, head, origin, direction, travelled, cone);
 #else
-    of_eye = false;
+    head = 0;
 #endif
 #ifdef SWARM_TREES
-    if (!of_eye && !is_medium_pass()) swarm_walk(seen, origin, direction, cone);
+    if (head == 0 && !is_medium_pass()) swarm_walk(seen, origin, direction, cone);
 #endif
     seen.light_t /= max(seen.weight, 1e-9);
     seen.thin_t /= max(seen.covered, 1e-9);
