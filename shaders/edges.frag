@@ -21,24 +21,15 @@ const ivec2 PLACES[NEIGHBOURS] = ivec2[](
     ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
 );
 
-// Keys below 0 are those of pixels with thin balls or glow of a swarm (scene.frag).
+// Keys below 0 are this number minus the key, where a swarm's thin balls and glow are bright (scene.frag).
 const float FAINT_KEY = -1.0;
-const float STRONG_KEY = -2048.0;
-// Multiplies the smallest contrast on one surface that gets more samples behind such points.
-const float FAINT_CONTRAST = 1.5;
 bool has_faint = false;
-bool has_strong = false;
 
 vec4 seen(ivec2 texel, ivec2 limit) {
     vec4 sampled = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
-    bool is_strong = sampled.a <= STRONG_KEY;
-    has_strong = has_strong || is_strong;
-    has_faint = has_faint || sampled.a < 0.0;
-    if (is_strong) {
-        sampled.a = 0.5 * (STRONG_KEY - sampled.a);
-    } else if (sampled.a < 0.0) {
-        sampled.a = FAINT_KEY - sampled.a;
-    }
+    bool is_faint = sampled.a < 0.0;
+    has_faint = has_faint || is_faint;
+    sampled.a = is_faint ? FAINT_KEY - sampled.a : sampled.a;
     return sampled;
 }
 
@@ -69,10 +60,9 @@ void main() {
     vec4 high = low;
     look_around(texel, limit, 0, NEAREST, low, high);
     bool is_edge = high.a - low.a > 0.5;
-    // The edges of faint points are smooth already. Noise of rough mirrors needs more samples.
-    if (has_strong && !is_edge && high.a < ROUGH_KEY) discard;
+    // The edges of faint points are smooth already.
+    if (has_faint && !is_edge && high.a < ROUGH_KEY) discard;
     float least = is_edge ? picture_edges.x : picture_edges.y;
-    if (has_faint && !is_edge) least *= FAINT_CONTRAST;
     if (contrast(low, high) >= (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) {
         mark = 1.0;
         return;

@@ -181,12 +181,9 @@ const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
 
 #ifdef DRAWS_SWARM
-// Subtracting a key from this marks a pixel in which faint points of swarms change the light by more than FAINT_PART.
+// Subtracting a key from this marks a pixel in which faint points of swarms change the light by more than this part.
 const float FAINT_KEY = -1.0;
-const float FAINT_PART = 0.04;
-// The same, doubled, where they are most of the light. 16-bit floats hold even numbers up to 4096 exactly.
-const float STRONG_KEY = -2048.0;
-const float FAINT_STRONG = 0.3;
+const float FAINT_PART = 0.3;
 // The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
 float seen_sharp = 0.0;
 float seen_left = 1.0;
@@ -539,10 +536,9 @@ void main() {
     float key = surface_key + seen_rough;
 #ifdef DRAWS_SWARM
     float brightest = max(color.r, max(color.g, color.b));
-    bool is_faint = seen_left < 1.0 - FAINT_PART || seen_sharp > FAINT_PART * brightest;
-    bool is_strong = seen_left < 1.0 - FAINT_STRONG || seen_sharp > FAINT_STRONG * brightest;
-    is_strong = is_strong && seen_rough == 0.0;
-    key = is_strong ? STRONG_KEY - 2.0 * key : is_faint ? FAINT_KEY - key : key;
+    bool is_faint = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6)) > FAINT_PART;
+    // Noise of rough mirrors needs more samples.
+    key = is_faint && seen_rough == 0.0 ? FAINT_KEY - key : key;
 #endif
     sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA
