@@ -21,8 +21,16 @@ const ivec2 PLACES[NEIGHBOURS] = ivec2[](
     ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
 );
 
+// Keys below 0 are this number minus the key, where a swarm's thin balls and glow are bright (scene.frag).
+const float FAINT_KEY = -1.0;
+bool has_faint = false;
+
 vec4 seen(ivec2 texel, ivec2 limit) {
-    return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
+    vec4 sampled = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
+    bool is_faint = sampled.a < 0.0;
+    has_faint = has_faint || is_faint;
+    sampled.a = is_faint ? FAINT_KEY - sampled.a : sampled.a;
+    return sampled;
 }
 
 vec3 shown(vec3 light) {
@@ -51,7 +59,10 @@ void main() {
     vec4 low = seen(texel, limit);
     vec4 high = low;
     look_around(texel, limit, 0, NEAREST, low, high);
-    float least = high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y;
+    bool is_edge = high.a - low.a > 0.5;
+    // The edges of faint points are smooth already.
+    if (has_faint && !is_edge && high.a < ROUGH_KEY) discard;
+    float least = is_edge ? picture_edges.x : picture_edges.y;
     if (contrast(low, high) >= (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) {
         mark = 1.0;
         return;

@@ -288,7 +288,7 @@ bool go_on(inout Path path) {
     Hit hit = trace(path.origin, path.direction, start, cone, spread, true);
 #ifdef SWARM
     // A ray meets the thin balls of a swarm with the probability of the light that they hide.
-    SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, cone, false);
+    SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, path.travelled, 0);
     add(path, seen.light);
     guide_color += path.throughput * finite_light(seen.light);
     bool is_thin = random_pair(pairs + SWARM_PAIR).x >= seen.left;
@@ -349,8 +349,10 @@ bool go_on(inout Path path) {
         if (hit.plane != NOTHING && !is_scattered) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
         Surface s;
 #ifdef SWARM
-        if (is_ball) {
-            s = swarm_surface(seen, is_thin, p, path.direction);
+        if (is_thin) {
+            s = thin_surface(seen.thin_color, p, path.direction);
+        } else if (is_ball) {
+            s = swarm_surface(seen.ball, p, path.direction);
         } else
 #endif
         s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);

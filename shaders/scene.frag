@@ -63,8 +63,25 @@ layout(location = 1) out float sample_beam;
 // 1 / distance of the first surface, measured along the camera's axis.
 float seen_nearness = 0.0;
 
+#ifdef DRAWS_SWARM
+// Light of thin balls that is weaker than this has no shadows.
+const float THIN_SHADOWED_MIN = 0.001;
+
+// Thin balls in front of the end of a ray.
+struct ThinBalls {
+    vec3 color;     // 0 if they need no light
+    vec3 fraction;  // of their light that reaches the eye
+    float before;   // their distance from the end of the ray
+};
+#endif
+
 // Light from the surface at p towards the eye, without mirror images.
+#ifdef DRAWS_SWARM
+// The light is multiplied by `fraction`. Adds the light of thin balls, whose shadow rays follow those of the surface.
+vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBalls thin) {
+#else
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
+#endif
     Material m = s.material;
     // Add the light without shadows first: while a shadow ray runs, all values that are used later occupy registers.
 #ifdef SHEEN
@@ -84,11 +101,33 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     // one more round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
+#ifdef DRAWS_SWARM
+    light *= fraction;
+    int count = last + 1;
+    if (thin.color != vec3(0.0)) last += count;
+    // A surface that sends no light needs no shadow rays.
+    if (fraction == vec3(0.0)) i = count;
+#endif
     do {
+#ifdef DRAWS_SWARM
+        if (i == count) {
+            p -= thin.before * direction;
+            s = thin_surface(thin.color, p, direction);
+            m = s.material;
+            fraction = thin.fraction;
+            light += fraction * m.color * light_of(s.ambient);
+#ifdef BOUNCE
+            thrown_on = vec3(0.0);
+#endif
+        }
+        int number = i < count ? i : i - count;
+#else
+        int number = i;
+#endif
         // frame_reach.z is 0. Without this term, compilers move expressions that are the same for all lights before the
         // loop, and the results occupy registers during the shadow rays.
         vec3 view_direction = direction + frame_reach.z * float(i);
-        Incoming incoming = light_at(i, p, s.normal, view_direction);
+        Incoming incoming = light_at(number, p, s.normal, view_direction);
         // Light that comes through the body or from nearby surfaces, and the start of the ray to the light: at the surface,
         // or for lights behind it where their light arrives.
         vec3 through = vec3(0.0);
@@ -116,6 +155,10 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
             // A light without shadows needs no shadow ray.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction) + through;
+#ifdef DRAWS_SWARM
+            thrown *= fraction;
+            if (i >= count && max(thrown.r, max(thrown.g, thrown.b)) < THIN_SHADOWED_MIN) t = 0.0;
+#endif
             float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
@@ -136,6 +179,15 @@ const float KEYS = 1021.0;
 // Added to the key if the path meets a rough mirror, because noise needs more samples.
 const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
+
+#ifdef DRAWS_SWARM
+// Subtracting a key from this marks a pixel in which faint points of swarms change the light by more than this part.
+const float FAINT_KEY = -1.0;
+const float FAINT_PART = 0.3;
+// The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
+float seen_sharp = 0.0;
+float seen_left = 1.0;
+#endif
 
 void add_to_key(int object, bool flat_surface, vec3 normal) {
     vec3 cell = floor(normal * 1.49 + 1.5);
@@ -198,16 +250,13 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
 #endif
 #ifdef DRAWS_SWARM
-    // Thin balls that need light are a surface of their own in front of the ray's end.
-    int surface = 0;
-    bool is_behind = false;
-    Hit traced;
-    SwarmSeen seen;
-    for (int round = 0; round < 2 * SURFACES_MAX; round++) {
+#ifdef SWARM_TILES
+    int swarm_tiles = SWARM_TILES_OF_EYE;
 #else
-    const bool is_behind = false;
-    for (int surface = 0; surface < SURFACES_MAX; surface++) {
+    const int swarm_tiles = 0;
 #endif
+#endif
+    for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
 #ifdef GLASS
         // Walls of glass are thin, so rays start close to the surface.
@@ -215,19 +264,14 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #else
         float start = 0.01 * float(surface);
 #endif
-#ifdef DRAWS_SWARM
-        if (!is_behind) traced = trace(origin, direction, start, cone, spread, surface > 0);
-        Hit hit = traced;
-#else
         Hit hit = trace(origin, direction, start, cone, spread, surface > 0);
-#endif
 #ifdef DRAWS_MEDIA
         float end = hit.met ? hit.t : FAR;
 #ifdef GLASS
         // There is no medium in glass.
-        int segment = ray_side > 0.0 && !is_behind ? air_segment++ : SEGMENTS_MAX;
+        int segment = ray_side > 0.0 ? air_segment++ : SEGMENTS_MAX;
 #else
-        int segment = is_behind ? SEGMENTS_MAX : surface;
+        int segment = surface;
 #endif
         if (segment >= SEGMENTS_MAX) {
         } else if (is_medium_pass()) {
@@ -247,16 +291,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         }
 #endif
 #ifdef DRAWS_SWARM
-        if (!is_behind) seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, cone, surface == 0);
-#ifdef COVERAGE
-        color = vec3(1.0 - seen.left);
-        bool is_thin = false;
-#else
-        bool is_thin = !is_behind && seen.thin_color != vec3(0.0);
-#endif
-        bool is_ball = is_thin || seen.ball > 0;
-        float covered = is_thin ? 1.0 - seen.left : 1.0;
-        float ball_t = is_thin ? seen.thin_t : seen.t;
+        SwarmSeen seen = swarm_along(origin, direction, hit.met ? hit.t : FAR, travelled, swarm_tiles);
+        bool is_ball = seen.ball > 0;
+        ThinBalls thin = ThinBalls(seen.thin_color, throughput * (1.0 - seen.left), 0.0);
         // The fractions of light from the swarm that media leave, divided by the fraction for the whole ray, by which all
         // light is multiplied in the end. The medium counts as uniform.
         float light_left = 1.0;
@@ -265,21 +302,40 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         if (surface == 0 && !is_medium_pass()) {
             float way = min(end, MEDIUM_FAR);
             medium.left = max(medium.left, MEDIUM_LEFT_MIN);
-            light_left = pow(medium.left, min(seen.light_t / way, 1.0) - 1.0);
-            if (is_ball) ball_left = pow(medium.left, min(ball_t / way, 1.0) - 1.0);
-            // A ball hides the light of the medium behind it.
-            color -= throughput * medium.light * (covered * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4));
+            vec3 places = min(vec3(seen.light_t, seen.t, seen.thin_t) / way, 1.0);
+            vec3 left = pow(vec3(medium.left), places - 1.0);
+            light_left = left.x;
+            if (is_ball) ball_left = left.y;
+            // Balls hide the light of the medium behind them.
+            float hidden = seen.left * (ball_left - 1.0);
+            if (thin.color != vec3(0.0)) {
+                hidden += (1.0 - seen.left) * (left.z - 1.0);
+                thin.fraction *= left.z;
+            }
+            color -= throughput * medium.light * (hidden / max(1.0 - medium.left, 1e-4));
         }
 #endif
-#ifndef COVERAGE
-        if (!is_behind) color += throughput * light_left * seen.light;
+#ifdef COVERAGE
+        color = vec3(1.0 - seen.left);
+        thin.color = vec3(0.0);
+#else
+        color += throughput * light_left * seen.light;
+        if (blurred == 0.0) {
+            seen_sharp += max(throughput.r, max(throughput.g, throughput.b)) * light_left * seen.sharp;
+            seen_left = min(seen_left, seen.left);
+        }
 #endif
-        if (!is_thin) throughput *= seen.left;
-        if (is_ball) hit = Hit(ball_t, NOTHING, true);
+        if (max(thin.fraction.r, max(thin.fraction.g, thin.fraction.b)) < fraction_min) thin.color = vec3(0.0);
+        throughput *= seen.left;
+        if (is_ball) hit = Hit(seen.t, NOTHING, true);
+        bool is_thin = thin.color != vec3(0.0);
+        thin.before = hit.met ? hit.t - seen.thin_t : 0.0;
+        // Behind thin balls may be the sky.
+        bool is_shaded = hit.met || is_thin;
 #else
         const bool is_ball = false;
-        const bool is_thin = false;
         const float ball_left = 1.0;
+        bool is_shaded = hit.met;
 #endif
         // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
         // surface.
@@ -289,18 +345,22 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 dy = ray_dy(wide);
         vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
-        if (hit.met) {
-            if (!is_thin) travelled = reached;
-            if (surface == 0 && !is_thin) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
+        if (is_shaded) {
+            travelled = reached;
+            if (surface == 0 && hit.met) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
             cone = spread * reached;
+#ifdef DRAWS_SWARM
+            vec3 p = origin + (hit.met ? hit.t : seen.thin_t) * direction;
+#else
             vec3 p = origin + hit.t * direction;
+#endif
             // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s;
 #ifdef DRAWS_SWARM
             if (is_ball) {
-                s = swarm_surface(seen, is_thin, p, direction);
+                s = swarm_surface(seen.ball, p, direction);
             } else
 #endif
             s = scene_surface(p, hit.plane, direction, cone, dx, dy);
@@ -309,34 +369,36 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #ifdef GLASS
             if (hit.plane != NOTHING) s.material.glass = 0.0;
             bool leaves = ray_side < 0.0 && hit.plane == NOTHING && !is_ball;
-            if (ray_side < 0.0 && !is_thin) throughput *= exp(-glass_absorbs * hit.t);
+            if (ray_side < 0.0) throughput *= exp(-glass_absorbs * hit.t);
             if (leaves) {
                 s.normal = -s.normal;
                 s.material.glass = 1.0;
                 s.material.haze = 0.0;
             }
-            if (!is_thin) ray_side = 1.0;
+            ray_side = 1.0;
 #endif
             Material m = s.material;
-            // The edges of thin balls are smooth already.
-            if (!is_thin) add_to_key(s.object, hit.plane != NOTHING, s.normal);
+#ifdef DRAWS_SWARM
+            if (!hit.met) m.haze = 1.0;
+            if (hit.met)
+#endif
+            add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_fraction = throughput * m.haze;
 #ifdef COVERAGE
             color = vec3(1.0 - m.haze);
 #else
             vec3 kept = throughput * (1.0 - m.haze);
-#ifdef DRAWS_SWARM
-            kept *= covered;
-#endif
             float reflectance = mirrored_part(m, s.normal, direction);
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
 #ifdef GLASS
             s.material.color *= 1.0 - m.glass;
             is_lit = is_lit && !leaves;
 #endif
-            if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
 #ifdef DRAWS_SWARM
-            if (!is_thin) {
+            vec3 fraction = is_lit ? kept * ((1.0 - reflectance) * ball_left) : vec3(0.0);
+            if (is_lit || is_thin) color += shade(s, p, direction, cone, fraction, thin);
+#else
+            if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
 #endif
             // Metals tint their mirror images.
             vec3 tint = mix(vec3(1.0), m.color, m.metalness);
@@ -345,11 +407,19 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             throughput = kept * reflectance * tint;
             float off = hit.plane != NOTHING ? 0.0 : max(0.002, cone);
+#if defined(DRAWS_SWARM) && defined(SWARM_TILES)
+            // The plane mirrors the whole picture, but a rough mirror or a ray close to the plane changes the direction.
+            bool is_flat = surface == 0 && dot(direction, s.normal) < -0.02;
+            swarm_tiles = is_flat ? swarm_tiles_of(hit.plane) : 0;
+#endif
             origin = p + s.normal * off;
             vec3 mirror = s.normal;
 #ifdef BLUR
             float alpha = m.blur * m.blur;
             if (alpha > 1e-4) {
+#if defined(DRAWS_SWARM) && defined(SWARM_TILES)
+                swarm_tiles = 0;
+#endif
                 mirror = facet(s.normal, alpha, scatter(surface));
                 seen_rough = ROUGH_KEY;
                 blurred += 0.5 * alpha;
@@ -387,9 +457,6 @@ vec3 scene_color(vec3 origin, vec3 direction) {
                 if (surface == SURFACES_MAX - 1) sky_fraction += throughput;
             }
 #endif
-#ifdef DRAWS_SWARM
-            }
-#endif
 #endif
         }
 #ifdef NO_SKY
@@ -405,9 +472,6 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #ifdef DRAWS_MEDIA
         if (is_medium_pass() && segment == SEGMENTS_MAX - 1) break;
 #endif
-#ifdef DRAWS_SWARM
-        is_behind = is_thin;
-#endif
         bool ends = !hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min;
 #if defined(GLASS) && !defined(COVERAGE)
         // Keep some surfaces for the waiting ray.
@@ -420,9 +484,6 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             waiting.throughput = vec3(0.0);
             ray_side = 1.0;
             ends = false;
-#ifdef DRAWS_SWARM
-            is_behind = false;
-#endif
 #ifdef DRAWS_MEDIA
             air_segment = SEGMENTS_MAX;
 #endif
@@ -430,10 +491,6 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
         if (ends) break;
         direction = mirrored;
-#ifdef DRAWS_SWARM
-        if (!is_behind) surface++;
-        if (surface >= SURFACES_MAX) break;
-#endif
     }
 #ifdef DRAWS_MEDIA
     if (is_medium_pass()) {
@@ -476,7 +533,14 @@ void main() {
 #ifdef VIEWS
     sample_color = vec4(is_seen ? light_of(view_color(direction)) : vec3(0.0), 1.0);
 #else
-    sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
+    float key = surface_key + seen_rough;
+#ifdef DRAWS_SWARM
+    float brightest = max(color.r, max(color.g, color.b));
+    bool is_faint = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6)) > FAINT_PART;
+    // Noise of rough mirrors needs more samples.
+    key = is_faint && seen_rough == 0.0 ? FAINT_KEY - key : key;
+#endif
+    sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA
     sample_beam = medium_ray;
     if (is_medium_pass()) sample_color = vec4(storable(color), medium_left);

@@ -6,6 +6,8 @@
 
 #define swarm_first int(frame_mouse.w)
 
+// Bound of the fraction by which the light of a glow changes within its width.
+const float SWARM_SLOPE = 9.0;
 // Nodes of a tree that a ray visits, at most.
 const int SWARM_NODES_MAX = 2048;
 // The least fraction of light that media leave, if swarms are in them.
@@ -31,6 +33,7 @@ struct SwarmSeen {
     vec3 light;         // of glow and thin balls
     float light_t;      // its mean distance
     float weight;       // its brightness
+    float sharp;        // the part of its brightness that may change from pixel to pixel
     float covered;      // sum of the parts of the pixel that thin balls cover
     float left;         // fraction of the light behind the thin balls
     float thin_t;       // their mean distance
@@ -101,11 +104,13 @@ void swarm_add(inout SwarmSeen seen, int point, bool is_faint, vec3 origin, vec3
     float shape = part * part * part * mix(0.313, 1.0, sharp) / (1.0 + 20.0 * sharp * (1.0 - part));
     if (is_thin) {
         between = at.t > 0.0 && at.t < seen.t ? 1.0 : 0.0;
-        shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
+        // Nearly the mean over the pixel, with the same light in all: a single sample draws these points.
+        shape = min(1.5 * middle / wide * (1.0 - 0.11 * pixel / (middle + at.streak)) * part, 1.0);
     }
     float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
     float brightness = strength * max(light.r, max(light.g, light.b));
     seen.weight += brightness;
+    seen.sharp += brightness * min(SWARM_SLOPE * pixel / wide, 1.0);
     seen.light_t += brightness * at.t;
     seen.light += strength * light.rgb;
     if (is_thin) {
@@ -131,10 +136,20 @@ void swarm_pass(int tests) {
 // would compute a point for each test.
 
 #ifdef SWARM_TILES
-// Looks through the list of the tile that a ray of the eye belongs to: the balls, then everything faint in front of the
-// nearest ball.
-void swarm_look_up(inout SwarmSeen seen, vec3 origin, vec3 direction) {
-    vec4 tiles = TEXEL(sound_tables, swarm_first + 7);
+// The texel of the tiles of rays of the eye. The tiles of rays that a plane mirrors follow.
+const int SWARM_TILES_OF_EYE = 7;
+
+// Returns the texel of the tiles of rays that a plane mirrors, or 0.
+int swarm_tiles_of(int plane) {
+    bool has_tiles = plane != NOTHING && int(TEXEL(sound_tables, swarm_first + SWARM_TILES_OF_EYE + 1).w) == plane + 1;
+    return has_tiles ? SWARM_TILES_OF_EYE + 1 : 0;
+}
+
+// Looks through the list of the tile that a ray belongs to: the balls, then everything faint in front of the nearest ball.
+// `head` is the texel of the tiles. `travelled` is the way from the eye to `origin`, and `cone` the radius of the ray's
+// pixel there.
+void swarm_look_up(inout SwarmSeen seen, int head, vec3 origin, vec3 direction, float travelled, float cone) {
+    vec4 tiles = TEXEL(sound_tables, swarm_first + head);
     vec2 in_tile = sample_place() / tiles.y;
     vec2 tile = floor(in_tile);
     // In the unit of the boxes.
@@ -153,11 +168,11 @@ void swarm_look_up(inout SwarmSeen seen, vec3 origin, vec3 direction) {
                 vec2 low = floor(box.xy);
                 vec2 high = SWARM_TILE_PARTS * (box.xy - low) + 1.0;
                 bool is_in = all(greaterThanEqual(in_tile, low)) && all(lessThanEqual(in_tile, high));
-                point = is_in && box.z < seen.t ? int(box.w) : 0;
+                point = is_in && box.z < travelled + seen.t ? int(box.w) : 0;
                 entry++;
             }
             if (point == 0) break;
-            swarm_add(seen, swarm_first + point, kind > 0, origin, direction, 0.0);
+            swarm_add(seen, swarm_first + point, kind > 0, origin, direction, cone);
         }
         swarm_pass(most - left);
     }
@@ -198,17 +213,18 @@ void swarm_walk(inout SwarmSeen seen, vec3 origin, vec3 direction, float cone) {
 }
 #endif
 
-// Returns what a ray sees of the swarms up to a distance. `cone` is the radius of the ray's pixel at its origin; `of_eye` is
-// true for a ray of the eye. The pass of media shows no swarm.
-SwarmSeen swarm_along(vec3 origin, vec3 direction, float end, float cone, bool of_eye) {
-    SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 0.0, 0.0, 1.0, 0.0, vec3(0.0), 0, end);
+// Returns what a ray sees of the swarms up to a distance. `travelled` is the way from the eye to the ray's origin. `head` is
+// the texel of the tiles of such rays, or 0. The pass of media shows no swarm.
+SwarmSeen swarm_along(vec3 origin, vec3 direction, float end, float travelled, int head) {
+    SwarmSeen seen = SwarmSeen(vec3(0.0), 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, vec3(0.0), 0, end);
+    float cone = camera_position.w * travelled;
 #ifdef SWARM_TILES
-    if (of_eye && !is_medium_pass()) swarm_look_up(seen, origin, direction);
+    if (head > 0 && !is_medium_pass()) swarm_look_up(seen, head, origin, direction, travelled, cone);
 #else
-    of_eye = false;
+    head = 0;
 #endif
 #ifdef SWARM_TREES
-    if (!of_eye && !is_medium_pass()) swarm_walk(seen, origin, direction, cone);
+    if (head == 0 && !is_medium_pass()) swarm_walk(seen, origin, direction, cone);
 #endif
     seen.light_t /= max(seen.weight, 1e-9);
     seen.thin_t /= max(seen.covered, 1e-9);
@@ -217,22 +233,8 @@ SwarmSeen swarm_along(vec3 origin, vec3 direction, float end, float cone, bool o
     return seen;
 }
 
-// Returns the surface of the nearest ball or of the thin balls, at `p`. Their ambient light is known along the axes.
-Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
-    vec4 place = TEXEL(sound_tables, seen.ball);
-    vec4 way = TEXEL(sound_tables, seen.ball + 1);
-    vec3 color = swarm_color(way.w);
-    vec3 emission = TEXEL(sound_tables, seen.ball + 2).rgb;
-    // From the place of the streak that is nearest to the ray.
-    SwarmApproach at = swarm_approach(p - direction, direction, place.xyz, way.xyz);
-    vec3 normal = at.across + (1.0 - at.t) * direction;
-    if (is_thin) {
-        // Half of a thin ball that is lit from the side is dark, which this normal accounts for.
-        vec3 to_light = lights[0].w == LIGHT_SUN ? -lights[0].xyz : lights[0].xyz - p;
-        normal = to_light * inversesqrt(max(dot(to_light, to_light), 1e-12)) - direction;
-        color = seen.thin_color;
-        emission = vec3(0.0);
-    }
+// Returns a surface of a swarm. Its ambient light is known along the axes.
+Surface surface_of_swarm(vec3 normal, vec3 color, vec3 emission) {
     Surface s;
     s.object = SWARM_OBJECT;
     s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-12));
@@ -249,4 +251,21 @@ Surface swarm_surface(SwarmSeen seen, bool is_thin, vec3 p, vec3 direction) {
     s.open = 1.0;
     s.glow = vec3(0.0);
     return s;
+}
+
+// Returns the surface of a ball at `p`.
+Surface swarm_surface(int ball, vec3 p, vec3 direction) {
+    vec4 place = TEXEL(sound_tables, ball);
+    vec4 way = TEXEL(sound_tables, ball + 1);
+    // From the place of the streak that is nearest to the ray.
+    SwarmApproach at = swarm_approach(p - direction, direction, place.xyz, way.xyz);
+    vec3 normal = at.across + (1.0 - at.t) * direction;
+    return surface_of_swarm(normal, swarm_color(way.w), TEXEL(sound_tables, ball + 2).rgb);
+}
+
+// Returns the surface of thin balls at `p`.
+Surface thin_surface(vec3 color, vec3 p, vec3 direction) {
+    // Half of a thin ball that is lit from the side is dark, which this normal accounts for.
+    vec3 to_light = lights[0].w == LIGHT_SUN ? -lights[0].xyz : lights[0].xyz - p;
+    return surface_of_swarm(to_light * inversesqrt(max(dot(to_light, to_light), 1e-12)) - direction, color, vec3(0.0));
 }

@@ -9,6 +9,7 @@
 //! | 0 | of the balls, then of everything faint: the first texel of the tree and the number of its nodes |
 //! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
 //! | 7 | of the tiles ([`super::swarm_tiles`]): the first texel, their side in pixels, their number in a row |
+//! | 8 | the same for the mirror image in a plane; the number of the plane, from 1; 0 without one |
 //! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
 //! | | upper corner; 0, or the texel of the only point in the box |
 //! | a point | place, radius |
@@ -24,6 +25,7 @@
 use std::ops::Range;
 
 use super::media::facing;
+use super::scene_features::SceneFeatures;
 use super::swarm_tiles::{Outline, SwarmPicture, append_tiles};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
@@ -41,7 +43,7 @@ const THIN: f32 = 2.0;
 /// Points with a larger number in any value are left out, and so are points beyond these coordinates.
 const LARGEST: f32 = 1e6;
 /// Texels before the first tree.
-const HEAD: usize = 8;
+const HEAD: usize = 9;
 const NODE_TEXELS: usize = 2;
 const POINT_TEXELS: usize = 3;
 /// Bits of a coordinate on the curve.
@@ -54,6 +56,7 @@ pub struct SwarmPlan {
     /// The ambient light along the axes.
     ambient: Tape,
     reads: Reads,
+    has_mirrors: bool,
 }
 
 /// The eye that sees a swarm.
@@ -65,6 +68,25 @@ pub struct SwarmView {
     pub pixel: f32,
     /// Its picture, if that is flat and the only one.
     pub picture: Option<SwarmPicture>,
+    /// A plane that may be a mirror: its number, its unit normal towards the eye, and the origin's distance from it.
+    pub mirror: Option<(usize, [f32; 4])>,
+}
+
+impl SwarmView {
+    /// Returns the eye behind the mirror whose rays are the mirrored ones of this eye.
+    fn mirrored(&self) -> Option<Self> {
+        let (_, [x, y, z, distance]) = self.mirror?;
+        let turned = |way: [f32; 3], distance: f32| {
+            let twice = 2.0 * (way[0] * x + way[1] * y + way[2] * z + distance);
+            [way[0] - twice * x, way[1] - twice * y, way[2] - twice * z]
+        };
+        let picture = |picture: SwarmPicture| SwarmPicture {
+            forward: turned(picture.forward, 0.0),
+            half: picture.half.map(|half| turned(half, 0.0)),
+            ..picture
+        };
+        Some(Self { eye: turned(self.eye, distance), picture: self.picture.map(picture), ..*self })
+    }
 }
 
 impl SwarmPlan {
@@ -91,6 +113,7 @@ impl SwarmPlan {
             swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
             ambient: Tape::build(&graph, &ambient, &options)?,
             reads: Reads::of(&graph, &all)?,
+            has_mirrors: SceneFeatures::of(scene, (false, false), false).mirrors,
         }))
     }
 
@@ -145,22 +168,32 @@ impl SwarmPlan {
         }
         let bodies = points.iter().flat_map(|point| Body::all_of(point, view));
         let (faint, balls): (Vec<_>, Vec<_>) = bodies.partition(|body| body.is_faint);
-        let mut outlines = Vec::with_capacity(faint.len() + balls.len());
-        let trees = [balls, faint].map(|bodies| append_tree(bodies, view, &mut texels, &mut outlines));
-        let tiles = view.picture.map_or([0; 3], |picture| {
-            append_tiles(&outlines, picture.size, texels_max.saturating_sub(texels.len()), &mut texels)
+        let mirrored = view.mirrored().filter(|_| self.has_mirrors);
+        let mut pictures = [Some(*view), mirrored].map(|view| (view, Vec::new()));
+        let trees = [balls, faint].map(|bodies| append_tree(bodies, &mut texels, &mut pictures));
+        let plane = view.mirror.map_or(0, |(plane, _)| plane + 1);
+        // Each picture has room for one tile at least.
+        let mut needed = pictures.each_ref().map(|(_, outlines)| outlines.len() + 1);
+        let tiles = pictures.map(|(view, outlines)| {
+            needed.rotate_left(1);
+            let room = texels_max.saturating_sub(texels.len() + needed[0]);
+            let Some(picture) = view.and_then(|view| view.picture) else { return [0; 3] };
+            append_tiles(&outlines, picture.size, room, &mut texels)
         });
-        if let [head, .., last] = &mut texels[..HEAD] {
+        if let [head, .., seen, mirrored] = &mut texels[..HEAD] {
             let [[ball, balls], [faint, all_faint]] = trees;
             *head = [ball, balls, faint, all_faint].map(|number| number as f32);
-            *last = [tiles[0], tiles[1], tiles[2], 0].map(|number| number as f32);
+            for (texel, [first, side, columns]) in [seen, mirrored].into_iter().zip(tiles) {
+                let plane = if side > 0 { plane } else { 0 };
+                *texel = [first, side, columns, plane].map(|number| number as f32);
+            }
         }
         texels
     }
 }
 
 /// Most texels that a point may take.
-pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS + 1);
+pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS + 2);
 
 /// Returns the point with its values in their ranges; `None` if one of them is not a number or too large.
 fn checked(point: Swarm<f32>) -> Option<Swarm<f32>> {
@@ -241,13 +274,12 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Appends the tree of the bodies of points, and what a flat picture shows of them. Returns the tree's first texel and the
+/// Appends the tree of the bodies of points, and what flat pictures show of them. Returns the tree's first texel and the
 /// number of its nodes.
 fn append_tree(
     mut bodies: Vec<Body<'_>>,
-    view: &SwarmView,
     texels: &mut Vec<[f32; 4]>,
-    outlines: &mut Vec<Outline>,
+    pictures: &mut [(Option<SwarmView>, Vec<Outline>)],
 ) -> [usize; 2] {
     let whole = bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0));
     let Some(whole) = whole else { return [0; 2] };
@@ -262,8 +294,11 @@ fn append_tree(
         Tree { nodes: Vec::with_capacity(count), first_point: first + NODE_TEXELS * count, points: 0 };
     tree.add(&bodies);
     texels.extend(tree.nodes.into_iter().flatten());
-    let places = (texels.len()..).step_by(POINT_TEXELS);
-    outlines.extend(bodies.iter().zip(places).filter_map(|(body, texel)| body.outline(view, texel)));
+    for (view, outlines) in pictures {
+        let places = (texels.len()..).step_by(POINT_TEXELS);
+        let outline = |(body, texel): (&Body<'_>, usize)| body.outline(view.as_ref()?, texel);
+        outlines.extend(bodies.iter().zip(places).filter_map(outline));
+    }
     texels.extend(bodies.iter().flat_map(Body::texels));
     [first, count]
 }

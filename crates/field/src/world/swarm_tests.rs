@@ -15,6 +15,7 @@ const VIEW: SwarmView = SwarmView {
         half: [[0.5, 0.0, 0.0], [0.0, 0.3, 0.0]],
         size: SIZE,
     }),
+    mirror: None,
 };
 
 fn plan(world: &World) -> SwarmPlan {
@@ -48,9 +49,10 @@ fn walk(texels: &[[f32; 4]], tree: usize, origin: [f32; 3], direction: [f32; 3])
     met
 }
 
-/// Returns the texels of all points that a ray of the eye may meet, as the list of its tile has them.
-fn look_up(texels: &[[f32; 4]], pixel: [f32; 2]) -> Vec<[f32; 4]> {
-    let [first, side, columns, _] = texels[7];
+/// Returns the texels of all points that a ray of the eye may meet, or its mirrored ray, as the list of its tile has them.
+/// `head` is the texel of the tiles.
+fn look_up(texels: &[[f32; 4]], head: usize, pixel: [f32; 2]) -> Vec<[f32; 4]> {
+    let [first, side, columns, _] = texels[head];
     let at = pixel.map(|place| place / side);
     let tile = texels[(first + at[1].floor() * columns + at[0].floor()) as usize];
     let own = at.map(|place| TILE_PARTS * place.fract());
@@ -90,7 +92,7 @@ fn assert_that_rays_find_all(text: &str) {
     let inputs = FrameInputs { time: 3.0, ..FrameInputs::default() };
     let points = plan.points(&inputs, 0..plan.len());
     let texels = plan.texels(&points, &inputs, &VIEW, 1 << 22);
-    let least = HEAD + points.len() * POINT_TEXELS_MAX + 1;
+    let least = HEAD + points.len() * POINT_TEXELS_MAX + 2;
     assert!(plan.texels(&points, &inputs, &VIEW, least).len() <= least);
     let (mut found, mut tested) = (0, 0);
     for ray in 0..400u32 {
@@ -147,7 +149,7 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
     let plan = plan(&world);
     let inputs = FrameInputs::default();
     let points = plan.points(&inputs, 0..plan.len());
-    let whole = HEAD + points.len() * POINT_TEXELS_MAX + 1;
+    let whole = HEAD + points.len() * POINT_TEXELS_MAX + 2;
     for room in [1 << 22, 40_000, whole] {
         let texels = plan.texels(&points, &inputs, &VIEW, room);
         let (mut found, mut tested) = (0, 0);
@@ -156,7 +158,7 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
             let pixel = [part(7919) * SIZE[0] as f32, part(104_729) * SIZE[1] as f32];
             let way = [pixel[0] / 1000.0 - 0.5, pixel[1] / 1000.0 - 0.3, 1.0];
             let direction = way.map(|part| part / length(way));
-            let met = look_up(&texels, pixel);
+            let met = look_up(&texels, 7, pixel);
             tested += met.len();
             for radius in [(|point| point.size) as fn(&Swarm<f32>) -> f32, |point| point.reach] {
                 for point in &points {
@@ -175,6 +177,47 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
         let is_fine = room < 40_000 || tested < 4 * found;
         assert!(is_fine, "rays test {tested} points, and meet {found}");
     }
+}
+
+#[test]
+fn mirrored_rays_find_every_point_in_the_list_of_their_tile() {
+    let text = "object floor { shape = y  material = water }
+                material water { reflect = 0.5 }
+                swarm dust { count = 700  position = vec3(20, 12, 44) * (hash_3(vec3(index, 1, 2)) - vec3(0.5, 0, 0.5))
+                             size = 0.3 * hash(vec3(index, 5, 0)) - 0.05
+                             stretch = step(200, index) * 2 * (hash_3(vec3(index, 7, 2)) - 0.5) }";
+    let plan = plan(&world_of(text));
+    let inputs = FrameInputs::default();
+    let points = plan.points(&inputs, 0..plan.len());
+    let view = SwarmView { mirror: Some((0, [0.0, 1.0, 0.0, 0.0])), ..VIEW };
+    let least = HEAD + points.len() * POINT_TEXELS_MAX + 2;
+    for room in [1 << 22, least] {
+        let texels = plan.texels(&points, &inputs, &view, room);
+        assert!(texels.len() <= room && texels[8][3] == 1.0);
+        let mut found = 0;
+        for ray in 0..300u32 {
+            let part = |step: u32| (ray.wrapping_mul(step) % 9973) as f32 / 9973.0;
+            let pixel = [part(7919) * SIZE[0] as f32, part(104_729) * SIZE[1] as f32];
+            let way = [pixel[0] / 1000.0 - 0.5, pixel[1] / 1000.0 - 0.3, 1.0];
+            if way[1] >= 0.0 {
+                continue;
+            }
+            let [x, y, z] = way.map(|part| part / length(way));
+            // On the floor, y is 0.
+            let origin = sum(view.eye, -view.eye[1] / y, [x, y, z]);
+            let met = look_up(&texels, 8, pixel);
+            for point in points.iter().filter(|point| point.size > 0.0) {
+                if distance(point, origin, [x, -y, z]) < point.size {
+                    found += 1;
+                    let [x, y, z] = point.position;
+                    assert!(met.contains(&[x, y, z, point.size]), "{point:?} at {pixel:?}, room {room}");
+                }
+            }
+        }
+        assert!(found > 30, "only {found} points were on rays");
+    }
+    let dry = SwarmPlan { has_mirrors: false, ..plan };
+    assert_eq!(dry.texels(&points, &inputs, &view, 1 << 22)[8], [0.0; 4]);
 }
 
 #[test]

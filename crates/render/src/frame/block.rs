@@ -142,7 +142,7 @@ impl Frame {
     }
 
     /// The planes: a unit normal, and the origin's distance from the plane. The normal of a missing plane is 0.
-    fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
+    pub(super) fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);
             let slope = (a * a + b * b + c * c).sqrt();

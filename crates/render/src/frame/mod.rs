@@ -116,8 +116,11 @@ impl Frame {
 
     /// The eye that sees the swarms.
     pub fn swarm_view(&self) -> SwarmView {
+        let eye @ [x, y, z] = self.camera.position.as_vec3().to_array();
+        let faces = |[a, b, c, d]: [f32; 4]| a * x + b * y + c * z + d > 0.0;
         SwarmView {
-            eye: self.camera.position.as_vec3().to_array(),
+            eye,
+            mirror: self.planes().enumerate().find(|(_, plane)| faces(*plane)),
             pixel: self.projection.pixel_radius(&self.camera, self.size) as f32,
             picture: self.projection.is_plain().then(|| {
                 let [right, up, forward] =
