@@ -104,8 +104,7 @@ void swarm_add(inout SwarmSeen seen, int point, bool is_faint, vec3 origin, vec3
     float shape = part * part * part * mix(0.313, 1.0, sharp) / (1.0 + 20.0 * sharp * (1.0 - part));
     if (is_thin) {
         between = at.t > 0.0 && at.t < seen.t ? 1.0 : 0.0;
-        // Nearly the mean over the pixel, with the same light in all: a single sample draws these points.
-        shape = min(1.5 * middle / wide * (1.0 - 0.11 * pixel / (middle + at.streak)) * part, 1.0);
+        shape = clamp(0.5 * (wide - sqrt(at.distance2)) / pixel, 0.0, 1.0);
     }
     float strength = shape * between * min(swarm_dimming(radius, drawn, at.streak), 1.0);
     float brightness = strength * max(light.r, max(light.g, light.b));
