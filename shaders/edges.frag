@@ -3,13 +3,13 @@
 
 #include "picture_block.glsl"
 #include "encode.glsl"
+#include "pixel_key.glsl"
 
 uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Keys of at least this value belong to rough mirrors (scene.frag). Contrast from ROUGH_CONTRAST on is noise there.
-const float ROUGH_KEY = 1024.0;
+// Contrast from this value on is noise of rough mirrors.
 const float ROUGH_CONTRAST = 0.02;
 // The same limit for farther neighbours. It is higher because their colours differ even without noise.
 const float FAR_ROUGH_CONTRAST = 0.06;
@@ -21,15 +21,13 @@ const ivec2 PLACES[NEIGHBOURS] = ivec2[](
     ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
 );
 
-// Keys below 0 are this number minus the key, where a swarm's thin balls and glow are bright (scene.frag).
-const float FAINT_KEY = -1.0;
 bool has_faint = false;
 
 vec4 seen(ivec2 texel, ivec2 limit) {
     vec4 sampled = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
     bool is_faint = sampled.a < 0.0;
     has_faint = has_faint || is_faint;
-    sampled.a = is_faint ? FAINT_KEY - sampled.a : sampled.a;
+    sampled.a = is_faint ? faint_key(sampled.a) : sampled.a;
     return sampled;
 }
 

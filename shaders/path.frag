@@ -417,7 +417,8 @@ bool go_on(inout Path path) {
                 is_rough = alpha > GUIDED_ALPHA;
 #endif
                 bool is_image = !is_rough && ways.x + ways.y > ways.z;
-                ways = is_image ? ways.x > ways.y ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+                bool is_reflected = is_image && ways.x > ways.y;
+                ways = vec3(is_reflected, is_image && !is_reflected, !is_image);
             }
             is_mirrored = survival.x < ways.x + ways.y;
             if (survival.x < ways.x) {
@@ -462,7 +463,8 @@ bool go_on(inout Path path) {
         path.direction = to;
         float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
         float survives = path.ray < CERTAIN_RAYS || is_guiding ? 1.0 : min(most, 0.95);
-        goes_on = (is_mirrored || !is_guiding) && most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
+        goes_on = most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
+        goes_on = goes_on && (is_mirrored || !is_guiding);
         path.throughput /= max(survives, 1e-6);
 #ifdef MEDIA
         goes_on = goes_on && !(is_scattered && met.is_last);

@@ -21,6 +21,7 @@
 #include "shadow.glsl"
 #include "light.glsl"
 #include "sample_light.glsl"
+#include "pixel_key.glsl"
 #if defined(MEDIA) && !defined(VIEWS)
 #define DRAWS_MEDIA
 #include "media.glsl"
@@ -77,7 +78,7 @@ struct ThinBalls {
 
 // Light from the surface at p towards the eye, without mirror images.
 #ifdef DRAWS_SWARM
-// The light is multiplied by `fraction`. Adds the light of thin balls, whose shadow rays follow those of the surface.
+// The light is multiplied by `fraction`. Adds the light of thin balls, for which further shadow rays run.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBalls thin) {
 #else
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
@@ -171,18 +172,11 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     return light;
 }
 
-// Identifies the surfaces of a path. Between pixels with different keys is an edge of the geometry.
 float surface_key = 0.0;
-// A prime. With ROUGH_KEY added, keys stay below 2048, where 16-bit floats hold integers exactly.
-const float KEYS = 1021.0;
-
-// Added to the key if the path meets a rough mirror, because noise needs more samples.
-const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
 
 #ifdef DRAWS_SWARM
-// Subtracting a key from this marks a pixel in which faint points of swarms change the light by more than this part.
-const float FAINT_KEY = -1.0;
+// A pixel is marked if thin balls and glow change its light by more than this part.
 const float FAINT_PART = 0.3;
 // The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
 float seen_sharp = 0.0;
@@ -538,7 +532,7 @@ void main() {
     float brightest = max(color.r, max(color.g, color.b));
     bool is_faint = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6)) > FAINT_PART;
     // Noise of rough mirrors needs more samples.
-    key = is_faint && seen_rough == 0.0 ? FAINT_KEY - key : key;
+    key = is_faint && seen_rough == 0.0 ? faint_key(key) : key;
 #endif
     sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA

@@ -256,7 +256,7 @@ Surface surface_of_swarm(vec3 normal, vec3 color, vec3 emission) {
 Surface swarm_surface(int ball, vec3 p, vec3 direction) {
     vec4 place = TEXEL(sound_tables, ball);
     vec4 way = TEXEL(sound_tables, ball + 1);
-    // From the place of the streak that is nearest to the ray.
+    // The normal points away from the streak's nearest point to the ray.
     SwarmApproach at = swarm_approach(p - direction, direction, place.xyz, way.xyz);
     vec3 normal = at.across + (1.0 - at.t) * direction;
     return surface_of_swarm(normal, swarm_color(way.w), TEXEL(sound_tables, ball + 2).rgb);

@@ -34,7 +34,7 @@ impl fmt::Display for Output {
     }
 }
 
-/// The folder beside an output that keeps its pieces until all of them are finished.
+/// The folder of the pieces of an unfinished output.
 pub(super) fn pieces_of(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".pieces");

@@ -20,7 +20,7 @@ use super::print::tell;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
-use crate::gpu::kept_paths::KeptPaths;
+use crate::gpu::kept_paths::{KeptPaths, PIXEL_BYTES_MAX};
 use crate::gpu::renderer::PathOrder;
 use mariana_player::song::Song;
 
@@ -78,8 +78,8 @@ struct PieceRecord {
 }
 
 impl PieceRecord {
-    /// The difference of the image in the file from this one, in words; `None` if its paths can become those of this
-    /// one.
+    /// The difference of the image in the file from this one, in words; `None` if this image can continue its
+    /// paths.
     fn difference(&self, file: &Self) -> Option<&'static str> {
         let (own, other) = (&self.image, &file.image);
         let differences = [
@@ -281,7 +281,7 @@ fn read(file: &Path, piece: &PieceRecord) -> Result<KeptPaths, Useless> {
         _ => Useless::Unreadable(error),
     })?;
     // Pieces of larger images are longer, but only their record is of interest.
-    let most = piece.pixels.saturating_mul(64).saturating_add(RECORD_MAX);
+    let most = piece.pixels.saturating_mul(PIXEL_BYTES_MAX).saturating_add(RECORD_MAX);
     let mut bytes = Vec::new();
     file.take(most as u64).read_to_end(&mut bytes).map_err(Useless::Unreadable)?;
     let line = bytes.iter().take(RECORD_MAX).position(|byte| *byte == b'\n').ok_or(Useless::Damaged)?;

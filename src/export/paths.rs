@@ -103,11 +103,11 @@ impl PathWatcher for PathDrawing {
     }
 
     fn go_on(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool {
-        let (number, count) = self.exposure;
-        let fraction = (number as f64 + progress.fraction) / count.max(1) as f64;
         if self.is_ending {
             return false;
         }
+        let (number, count) = self.exposure;
+        let fraction = (number as f64 + progress.fraction) / count.max(1) as f64;
         self.is_ending = !(self.watch.reach)(fraction * f64::from(self.choice.samples));
         match self.store.as_ref().map(|store| store.borrow_mut()) {
             Some(mut store) if self.is_ending => store.interrupt(kept),

@@ -382,7 +382,7 @@ fn existing_outputs_survive_every_failure() {
     for fault in [&["text.mp3"][..], &["--start", "5000"], &["--shaders", shaders]] {
         place.run(&[&video[..], fault].concat()).refused_with_details(&[]);
     }
-    // On a full disk, ffmpeg says so and succeeds.
+    // On a full disk, ffmpeg reports the error and still exits with 0.
     for (says, ends) in [("disk on fire", "1"), ("av_write_trailer: No space left on device\n", "0")] {
         let mut command = place.command(&video);
         command.env("PATH", format!("{}:/bin:/usr/bin", place.path("tools").display()));

@@ -228,16 +228,16 @@ fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     a.iter().zip(b).map(error).sum()
 }
 
-/// Returns the image with many paths, and with `samples` without and with the filter.
-fn filtered(text: &str, samples: u32) -> [Vec<[f32; 3]>; 3] {
+/// Returns the image with `many` paths, and with `samples` without and with the filter.
+fn filtered(text: &str, many: u32, samples: u32) -> [Vec<[f32; 3]>; 3] {
     let mut paths = Paths::of(text, Mode::Compiled);
-    [(512, false), (samples, false), (samples, true)]
+    [(many, false), (samples, false), (samples, true)]
         .map(|(samples, is_filtered)| paths.light(PathOrder { is_filtered, ..order(samples) }))
 }
 
 #[test]
 fn the_filter_removes_noise_but_no_light() {
-    let [exact, noisy, smooth] = filtered(EVERYTHING, 8);
+    let [exact, noisy, smooth] = filtered(EVERYTHING, 1024, 8);
     let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
     assert!(after < 0.75 * before, "{after} {before}");
     assert_near("the mean", mean(&smooth), mean(&noisy), 0.05 * mean(&noisy)[0]);
@@ -250,7 +250,7 @@ fn the_filter_draws_no_halos_around_dark_things_that_shine() {
         format!("object balls {{ {balls} }} material lamp {{ color = 0  emission = vec3(1, 0.2, 0.1) }}"),
         "swarm balls { count = 9  position = vec3(index - 4, 0, 0)  size = 0.3  color = 0  emission = vec3(1, 0.2, 0.1) }".into(),
     ] {
-        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&shining), 64);
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&shining), 512, 64);
         let error = difference(&smooth, &exact);
         assert!(error < 0.5, "{shining}: {error}");
     }
@@ -259,7 +259,7 @@ fn the_filter_draws_no_halos_around_dark_things_that_shine() {
 #[test]
 fn the_filter_smooths_fog_before_the_sky() {
     let fog = "medium fog { density = 0.05 } camera { position = vec3(0)  target = vec3(0, 1, 1) }";
-    let [exact, noisy, smooth] = filtered(&format!("{fog} {PLAIN}"), 8);
+    let [exact, noisy, smooth] = filtered(&format!("{fog} {PLAIN}"), 512, 8);
     let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
     assert!(after < 0.75 * before, "{after} {before}");
 }
@@ -275,7 +275,7 @@ fn the_filter_keeps_mirror_images() {
              object mirror {{ shape = box(p - vec3(0, 1, 2), vec3(5, 3, 0.1))  material = mirror }}
              material mirror {{ {mirror} }}"
         );
-        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&text), 64);
+        let [exact, _, smooth] = filtered(&in_front_of_a_camera(&text), 512, 64);
         let error = difference(&smooth, &exact);
         assert!(error < 0.06, "{mirror}: {error}");
     }

@@ -4,7 +4,6 @@
 //! each complete on the disk before the next one begins: a run that follows an interrupted one continues with the
 //! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -15,7 +14,7 @@ use super::encoding::can_be_joined;
 use super::request::{Part, VideoRequest, Written, frames_in};
 use super::sink::{FrameWriter, Sink, is_folder};
 use crate::export::error::ExportError;
-use crate::export::fingerprint::song_hash;
+use crate::export::fingerprint::{Fingerprint, song_hash};
 use crate::export::output::{Output, pieces_of};
 use crate::export::showing::Showing;
 use crate::frame::projection::Projection;
@@ -113,36 +112,33 @@ impl WholeRecord {
 /// Hashes what decides about the frames, besides the song and what [`WholeRecord`] names. Paths do not count, because
 /// machines may have different ones.
 fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
-    let mut hasher = DefaultHasher::new();
+    let mut look = Fingerprint::default();
     let scene = &request.scene;
-    let settings = [
-        format!("{:?} {:?} {:?}", request.gain, request.set, request.lyrics),
-        format!("{:?} {:?} {:?}", request.alpha, request.codec, request.quality),
-        format!("{:?} {:?} {:?}", request.title_card, request.shutter, request.limit_flashes),
-        format!("{:?} {:?} {:?} {:?}", scene.sdf, scene.cells, scene.view, scene.paths),
-        format!("{:?} {:?}", scene.edges, scene.tone_map),
-    ];
-    settings.hash(&mut hasher);
+    look.add(&(request.gain, &request.set, &request.lyrics, request.alpha, request.codec, request.quality));
+    look.add(&(request.title_card, request.shutter, request.limit_flashes));
+    look.add(&(scene.sdf, scene.cells, scene.view, scene.paths, scene.edges, scene.tone_map));
     let mut files = Vec::new();
     let scenes: Vec<_> = match &request.showing {
         Showing::Scenes(scenes) => scenes.iter().map(|(from, scene)| (Some(from.to_bits()), scene)).collect(),
         Showing::Show(source, scenes) => {
             match source {
                 ShowSource::File(file) => files.push(file.clone()),
-                other => format!("{other:?}").hash(&mut hasher),
+                other => look.add(other),
             }
             scenes.iter().map(|scene| (None, scene)).collect()
         }
     };
     for (from, scene) in scenes {
         let compiled = scene.compile()?;
-        (from, scene.text()?).hash(&mut hasher);
+        look.add(&(from, scene.text()?));
         files.extend(scene.files(Some(&compiled)));
     }
     for file in files {
-        std::fs::read(file).ok().hash(&mut hasher);
+        let bytes = std::fs::read(file).ok();
+        look.add(&bytes.as_ref().map(Vec::len));
+        look.add_bytes(&bytes.unwrap_or_default());
     }
-    Ok(hasher.finish())
+    Ok(look.number())
 }
 
 /// Draws and writes a part, and calls `progress` with the frames of the part.

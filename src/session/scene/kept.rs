@@ -60,7 +60,7 @@ impl KeptPrograms<ProgramOf> {
         self.find(|known| known.covers(wanted))
     }
 
-    /// Drops programs that none of these scenes may need.
+    /// Keeps only programs that one of these scenes may need.
     pub(super) fn keep(&mut self, scenes: &[u64]) {
         self.retain(|of| of.may_serve(scenes));
     }

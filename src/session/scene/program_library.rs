@@ -206,7 +206,7 @@ impl ProgramLibrary {
         }
     }
 
-    /// Requests a program for views or paths, unless one that draws the same is being made.
+    /// Requests a program for views or paths, unless an equivalent program is being made.
     pub(super) fn request_special(&mut self, scene: &PreparedScene, wanted: Task) {
         let (of, product) = match &wanted {
             Task::Views(of) => (of.clone(), ProgramProduct::Views),

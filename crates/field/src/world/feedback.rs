@@ -7,7 +7,9 @@
 use std::sync::{Arc, Mutex};
 
 use super::World;
-use crate::graph::{FrameInputs, Graph, NodeId, Point, Screen, ScreenInput, SoundInputs, TextureReader};
+use crate::graph::{
+    FrameInputs, Graph, NodeId, Order, Point, Screen, ScreenInput, SoundInputs, TextureReader,
+};
 use crate::lang::{Diagnostic, Picture, Scene, Span};
 use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
 use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
@@ -103,6 +105,19 @@ const TRIED: (u16, u16) = (7, 5);
 /// The size of the picture in which they are.
 const TRIED_SIZE: (u16, u16) = (160, 90);
 
+/// Formulas that may read the last frame.
+struct Formulas {
+    roots: Vec<NodeId>,
+    order: Order,
+}
+
+impl Formulas {
+    fn new(world: &World, roots: Vec<NodeId>) -> Option<Self> {
+        let order = world.scene.graph.order(&roots).ok()?;
+        Some(Self { roots, order })
+    }
+}
+
 /// How formulas read the last frame in one sound.
 struct LastFrameUse<'w> {
     world: &'w World,
@@ -129,25 +144,27 @@ impl<'w> LastFrameUse<'w> {
     }
 
     /// Returns by which factor formulas change the light of the last frame at a pixel, and the place that they read.
-    fn gain(&self, roots: &[NodeId], [x, y]: [f32; 2]) -> Option<(f32, [f32; 2])> {
+    fn gain(&self, formulas: &Formulas, [x, y]: [f32; 2]) -> (f32, [f32; 2]) {
         let (width, height) = (f32::from(TRIED_SIZE.0), f32::from(TRIED_SIZE.1));
         let point = Point { position: [x * width, y * height, 0.0], normal: [0.0, 0.6, 0.8] };
-        let light = |inputs| self.world.scene.graph.evaluate(roots, &point, inputs).ok();
+        let Formulas { roots, order } = formulas;
+        let light = |inputs| self.world.scene.graph.evaluate_in(order, roots, &point, inputs);
         let [(dim, dim_inputs), (bright, bright_inputs)] = &self.frames;
         let more = (bright.fraction - dim.fraction) * LAST_LIGHT_MAX;
-        let gains = light(dim_inputs)?.into_iter().zip(light(bright_inputs)?);
+        let gains = light(dim_inputs).into_iter().zip(light(bright_inputs));
         let gain = gains.map(|(dim, bright)| (bright - dim) / more).fold(0.0, f32::max);
-        Some((gain, bright.place.lock().ok()?.unwrap_or([x, y])))
+        let place = bright.place.lock().ok().and_then(|place| *place);
+        (gain, place.unwrap_or([x, y]))
     }
 
     /// Returns the fraction of light that is left after `frames` frames at a pixel, whose light comes from other places
     /// from frame to frame. Ends as soon as the light is not visible any more.
-    fn left(&self, roots: &[NodeId], pixel: [f32; 2], frames: u32) -> Option<f32> {
+    fn left(&self, formulas: &Formulas, pixel: [f32; 2], frames: u32) -> f32 {
         let (mut at, mut left) = (pixel, 1.0);
         for frame in 0..frames {
-            let (gain, from) = self.gain(roots, at)?;
+            let (gain, from) = self.gain(formulas, at);
             if from == at {
-                return Some(left * gain.powf((frames - frame) as f32));
+                return left * gain.powf((frames - frame) as f32);
             }
             left *= gain;
             if left < VISIBLE {
@@ -155,7 +172,7 @@ impl<'w> LastFrameUse<'w> {
             }
             at = from.map(|part| part.clamp(0.0, 1.0));
         }
-        Some(left)
+        left
     }
 }
 
@@ -167,8 +184,9 @@ impl World {
         let textures = &self.scene.textures;
         let (number, texture) = textures.iter().enumerate().find(|(_, texture)| texture.is_last_frame())?;
         let frames = self.frame_tape.feedback.as_ref()?.frames;
-        let emissions: Vec<NodeId> =
-            self.scene.materials.iter().flat_map(|material| material.emission).collect();
+        let emissions = self.scene.materials.iter().flat_map(|material| material.emission);
+        let emissions = Formulas::new(self, emissions.collect())?;
+        let sky_color = Formulas::new(self, self.scene.sky.color.to_vec())?;
         let loud = SoundInputs::each(|input| input.range().1.min(1.0));
         let (mut most, mut left): (f32, f32) = (0.0, 0.0);
         for sound in [SoundInputs::SILENCE, loud] {
@@ -178,19 +196,19 @@ impl World {
                     (f32::from(at % TRIED.0) + 0.5) / f32::from(TRIED.0),
                     (f32::from(at / TRIED.0) + 0.5) / f32::from(TRIED.1),
                 ];
-                let (sky, _) = of.gain(&self.scene.sky.color, pixel)?;
-                let (emission, _) = of.gain(&emissions, pixel)?;
+                let (sky, _) = of.gain(&sky_color, pixel);
+                let (emission, _) = of.gain(&emissions, pixel);
                 most = most.max(sky).max(emission);
                 // Which pixel shows a surface is not known.
                 left = left.max(emission.powf(frames as f32));
                 if sky.powf(frames as f32) > left.max(VISIBLE) {
-                    left = left.max(of.left(&self.scene.sky.color, pixel, frames)?);
+                    left = left.max(of.left(&sky_color, pixel, frames));
                 }
             }
         }
         if most > GAIN {
             let message =
-                format!("the last frame gains light: it is shown {most:.2} times as bright as it was");
+                format!("the last frame gains light: it is shown {most:.2} times as bright as before");
             let hint = format!("multiply `previous` by less than 1; light is limited to {LAST_LIGHT_MAX}");
             return Some(Diagnostic::warning(texture.span, message).hint(hint));
         }
@@ -306,7 +324,7 @@ mod tests {
             "(0.9 + 0.2 * bass) * previous(vec2(0))",
             "more * 1.1 * previous(vec2(t))",
         ] {
-            let shown = "the last frame gains light: it is shown 1.10 times as bright as it was";
+            let shown = "the last frame gains light: it is shown 1.10 times as bright as before";
             assert_eq!(gain(color).as_deref(), Some(shown), "{color}");
         }
     }

@@ -327,7 +327,7 @@ impl World {
             programs,
             of_objects,
             medium,
-            swarm: SwarmPlan::of(&self.scene).map_err(failed)?,
+            swarm: SwarmPlan::of(&self.scene, self.features.mirrors).map_err(failed)?,
             bounds: self.bounds,
             cost,
         })

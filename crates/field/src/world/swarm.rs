@@ -25,7 +25,6 @@
 use std::ops::Range;
 
 use super::media::facing;
-use super::scene_features::SceneFeatures;
 use super::swarm_tiles::{Outline, SwarmPicture, append_tiles};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
@@ -90,7 +89,8 @@ impl SwarmView {
 }
 
 impl SwarmPlan {
-    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, TapeError> {
+    /// `has_mirrors` is false if no surface of the scene is a mirror.
+    pub(super) fn of(scene: &Scene, has_mirrors: bool) -> Result<Option<Self>, TapeError> {
         if scene.swarms.is_empty() {
             return Ok(None);
         }
@@ -113,7 +113,7 @@ impl SwarmPlan {
             swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
             ambient: Tape::build(&graph, &ambient, &options)?,
             reads: Reads::of(&graph, &all)?,
-            has_mirrors: SceneFeatures::of(scene, (false, false), false).mirrors,
+            has_mirrors,
         }))
     }
 
@@ -172,14 +172,14 @@ impl SwarmPlan {
         let mut pictures = [Some(*view), mirrored].map(|view| (view, Vec::new()));
         let trees = [balls, faint].map(|bodies| append_tree(bodies, &mut texels, &mut pictures));
         let plane = view.mirror.map_or(0, |(plane, _)| plane + 1);
-        // Each picture has room for one tile at least.
-        let mut needed = pictures.each_ref().map(|(_, outlines)| outlines.len() + 1);
-        let tiles = pictures.map(|(view, outlines)| {
-            needed.rotate_left(1);
-            let room = texels_max.saturating_sub(texels.len() + needed[0]);
+        let mut tiles_of = |(view, outlines): &(Option<SwarmView>, Vec<Outline>), others: usize| {
+            let room = texels_max.saturating_sub(texels.len() + others);
             let Some(picture) = view.and_then(|view| view.picture) else { return [0; 3] };
-            append_tiles(&outlines, picture.size, room, &mut texels)
-        });
+            append_tiles(outlines, picture.size, room, &mut texels)
+        };
+        // The mirrored picture has room for one tile at least.
+        let [seen, mirrored] = &pictures;
+        let tiles = [tiles_of(seen, mirrored.1.len() + 1), tiles_of(mirrored, 0)];
         if let [head, .., seen, mirrored] = &mut texels[..HEAD] {
             let [[ball, balls], [faint, all_faint]] = trees;
             *head = [ball, balls, faint, all_faint].map(|number| number as f32);

@@ -4,9 +4,11 @@
 pub(super) const LAYERS: usize = 4;
 /// Bytes of a texel.
 pub(super) const TEXEL: usize = 16;
+/// Bytes of a packed pixel, at most.
+pub const PIXEL_BYTES_MAX: usize = LAYERS * TEXEL;
 /// Paths are numbered in multiples of this number (`path_state.glsl`).
 const RAYS_MAX: u32 = 255;
-/// Stands for the ray's number in a pixel whose paths are all finished.
+/// The number of the next ray in a pixel whose paths are all finished.
 const FINISHED: u32 = RAYS_MAX - 1;
 /// Tags are whole numbers below this one, which 32-bit floats represent exactly.
 const TAGS: f32 = 16_777_216.0;
@@ -44,7 +46,7 @@ impl KeptPaths {
     pub fn bytes(&self) -> Vec<u8> {
         let [origins, directions, throughputs, sums] =
             self.layers.each_ref().map(|layer| layer.as_chunks::<TEXEL>().0);
-        let mut bytes = Vec::with_capacity(origins.len() * LAYERS * TEXEL);
+        let mut bytes = Vec::with_capacity(origins.len() * PIXEL_BYTES_MAX);
         for (((origin, direction), throughput), sum) in
             origins.iter().zip(directions).zip(throughputs).zip(sums)
         {
@@ -62,7 +64,7 @@ impl KeptPaths {
 
     /// Unpacks the paths of an area with this number of pixels. Returns `None` if the bytes are no such paths.
     pub fn of_bytes(mut bytes: &[u8], pixels: usize) -> Option<Self> {
-        if bytes.len() > pixels.checked_mul(LAYERS * TEXEL)? {
+        if bytes.len() > pixels.checked_mul(PIXEL_BYTES_MAX)? {
             return None;
         }
         let mut layers: [Vec<u8>; LAYERS] = Default::default();
