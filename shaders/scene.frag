@@ -176,8 +176,10 @@ float surface_key = 0.0;
 float seen_rough = 0.0;
 
 #ifdef DRAWS_SWARM
-// A pixel is marked if thin balls and glow change its light by more than this part.
+// A pixel is marked if thin balls and glow change its light by more than this part. The limit is lower on rough mirrors:
+// there edges.frag takes a low contrast for noise.
 const float FAINT_PART = 0.3;
+const float ROUGH_FAINT_PART = 0.08;
 // The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
 float seen_sharp = 0.0;
 float seen_left = 1.0;
@@ -530,9 +532,9 @@ void main() {
     float key = surface_key + seen_rough;
 #ifdef DRAWS_SWARM
     float brightest = max(color.r, max(color.g, color.b));
-    bool is_faint = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6)) > FAINT_PART;
-    // Noise of rough mirrors needs more samples.
-    key = is_faint && seen_rough == 0.0 ? faint_key(key) : key;
+    float faint_part = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6));
+    bool is_faint = faint_part > (seen_rough > 0.0 ? ROUGH_FAINT_PART : FAINT_PART);
+    key = is_faint ? faint_key(key) : key;
 #endif
     sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA
