@@ -44,7 +44,7 @@ void main() {
     if (most - least > EDGE && blurred_fraction(least) < 0.5 && dot(towards, towards) > 0.0) {
         // The surface's light without the light behind it; of a thin surface, its middle.
         vec2 back = normalize(towards);
-        for (int i = 2; i > 0; i--) {
+        for (int i = 3; i > 0; i--) {
             ivec2 at = clamp(texel - ivec2(round(float(i) * back)), ivec2(0), limit);
             if (blurred_fraction(texelFetch(spreads, at, 0).r) < 0.5) {
                 sharp = texelFetch(picture, at, 0).rgb;

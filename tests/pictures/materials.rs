@@ -95,6 +95,21 @@ fn an_opaque_thing_in_solid_glass_is_seen_through_the_glass() {
 }
 
 #[test]
+fn a_lamp_lights_a_thing_deep_in_glass() {
+    let lit = |glass: &str| {
+        let text = scene(&format!(
+            "object core {{ shape = sphere(p, 0.5)  material = white }} {glass}
+             material white {{ roughness = 1 }} material clear {{ glass = 1  ior = 1  roughness = 1 }}
+             sky {{ color = 0  ambient = 0 }}  light sun {{ direction = vec3(0, 0, 1)  color = 3  radius = 0 }}"
+        ));
+        text.replace("-6", "-20")
+    };
+    let [bare, ..] = light_in_the_middle(&lit(""), Mode::Compiled);
+    assert!(bare > 0.3);
+    assert_light(&lit("object ball { shape = sphere(p, 8)  material = clear }"), [bare; 3], 0.02 * bare);
+}
+
+#[test]
 fn a_mirror_in_solid_glass_shows_what_is_in_the_glass() {
     let objects = [
         "object ball { shape = sphere(p, 2)  material = tinted }",

@@ -108,7 +108,7 @@ fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>, GraphErro
 }
 
 /// The distance of glass grows by this multiple of the penumbra, so that rays to lights pass through it.
-const CLEAR_OF_SHADOWS: f32 = 1e4;
+const CLEAR_OF_SHADOWS: f32 = 1e6;
 
 /// Returns the union of `parts`.
 ///
