@@ -13,10 +13,8 @@
 #include "normal.glsl"
 #include "occlusion.glsl"
 #include "regions.glsl"
-#include "scene_functions.glsl"
-#ifdef GLASS
 #include "glass.glsl"
-#endif
+#include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "shadow.glsl"
 #include "light.glsl"
@@ -353,6 +351,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
+#ifdef GLASS
+            bool is_inside = ray_side < 0.0;
+            bool leaves = is_inside && !met_in_glass && hit.plane == NOTHING && !is_ball;
+            surface_penumbra = is_inside && !leaves ? WITHOUT_GLASS : 0.0;
+#endif
             Surface s;
 #ifdef DRAWS_SWARM
             if (is_ball) {
@@ -363,15 +366,14 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
 #ifdef GLASS
+            if (is_inside) throughput *= exp(-glass_absorbs * hit.t);
             if (hit.plane != NOTHING) s.material.glass = 0.0;
-            bool leaves = ray_side < 0.0 && hit.plane == NOTHING && !is_ball;
-            if (ray_side < 0.0) throughput *= exp(-glass_absorbs * hit.t);
             if (leaves) {
                 s.normal = -s.normal;
                 s.material.glass = 1.0;
                 s.material.haze = 0.0;
+                ray_side = 1.0;
             }
-            ray_side = 1.0;
 #endif
             Material m = s.material;
 #ifdef DRAWS_SWARM
