@@ -293,11 +293,14 @@ fn a_camera_inside_of_an_object_drew_nothing_in_silence() {
     let inside = "camera { position = vec3(0.1, 0, 0)  target = vec3(0, 0, 1) }\n";
     place.write("in.scene", format!("{inside}object cave {{ shape = sphere(p, 1) }}"));
     place.write("out.scene", format!("{inside}object cave {{ shape = shell(sphere(p, 1), 0.1) }}"));
+    place.write("below.scene", format!("{inside}object floor {{ shape = p.y - 1 }}"));
     let still = |scene: &str| place.run(&["still", "-o", "a.png", "--size", "16x9", "--scene", scene]);
     let (within, outside) = (still("in.scene"), still("out.scene"));
     assert_eq!(within.code, 0, "{within:?}");
     assert!(within.stderr.contains("inside of the object `cave`"), "{within:?}");
     assert!(outside.stderr.is_empty(), "{outside:?}");
     assert!(place.run(&["check", "in.scene"]).done().contains("the camera is inside of this object"));
-    assert!(!place.run(&["check", "out.scene"]).done().contains("camera"));
+    for scene in ["out.scene", "below.scene"] {
+        assert!(!place.run(&["check", scene]).done().contains("camera"), "{scene}");
+    }
 }

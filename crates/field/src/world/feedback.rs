@@ -93,87 +93,102 @@ const TRIED: (u16, u16) = (7, 5);
 /// The size of the picture in which they are.
 const TRIED_SIZE: (u16, u16) = (160, 90);
 
-/// A colour that may read the last frame.
+/// Light that moves by less than this fraction of the picture is as bright as before, for this number of frames.
+const STEP: f32 = 0.05;
+const STEPS: u32 = 8;
+
+/// A colour that reads the last frame.
 struct Reader {
-    /// The colour, then the place that the colour's last read has, if it reads.
-    tape: Tape,
-    colors: usize,
+    colors: Tape,
+    /// The place of the colour's last read.
+    place: Tape,
 }
 
 impl Reader {
     fn new(world: &World, texture: usize, colors: impl IntoIterator<Item = NodeId>) -> Option<Self> {
         let graph = &world.scene.graph;
-        let mut roots: Vec<NodeId> = colors.into_iter().collect();
-        let colors = roots.len();
+        let roots: Vec<NodeId> = colors.into_iter().collect();
         let read = graph.order(&roots).ok()?.nodes.into_iter().rev().find_map(|id| match graph.node(id) {
             Node::Texture { texture: number, u, v, .. } if usize::from(number) == texture => Some([u, v]),
             _ => None,
         });
-        roots.extend(read?);
         // The limit on outputs is for shaders, which do not run this tape.
         let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
-        let tape = Tape::build(graph, &roots, &TapeOptions { limits, ..TapeOptions::default() }).ok()?;
-        Some(Self { tape, colors })
+        let options = TapeOptions { limits, ..TapeOptions::default() };
+        let tape = |roots: &[NodeId]| Tape::build(graph, roots, &options).ok();
+        Some(Self { colors: tape(&roots)?, place: tape(&read?)? })
     }
 
     fn lit<'a>(&'a self, frames: &'a [FrameInputs; 2]) -> LitReader<'a> {
-        let batches = frames.each_ref().map(|inputs| Batch::new(&self.tape, inputs));
-        LitReader { batches, colors: self.colors }
+        let [dim, bright] = frames;
+        let colors = [dim, bright].map(|inputs| Batch::new(&self.colors, inputs));
+        LitReader { colors, place: Batch::new(&self.place, bright) }
     }
 }
 
 /// A colour below even last frames of [`BRIGHTNESSES`].
 struct LitReader<'a> {
-    batches: [Batch<'a>; 2],
-    colors: usize,
+    colors: [Batch<'a>; 2],
+    place: Batch<'a>,
 }
 
 impl LitReader<'_> {
-    /// Returns by which factors the colour changes the light of two even last frames at places of the picture, and the
-    /// places that it reads there.
-    fn gains(&mut self, places: &[[f32; 2]]) -> Vec<(f32, [f32; 2])> {
-        let side = |part: usize, size: u16| places.iter().map(|at| at[part] * f32::from(size)).collect();
-        let (x, y): (Vec<f32>, Vec<f32>) = (side(0, TRIED_SIZE.0), side(1, TRIED_SIZE.1));
-        let normal = [0.0, 0.6, 0.8].map(|part| vec![part; places.len()]);
-        let [nx, ny, nz] = normal.each_ref().map(Vec::as_slice);
-        let points = Points { position: [&x, &y, nx], normal: Some([nx, ny, nz]) };
-        let [dim, bright] = self.batches.each_mut().map(|batch| batch.run(points));
+    /// Returns by which factors the colour changes the light of two even last frames at places of the picture.
+    fn gains(&mut self, places: &[[f32; 2]]) -> Vec<f32> {
+        let [dim, bright] = self.colors.each_mut().map(|batch| run(batch, places));
         let more = (BRIGHTNESSES[1] - BRIGHTNESSES[0]) * LAST_LIGHT_MAX;
-        let value = |of: &[Vec<f32>], output: usize, place: usize| -> f32 {
-            of.get(output).and_then(|values| values.get(place)).copied().unwrap_or(0.0)
-        };
-        let gain = |place: usize| {
-            let gains = (0..self.colors)
-                .map(|color| (value(&bright, color, place) - value(&dim, color, place)) / more);
-            gains.fold(0.0, f32::max)
-        };
-        let read = |place: usize| [0, 1].map(|part| value(&bright, self.colors + part, place));
-        (0..places.len()).map(|place| (gain(place), read(place))).collect()
+        let mut gains = vec![0.0; places.len()];
+        for (dim, bright) in dim.iter().zip(&bright) {
+            for (gain, (dim, bright)) in gains.iter_mut().zip(dim.iter().zip(bright)) {
+                *gain = ((bright - dim) / more).max(*gain);
+            }
+        }
+        gains
+    }
+
+    /// Returns the places that the colour reads at places of the picture.
+    fn read(&mut self, places: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let read = run(&mut self.place, places);
+        let [u, v] = [0, 1].map(|part| read.get(part).map_or(&[][..], Vec::as_slice));
+        u.iter().zip(v).map(|(u, v)| [*u, *v].map(|part| part.clamp(0.0, 1.0))).collect()
     }
 
     /// Returns the largest fraction of light that is left after `count` frames at one of some places, whose light comes
     /// from other places from frame to frame. Ends as soon as no light is visible any more.
     fn left(&mut self, places: &[[f32; 2]], count: u32) -> f32 {
-        let mut rays: Vec<([f32; 2], f32)> = places.iter().map(|place| (*place, 1.0)).collect();
-        let mut still: f32 = 0.0;
-        for frame in 0..count {
-            if rays.is_empty() {
-                break;
-            }
-            let at: Vec<[f32; 2]> = rays.iter().map(|(at, _)| *at).collect();
-            let mut gains = self.gains(&at).into_iter();
-            rays.retain_mut(|(at, left)| {
-                let (gain, from) = gains.next().unwrap_or_default();
-                if from == *at {
-                    still = still.max(*left * gain.powf((count - frame) as f32));
-                    return false;
+        let (mut places, mut lefts) = (places.to_vec(), vec![1.0; places.len()]);
+        let (mut still, mut frame) = (0.0_f32, 0);
+        while frame < count && !places.is_empty() {
+            let next = self.read(&places);
+            let moved = places.iter().zip(&next).flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]);
+            let most = moved.map(f32::abs).fold(0.0, f32::max);
+            let steps = ((STEP / most) as u32).clamp(1, STEPS).min(count - frame);
+            let gains = self.gains(&places);
+            let mut rays = Vec::new();
+            for (((place, next), left), gain) in places.iter().zip(next).zip(&lefts).zip(gains) {
+                if next == *place {
+                    still = still.max(left * gain.powf((count - frame) as f32));
+                } else if left * gain.powf(steps as f32) > VISIBLE.max(still) {
+                    rays.push((next, left * gain.powf(steps as f32)));
                 }
-                (*at, *left) = (from.map(|part| part.clamp(0.0, 1.0)), *left * gain);
-                *left > VISIBLE.max(still)
-            });
+            }
+            (places, lefts) = rays.into_iter().unzip();
+            for _ in 1..steps {
+                places = self.read(&places);
+            }
+            frame += steps;
         }
-        rays.into_iter().map(|(_, left)| left).fold(still, f32::max)
+        lefts.into_iter().fold(still, f32::max)
     }
+}
+
+/// Runs a tape of the sky or of a surface at places of the picture.
+fn run(batch: &mut Batch<'_>, places: &[[f32; 2]]) -> Vec<Vec<f32>> {
+    let side = |part: usize, size: u16| places.iter().map(|at| at[part] * f32::from(size)).collect();
+    let (x, y): (Vec<f32>, Vec<f32>) = (side(0, TRIED_SIZE.0), side(1, TRIED_SIZE.1));
+    let normal = [0.0, 0.6, 0.8].map(|part| vec![part; places.len()]);
+    let [nx, ny, nz] = normal.each_ref().map(Vec::as_slice);
+    batch.run(Points { position: [&x, &y, nx], normal: Some([nx, ny, nz]) })
 }
 
 impl World {
@@ -195,9 +210,7 @@ impl World {
         let (mut most, mut left): (f32, f32) = (0.0, 0.0);
         for sound in [SoundInputs::SILENCE, SoundInputs::each(|input| input.range().1.min(1.0))] {
             let frames = BRIGHTNESSES.map(|fraction| self.tried_inputs(number, fraction, sound));
-            let gain = |reader: &mut LitReader| {
-                reader.gains(&places).into_iter().map(|(gain, _)| gain).fold(0.0, f32::max)
-            };
+            let gain = |reader: &mut LitReader| reader.gains(&places).into_iter().fold(0.0, f32::max);
             if let Some(emission) = &emission {
                 let gain = gain(&mut emission.lit(&frames));
                 // Which pixel shows a surface is not known.

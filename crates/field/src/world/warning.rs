@@ -1,7 +1,7 @@
 //! Warnings about a value that is not a distance, and about a camera inside of an object.
 
 use super::World;
-use crate::graph::{FrameInputs, NodeId, Point};
+use crate::graph::{FrameInputs, Point};
 use crate::lang::{Diagnostic, Object};
 
 impl World {
@@ -16,17 +16,14 @@ impl World {
         Some(Diagnostic::warning(object.span, message).hint(hint))
     }
 
-    /// Returns the object whose body contains a place, so that an eye there sees nothing but its inside. One can look
-    /// through glass.
+    /// Returns the object whose body contains a place, so that an eye there sees nothing but its inside. Planes have no
+    /// inside, and one can look through glass. `inputs` have the hoisted values.
     pub fn object_around(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Option<&Object> {
-        let scene = &self.scene;
-        let is_opaque = |object: &&Object| {
-            let glass = scene.materials.get(object.material).map(|material| material.glass);
-            glass.and_then(|glass| scene.graph.as_constant(glass)).is_some_and(|glass| glass <= 0.0)
-        };
-        let objects: Vec<&Object> = scene.objects.iter().filter(is_opaque).collect();
-        let shapes: Vec<NodeId> = objects.iter().map(|object| object.shape).collect();
-        let values = scene.graph.evaluate(&shapes, &Point::at(x, y, z), inputs).ok()?;
-        objects.into_iter().zip(values).find(|(_, value)| *value < 0.0).map(|(object, _)| object)
+        let roots = [self.roots.distance[1], self.roots.object];
+        let values = self.graph.evaluate(&roots, &Point::at(x, y, z), inputs).ok()?;
+        let [distance, number] = values.first_chunk()?;
+        let object = self.scene.objects.get(*number as usize).filter(|_| self.has_rest && *distance < 0.0)?;
+        let glass = self.scene.materials.get(object.material)?.glass;
+        self.scene.graph.as_constant(glass).is_some_and(|glass| glass <= 0.0).then_some(object)
     }
 }

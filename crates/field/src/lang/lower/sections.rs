@@ -368,7 +368,8 @@ impl SceneBuilder<'_> {
         let text = self.lowering.name(name.symbol);
         let known = fields(section).iter().map(|field| field.name);
         let near = suggest::nearest(text, known.clone());
-        let message = format!("{} has no field `{text}`", place_of_field(section));
+        let owner = place_of_field(section);
+        let message = format!("{owner} has no field `{text}`");
         let wrong = Diagnostic::new(name.span, message);
         let wrong = match near {
             Some(_) => wrong.did_you_mean(near),
@@ -378,10 +379,10 @@ impl SceneBuilder<'_> {
                     .into_iter()
                     .filter(|other| fields(*other).iter().any(|field| field.name == text));
                 let others: Vec<String> = others.map(|other| format!("`{}`", word(other))).collect();
-                let all = format!("its fields are {}", all.join(", "));
+                let all = all.join(", ");
                 wrong.hint(match others.is_empty() {
-                    true => format!("{all}; introduce other names with `let`"),
-                    false => format!("{} has such a field; {all}", others.join(" or ")),
+                    true => format!("its fields are {all}; introduce other names with `let`"),
+                    false => format!("this is a field of {}; {owner} has {all}", others.join(" and ")),
                 })
             }
         };

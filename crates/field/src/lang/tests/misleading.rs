@@ -205,9 +205,14 @@ fn fields_and_names_in_a_wrong_place_got_no_way_to_the_right_one() {
             "object a { shape = x  glass = 1 }",
             "an object has no field `glass`",
             "glass",
-            "`material` has such a field",
+            "a field of `material`; an object has `shape`",
         ),
-        ("sky { decay = 0.9 }", "the sky has no field `decay`", "decay", "`picture` has such a field"),
+        (
+            "sky { decay = 0.9 }",
+            "the sky has no field `decay`",
+            "decay",
+            "a field of `picture`; the sky has `color`",
+        ),
         ("swarm a { position = hash_3(vec3(i)) }", "there is no `i` here", "i", "`index`"),
         ("swarm a { size = random(index) }", "there is no function `random`", "random", "`hash(p)`"),
         (
