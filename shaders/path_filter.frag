@@ -23,6 +23,8 @@ const float NORMAL_SHARPNESS = 24.0;
 const float COLOR_SHARPNESS = 6.0;
 // Depths that differ by this fraction are on different surfaces, besides the surface's own slope.
 const float DEPTH_FRACTION = 0.01;
+// Total weight of the neighbours, of 220, below which a pixel is like too few.
+const float LONELY = 40.0;
 
 vec4 guide_of(ivec2 texel) {
     vec4 guide = texelFetch(path_guides, ivec3(texel, 0), 0);
@@ -46,10 +48,32 @@ vec4 light_of_state(ivec2 texel) {
     return vec4(sum.rgb / color, variance * scale * scale);
 }
 
+// The part of a pixel's light that is far above the light of all its neighbours, from 0 to 1. A few bright paths make
+// it, and the filter would leave it as a speck.
+float excess_of(ivec2 texel, ivec2 last, vec4 own) {
+    float most = 0.0;
+    for (int i = 0; i < 9; i++) {
+        ivec2 at = clamp(texel + ivec2(i % 3, i / 3) - 1, ivec2(0), last);
+        if (at != texel) most = max(most, brightness_of(light_of_state(at).rgb));
+    }
+    float brightness = brightness_of(own.rgb);
+    bool is_noisy = own.a > 0.05 * brightness * brightness;
+    return is_noisy ? max(1.0 - 2.0 * most / max(brightness, 1e-12), 0.0) : 0.0;
+}
+
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     ivec2 last = textureSize(path_state, 0).xy - 1;
     vec4 own = light_of_state(texel);
+    // Neighbours share the excess, so that no light is lost.
+    vec4 shared = vec4(0.0);
+    for (int i = 0; i < 9; i++) {
+        ivec2 at = texel + ivec2(i % 3, i / 3) - 1;
+        if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
+        vec4 other = light_of_state(at);
+        shared.rgb += excess_of(at, last, other) * other.rgb / 9.0;
+    }
+    own.rgb = own.rgb * (1.0 - excess_of(texel, last, own)) + shared.rgb;
     vec3 normal = guide_of(texel).xyz;
     // A few paths that found no light seem to be certain. The mean of many neighbours knows better.
     float variance = 0.0;
@@ -91,6 +115,8 @@ void main() {
     }
     vec4 sum = vec4(0.0);
     float weights = 0.0;
+    vec4 around = vec4(0.0);
+    float weights_around = 0.0;
     for (int i = 0; i < 25; i++) {
         ivec2 offset = ivec2(i % 5, i / 5) - 2;
         ivec2 at = texel + stride * offset;
@@ -105,12 +131,24 @@ void main() {
         float away = abs(other_guide.w - guide.w) / max(allowed, 1e-6);
         float tinted = COLOR_SHARPNESS * distance(color_of(at), color);
         float unlike = abs(brightness_of(other.rgb) - brightness_of(own.rgb)) / deviation;
-        float weight = kernel.x * kernel.y * facing * exp(-away - tinted - unlike * unlike);
+        float alike = kernel.x * kernel.y * exp(-tinted - unlike * unlike);
+        float weight = alike * facing * exp(-away);
         weight = offset == ivec2(0) ? kernel.x * kernel.y : weight;
+        if (stride == 1 && offset != ivec2(0)) {
+            alike *= exp(-8.0 * unlike * unlike);  // DEVIATIONS instead of FIRST_DEVIATIONS
+            around += alike * vec4(other.rgb, alike * other.a);
+            weights_around += alike;
+        }
         sum.rgb += weight * other.rgb;
         sum.a += weight * weight * other.a;
         weights += weight;
     }
+    // Pixels on edges show several surfaces, and are like no neighbour. Noisy ones take the light around them.
+    float lonely = 1.0 - smoothstep(0.0, LONELY, weights - 36.0);
+    lonely *= smoothstep(0.1, 0.5, sqrt(variance) / (brightness_of(own.rgb) + 1e-6));
+    around *= lonely;
+    sum += vec4(around.rgb, lonely * around.a);
+    weights += lonely * weights_around;
     light = vec4(sum.rgb / weights, sum.a / (weights * weights));
 }
 #endif

@@ -11,7 +11,7 @@ use mariana::gpu::scene_program::Mode;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 
-const SIZE: (u32, u32) = (96, 54);
+const SIZE: (u32, u32) = (48, 27);
 const TIMES: [f64; 2] = [3.0, 17.0];
 /// The number of bands that count as bass.
 const LOW_BANDS: usize = 10;

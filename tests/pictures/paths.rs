@@ -281,6 +281,37 @@ fn the_filter_keeps_mirror_images() {
     }
 }
 
+#[test]
+fn the_filter_leaves_no_dots_on_edges_and_no_bright_specks() {
+    // A room with columns. Only the light of the sunny spot on the floor reaches most of it.
+    let text = "object room {
+            let window = box(p - vec3(3, 0.5, 0), vec3(1, 0.7, 2))
+            shape = max(box(p, vec3(3.2, 2.2, 6.2)), -box(p, vec3(3, 2, 6)), -window)
+        }
+        object columns { shape = length(vec2(p.x - round(p.x), abs(p.z) - 1)) - 0.15 }
+        light sun { direction = vec3(1, 0.8, 0)  color = 40 }
+        sky { color = 0  ambient = 0 }
+        camera { position = vec3(-1.5, 0.5, -5.5)  target = vec3(0)  fov = 60 }";
+    let [_, noisy, smooth] = filtered(&format!("{text} {PLAIN}"), 1, 16);
+    let [before, after] = [&noisy, &smooth].map(|light| dots(light));
+    assert!(before > 20 && after < 6, "{before} {after}");
+}
+
+/// The number of pixels that are much darker or much brighter than all their neighbours.
+fn dots(light: &[[f32; 3]]) -> usize {
+    let width = SIZE.0 as usize;
+    let rows: Vec<Vec<f32>> =
+        light.chunks(width).map(|row| row.iter().map(|light| light.iter().sum()).collect()).collect();
+    let is_dot = |rows: &[Vec<f32>], at: usize| {
+        let own = rows[1][at];
+        let around = (0..9).filter(|i| *i != 4).map(|i| rows[i / 3][at + i % 3 - 1]);
+        let (least, most) =
+            around.fold((f32::MAX, 0.0_f32), |(least, most), one| (least.min(one), most.max(one)));
+        own < 0.5 * least || own > 2.0 * most
+    };
+    rows.windows(3).map(|rows| (1..width - 1).filter(|at| is_dot(rows, *at)).count()).sum()
+}
+
 /// A scene on a floor, in the light of a lamp.
 fn in_front_of_a_camera(things: &str) -> String {
     format!(
