@@ -21,14 +21,16 @@ const ivec2 PLACES[NEIGHBOURS] = ivec2[](
     ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
 );
 
+// The light of this pixel, and whether it or a neighbour has bright faint points.
+vec3 own_light = vec3(1e9);
 bool has_faint = false;
 
+// Returns a pixel. Faint points of a neighbour, which make it brighter, are no contrast to this pixel.
 vec4 seen(ivec2 texel, ivec2 limit) {
     vec4 sampled = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
-    bool is_faint = sampled.a < 0.0;
-    has_faint = has_faint || is_faint;
-    sampled.a = is_faint ? faint_key(sampled.a) : sampled.a;
-    return sampled;
+    if (sampled.a >= 0.0) return sampled;
+    has_faint = true;
+    return vec4(min(sampled.rgb, own_light), faint_key(sampled.a));
 }
 
 vec3 shown(vec3 light) {
@@ -55,11 +57,13 @@ void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     ivec2 limit = textureSize(picture, 0) - 1;
     vec4 low = seen(texel, limit);
+    bool is_faint = has_faint;
+    own_light = low.rgb;
     vec4 high = low;
     look_around(texel, limit, 0, NEAREST, low, high);
     bool is_edge = high.a - low.a > 0.5;
     // The edges of faint points are smooth already.
-    if (has_faint && !is_edge && high.a < ROUGH_KEY) discard;
+    if (has_faint && !is_edge && (is_faint || high.a < ROUGH_KEY)) discard;
     float least = is_edge ? picture_edges.x : picture_edges.y;
     if (contrast(low, high) >= (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) {
         mark = 1.0;

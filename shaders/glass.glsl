@@ -1,10 +1,19 @@
-// Glass: rays that enter a body, bend, and leave it through the same distance (variant GLASS). A path follows the bent
+// Glass (variant GLASS): rays that enter a body, bend, and leave it through the same distance. A path follows the bent
 // ray to its end. The ray that the first glass mirrors waits until then.
 
+#ifdef GLASS
 // -1 inside of glass, where rays go to the surface from below; else 1. `trace` multiplies distances by it.
 float ray_side = 1.0;
 // Fraction of light that is lost per unit of length in the glass.
 vec3 glass_absorbs = vec3(0.0);
+
+// True if the last ray that `trace` has followed met an opaque surface inside of glass.
+bool met_in_glass = false;
+// The penumbra for distances around a surface: WITHOUT_GLASS for surfaces inside of glass, else 0.
+float surface_penumbra = 0.0;
+#define SURFACE_PENUMBRA surface_penumbra
+// Rays start up to this height below a plane.
+#define PLANES_FROM(start, cone) (-1.1 * max(0.002, cone))
 
 struct WaitingRay {
     vec3 origin;
@@ -27,3 +36,7 @@ float glass_reflectance(float ratio, float cosine) {
     float square = grazing * grazing;
     return f0 + (1.0 - f0) * square * square * grazing;
 }
+#else
+#define SURFACE_PENUMBRA 0.0
+#define PLANES_FROM(start, cone) (start)
+#endif

@@ -121,7 +121,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
         if (probe >= end) break;
         // The object's tape is stored before the distance's tape.
         if (probe == OBJECT_PROBE) tape = int(TEXEL(regions, tape - 1).x);
-        vec2 d = run_region(tape, at, 0.0);
+        vec2 d = run_region(tape, at, SURFACE_PENUMBRA);
         if (probe < OBJECT_PROBE) {
             taps[probe] = d.y;
             COUNT(count_normal);

@@ -34,9 +34,11 @@ const float LEFT_MIN = 0.004;
 const int GRID_WALK_MAX = 3 * MEDIUM_SIDE;
 
 Medium sound_medium(Medium m) {
-    float density = m.density > 0.0 ? min(m.density, 1e6) : 0.0;
+    float density = m.density > 0.0 ? min(m.density, DENSEST) : 0.0;
+    // The light keeps its proportion to the density.
+    float thinned = m.density > DENSEST ? DENSEST / m.density : 1.0;
     float phase = abs(m.phase) < 0.96 ? m.phase : 0.0;
-    return Medium(density, min(light_of(m.scattered), vec3(density)), light_of(m.emitted), phase);
+    return Medium(density, min(light_of(m.scattered * thinned), vec3(density)), light_of(m.emitted * thinned), phase);
 }
 
 // Returns an upper bound of the density at a place, from the grid's cells.

@@ -38,7 +38,7 @@ float even_step(int left, float t, float end) {
 // Returns the first surface along the ray, where the value changes its sign. The pixel's cone has the radius `cone` at
 // t = 0 and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
-    Hit behind = trace_planes(origin, direction, start);
+    Hit behind = trace_planes(origin, direction, PLANES_FROM(start, cone));
     vec2 span = non_lipschitz_span(origin, direction);
     float end = min(span.y, behind.t);
     float t = max(past(span.x), start);

@@ -28,10 +28,8 @@
 #include "normal.glsl"
 #include "occlusion.glsl"
 #include "regions.glsl"
-#include "scene_functions.glsl"
-#ifdef GLASS
 #include "glass.glsl"
-#endif
+#include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "shadow.glsl"
 #include "light.glsl"
@@ -278,7 +276,7 @@ bool go_on(inout Path path) {
     float start = path.ray > 0 ? 0.01 : 0.0;
 #ifdef GLASS
     bool is_inside = path.density < INSIDE_BELOW;
-    if (is_inside) path.density -= INSIDE;
+    if (is_inside) path.density = INSIDE - path.density;
     ray_side = is_inside ? -1.0 : 1.0;
     // Walls of glass are thin, so rays start close to the surface.
     if (is_inside) start = 0.0;
@@ -299,7 +297,7 @@ bool go_on(inout Path path) {
 #endif
 #ifdef GLASS
     ray_side = 1.0;
-    bool leaves = is_inside && hit.met && hit.plane == NOTHING && !is_ball;
+    bool leaves = is_inside && hit.met && !met_in_glass && hit.plane == NOTHING && !is_ball;
 #endif
     float end = hit.met ? hit.t : NEVER;
     bool is_scattered = false;
@@ -338,7 +336,7 @@ bool go_on(inout Path path) {
         at.lobed = 1.0;
         bool is_mirrored = false;
 #ifdef GLASS
-        bool goes_inside = false;
+        bool goes_inside = is_inside && !leaves;
 #endif
         vec3 to = path.direction;
 #ifdef MEDIA
@@ -355,7 +353,18 @@ bool go_on(inout Path path) {
             s = swarm_surface(seen.ball, p, path.direction);
         } else
 #endif
-        s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
+        {
+#ifdef GLASS
+            // The glass around an opaque surface.
+            for (int i = goes_inside ? 0 : 1; i < 2; i++) {
+                surface_penumbra = goes_inside && i > 0 ? WITHOUT_GLASS : 0.0;
+                s = scene_surface(p, i > 0 ? hit.plane : NOTHING, path.direction, cone, dx, dy);
+                if (is_inside && (i == 0 || leaves)) path.throughput *= exp(-within_ranges(s.material).absorb * end);
+            }
+#else
+            s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
+#endif
+        }
         Material m = within_ranges(s.material);
 #ifdef GLASS
         if (hit.plane != NOTHING) m.glass = 0.0;
@@ -363,7 +372,6 @@ bool go_on(inout Path path) {
             s.normal = -s.normal;
             m.glass = 1.0;
             m.haze = 0.0;
-            path.throughput *= exp(-m.absorb * end);
         }
         vec3 colored = m.color;
         m.color *= 1.0 - m.glass;
@@ -426,7 +434,7 @@ bool go_on(inout Path path) {
                 to = normalize(to + s.normal * max(0.02 - dot(to, s.normal), 0.0));
                 path.throughput = kept * mirrored / ways.x;
 #ifdef GLASS
-                goes_inside = leaves;
+                goes_inside = goes_inside || leaves;
 #endif
             } else if (is_mirrored) {
 #ifdef GLASS
@@ -446,9 +454,6 @@ bool go_on(inout Path path) {
             // The next surface's colour replaces the white of this image.
             guide_color -= path.throughput;
             path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
-#ifdef GLASS
-            if (goes_inside) path.density += INSIDE;
-#endif
         } else {
             vec2 random = random_pair(pairs + LOBE_PAIR);
 #ifdef MEDIA
@@ -459,6 +464,9 @@ bool go_on(inout Path path) {
             path.throughput *= density > 0.0 ? vertex_reflectance(at, to) / density : vec3(0.0);
             path.density = density;
         }
+#ifdef GLASS
+        if (goes_inside) path.density = INSIDE - path.density;
+#endif
         path.origin = at.origin;
         path.direction = to;
         float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));

@@ -28,7 +28,7 @@ const float BY_EYE = -1.0;
 // A mirror reflects light from elsewhere: the sky's ambient light, but no lights.
 const float BY_MIRROR = 0.0;
 
-// Added to the density of rays that are inside of glass, whose densities are below the other number.
+// Rays inside of glass store this number minus their density. It is below the other number.
 const float INSIDE = -8.0;
 const float INSIDE_BELOW = -4.0;
 

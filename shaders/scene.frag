@@ -13,10 +13,8 @@
 #include "normal.glsl"
 #include "occlusion.glsl"
 #include "regions.glsl"
-#include "scene_functions.glsl"
-#ifdef GLASS
 #include "glass.glsl"
-#endif
+#include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "shadow.glsl"
 #include "light.glsl"
@@ -176,8 +174,10 @@ float surface_key = 0.0;
 float seen_rough = 0.0;
 
 #ifdef DRAWS_SWARM
-// A pixel is marked if thin balls and glow change its light by more than this part.
+// A pixel is marked if thin balls and glow change its light by more than this part. The limit is lower on rough mirrors:
+// there edges.frag takes a low contrast for noise.
 const float FAINT_PART = 0.3;
+const float ROUGH_FAINT_PART = 0.08;
 // The light of faint points of swarms that changes from pixel to pixel, and what these points leave of other light.
 float seen_sharp = 0.0;
 float seen_left = 1.0;
@@ -351,6 +351,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
+#ifdef GLASS
+            bool is_inside = ray_side < 0.0;
+            bool leaves = is_inside && !met_in_glass && hit.plane == NOTHING && !is_ball;
+            surface_penumbra = is_inside && !leaves ? WITHOUT_GLASS : 0.0;
+#endif
             Surface s;
 #ifdef DRAWS_SWARM
             if (is_ball) {
@@ -361,15 +366,14 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
 #ifdef GLASS
+            if (is_inside) throughput *= exp(-glass_absorbs * hit.t);
             if (hit.plane != NOTHING) s.material.glass = 0.0;
-            bool leaves = ray_side < 0.0 && hit.plane == NOTHING && !is_ball;
-            if (ray_side < 0.0) throughput *= exp(-glass_absorbs * hit.t);
             if (leaves) {
                 s.normal = -s.normal;
                 s.material.glass = 1.0;
                 s.material.haze = 0.0;
+                ray_side = 1.0;
             }
-            ray_side = 1.0;
 #endif
             Material m = s.material;
 #ifdef DRAWS_SWARM
@@ -530,9 +534,9 @@ void main() {
     float key = surface_key + seen_rough;
 #ifdef DRAWS_SWARM
     float brightest = max(color.r, max(color.g, color.b));
-    bool is_faint = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6)) > FAINT_PART;
-    // Noise of rough mirrors needs more samples.
-    key = is_faint && seen_rough == 0.0 ? faint_key(key) : key;
+    float faint_part = max(1.0 - seen_left, seen_sharp / max(brightest, 1e-6));
+    bool is_faint = faint_part > (seen_rough > 0.0 ? ROUGH_FAINT_PART : FAINT_PART);
+    key = is_faint ? faint_key(key) : key;
 #endif
     sample_color = stored_sample(color, key, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA

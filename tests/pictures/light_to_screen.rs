@@ -277,6 +277,25 @@ fn edge_width(picture: &RgbaImage) -> f64 {
 }
 
 #[test]
+fn the_edge_of_a_sharp_surface_before_a_blurred_one_has_no_dots() {
+    let mut renderer = scene(
+        "material even { color = 0  emission = 0.5 }
+         object ball { shape = sphere(p - vec3(0, 0, 6), 1)  material = even }
+         light none { position = vec3(0)  color = 0 }
+         sky { color = if fract(60 * direction.x) < 0.5 then 0 else 1  ambient = 0 }
+         camera { position = vec3(0)  target = vec3(0, 0, 1)  fov = 45  aperture = 0.6  focus = 6 }",
+    );
+    renderer.adjust = plain;
+    let picture = renderer.picture(0.0, silence(), (320, 200));
+    // The blurred stripes are about as bright as the ball.
+    for (x, y, pixel) in picture.enumerate_pixels() {
+        let light = linear(pixel.0[0]);
+        let is_inner = (40..280).contains(&x) && (20..180).contains(&y);
+        assert!(!is_inner || (0.35..0.6).contains(&light), "{light:.2} at {x}, {y}");
+    }
+}
+
+#[test]
 fn a_lens_blurs_like_a_thin_lens() {
     let size = (320, 200);
     let pinhole = wall("").picture(0.0, silence(), size);

@@ -68,6 +68,71 @@ fn a_ball_of_glass_turns_the_picture_around() {
     }
 }
 
+/// Objects in the order of their names, before a red sky.
+fn before_a_red_sky(objects: &[&str]) -> String {
+    let objects = objects.concat();
+    scene(&format!(
+        "material tinted {{ glass = 1  ior = 1  roughness = 1  absorb = vec3(0, 0.5, 0) }}
+         material patterned {{ glass = min(1, 2 + x)  ior = 1  roughness = 1  absorb = vec3(0, 0.5, 0) }}
+         material shining {{ color = 0  roughness = 1  emission = vec3(0, 1, 1) }}
+         {objects} sky {{ color = vec3(1, 0, 0)  ambient = 0 }}
+         light dark {{ position = vec3(0, 90, 0)  color = 0 }}"
+    ))
+}
+
+#[test]
+fn an_opaque_thing_in_solid_glass_is_seen_through_the_glass() {
+    let core = "object core { shape = sphere(p, 0.5)  material = shining }";
+    let left = (-0.5f32 * 1.5).exp();
+    for material in ["tinted", "patterned"] {
+        let ball = format!("object ball {{ shape = sphere(p, 2)  material = {material} }}");
+        for objects in [[core, ball.as_str()], [ball.as_str(), core]] {
+            assert_light(&before_a_red_sky(&objects), [0.0, left, 1.0], 0.02);
+        }
+        // Without the core, the sky shines through.
+        assert_light(&before_a_red_sky(&[&ball]), [1.0, 0.0, 0.0], 0.02);
+    }
+}
+
+#[test]
+fn a_lamp_lights_a_thing_deep_in_glass() {
+    let lit = |glass: &str| {
+        let text = scene(&format!(
+            "object core {{ shape = sphere(p, 0.5)  material = white }} {glass}
+             material white {{ roughness = 1 }} material clear {{ glass = 1  ior = 1  roughness = 1 }}
+             sky {{ color = 0  ambient = 0 }}  light sun {{ direction = vec3(0, 0, 1)  color = 3  radius = 0 }}"
+        ));
+        text.replace("-6", "-20")
+    };
+    let [bare, ..] = light_in_the_middle(&lit(""), Mode::Compiled);
+    assert!(bare > 0.3);
+    assert_light(&lit("object ball { shape = sphere(p, 8)  material = clear }"), [bare; 3], 0.02 * bare);
+}
+
+#[test]
+fn a_mirror_in_solid_glass_shows_what_is_in_the_glass() {
+    let objects = [
+        "object ball { shape = sphere(p, 2)  material = tinted }",
+        "object mirror { shape = box(vec3(0.8 * x + 0.6 * z, y, 0.8 * z - 0.6 * x), vec3(0.8, 0.8, 0.1))  material = mirror }",
+        "object side { shape = min(x + 1.5, 1.5 - x)  material = shining }",
+        "material mirror { color = 1  metalness = 1  roughness = 1  reflect = 1 }",
+    ];
+    for mode in [Mode::Compiled, Mode::Interpreted] {
+        let [red, green, blue] = light_in_the_middle(&before_a_red_sky(&objects), mode);
+        let is_tinted = (0.1..0.6).contains(&green);
+        assert!(red < 0.05 && is_tinted && blue > 0.9, "{mode}: {red} {green} {blue}");
+    }
+}
+
+#[test]
+fn glass_that_touches_a_plane_shows_the_plane() {
+    let wall = "object wall { shape = 1 - z  material = shining }";
+    for shape in ["sphere(p, 1)", "box(p, 1)", "sphere(p, 1.001)", "sphere(p, 0.999)"] {
+        let body = format!("object body {{ shape = {shape}  material = tinted }}");
+        assert_light(&before_a_red_sky(&[wall, &body]), [0.0, (-1.0f32).exp(), 1.0], 0.02);
+    }
+}
+
 #[test]
 fn glass_casts_no_shadow_and_other_bodies_do() {
     let floor = |glass: f32| {

@@ -54,6 +54,15 @@ fn absorbed_light_falls_exponentially() {
 }
 
 #[test]
+fn the_densest_fog_keeps_its_color() {
+    for density in ["1e4", "1e7", "1e12"] {
+        let fog = format!("density = {density}  color = vec3(0.8, 0.4, 0.2)");
+        let text = layer(&fog, "").replace("ambient = 0", "ambient = 1");
+        assert_light(&text, [0.8, 0.4, 0.2], 0.01);
+    }
+}
+
+#[test]
 fn emitted_light_grows_with_the_length_of_the_way() {
     assert_light(&layer("density = 0  emission = vec3(0.1, 0.2, 0.3)", ""), [1.4, 1.8, 2.2], 0.004);
 }

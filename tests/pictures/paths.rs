@@ -388,6 +388,22 @@ fn glass_absorbs_light_along_the_way_through_it() {
 }
 
 #[test]
+fn an_opaque_thing_in_solid_glass_is_seen_through_the_glass() {
+    let text = furnace("glass = 1  ior = 1.0001  absorb = vec3(0.3, 0.6, 0)")
+        .replace("object ball", "object core { shape = 0.5 - z  material = core } material core { color = 0  emission = 0.8 } object ball")
+        .replace("sphere(p, 1)", "box(p, vec3(9, 9, 1))");
+    // A plane, and the same surface as a shape.
+    for core in ["0.5 - z", "box(p - vec3(0, 0, 2), vec3(9, 9, 1.5))"] {
+        let text = text.replace("0.5 - z", core);
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let found = mean(&middle(&Paths::of(&text, mode).light(order(64))));
+            let left = [0.3f32, 0.6, 0.0].map(|absorb| 0.8 * (-1.5 * absorb).exp());
+            assert_near(&format!("{core}, {mode}"), found, left, 0.05);
+        }
+    }
+}
+
+#[test]
 fn glass_casts_no_shadow() {
     let lamp = "light a { position = vec3(0, 6, 6)  color = 40  radius = 1.5 }";
     let glass = "object shade { shape = sphere(p - vec3(0, 6, 6), 2)  material = clear }

@@ -180,3 +180,19 @@ fn a_crowd_at_one_place_leaves_a_valid_picture() {
         assert!(light.iter().flatten().all(|part| part.is_finite()), "{mode}");
     }
 }
+
+#[test]
+fn streaks_before_a_rough_mirror_are_not_taken_for_its_noise() {
+    let wet = "object floor { shape = y + 1  material = wet }
+        material wet { color = 0.1  reflect = 0.3  blur = 0.3 }
+        swarm rain { let h = hash_3(vec3(index, 1, 2))  count = 400  position = vec3(4, 2, 4) * (h - vec3(0.5, 0.4, 0.5))
+                     stretch = vec3(0, -0.3, 0)  size = 0.001  emission = 0.6 }
+        sky { color = 0.05  ambient = 0.05 }
+        picture { exposure = 1  bloom = 0  vignette = 0 }
+        light dark { position = vec3(0, 90, 0)  color = 0 }
+        camera { position = vec3(0, 1.5, -5)  target = vec3(0, -1, 0)  fov = 30 }";
+    let mut renderer = renderer(wet, Mode::Compiled);
+    renderer.picture(0.0, silence(), (320, 180));
+    let part = renderer.renderer.edge_pixels() / (320.0 * 180.0);
+    assert!(part < 0.5, "{part} of the pixels get more samples");
+}

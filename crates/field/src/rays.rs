@@ -71,6 +71,10 @@ rays! {
     SHARPNESS_MIN: f32 = 2.0;
     /// Maximum sharpness of a penumbra.
     SHARPNESS_MAX: f32 = 64.0;
+    /// A penumbra that is larger than all others. With it, the distance leaves out objects of glass.
+    WITHOUT_GLASS: f32 = 1e9;
+    /// Media that are denser than this count as media of this density. They are opaque either way.
+    DENSEST: f32 = 1e4;
     /// Length of shadow rays towards an infinitely distant light.
     SUN_DISTANCE: f32 = 1000.0;
     /// This fraction of the largest coordinate of the ray's start is added to [`AHEAD`].

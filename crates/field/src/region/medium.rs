@@ -6,6 +6,7 @@ use super::program::Arg;
 use super::surface::{Over, SurfacePlan, place_of};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, GraphError, Interval, NodeId};
+use crate::rays::DENSEST;
 
 /// Number of cells of the grid along each axis.
 pub const MEDIUM_SIDE: usize = 16;
@@ -15,8 +16,6 @@ const REACH: f32 = 32.0;
 const OVERLAP: f32 = 1e-5;
 /// The bound of a cell that emits light without dimming any.
 const GLOWING: f32 = 1e-9;
-/// The bound of a cell whose density has no bound, which is also the largest density that shaders use.
-const DENSEST: f32 = 1e6;
 
 /// The parts of a world's grids that all frames share.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,6 +12,7 @@ use super::prune::ChoiceTrace;
 use super::reuse::{Before, Memory};
 use super::{BRICK_SIDE, ROOT_SIDE, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
+use crate::rays::WITHOUT_GLASS;
 
 /// Options for building a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,8 +84,8 @@ const ROUNDING: f32 = 1e-5;
 /// Cells overlap by this fraction of the box's size and its distance from the origin, because rays look up their cell a
 /// hundred-thousandth of a root cell ahead.
 const OVERLAP: f32 = 4e-6;
-/// Largest penumbra: the distance from a light divided by its sharpness.
-pub(super) const PENUMBRA_MAX: f32 = 1e9;
+/// Largest penumbra.
+pub(super) const PENUMBRA_MAX: f32 = WITHOUT_GLASS;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {

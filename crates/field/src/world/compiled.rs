@@ -74,7 +74,7 @@ impl World {
             "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
              rest_distance(p, vec3(penumbra, 0.0, 0.0), d.x, d.y);\n    return d;\n}\n\
              float scene_estimate(vec3 p, out float object) {\n    float d;\n    \
-             rest_surface(p, vec3(0.0), d, object);\n    return d;\n}\n",
+             rest_surface(p, vec3(SURFACE_PENUMBRA, 0.0, 0.0), d, object);\n    return d;\n}\n",
         );
         let pixel = "vec3(picture_pixel(), 0.0)";
         let steps = ", vec3(frame_screen.z, 0.0, 0.0), vec3(0.0, frame_screen.w, 0.0)";

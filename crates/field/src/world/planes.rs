@@ -8,6 +8,7 @@ use std::collections::HashSet;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
+use crate::rays::WITHOUT_GLASS;
 
 /// Maximum number of planes that are taken out of a scene. Further planes are traced like other shapes.
 pub const PLANES_MAX: usize = 4;
@@ -47,9 +48,10 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
     let mut planes = Vec::new();
     let mut rest: Vec<Part> = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
-        let shadowless = glass_of(scene, object.material)?;
+        let glass = scene.materials.get(object.material).map(|material| material.glass);
+        let away = glass.map(|glass| away_of(&mut scene.graph, glass)).transpose()?.flatten();
         if let Some(bound) = object.bound {
-            rest.push(Part { object: index, shape: object.shape, bound: Some(bound), shadowless });
+            rest.push(Part { object: index, shape: object.shape, bound: Some(bound), away });
             continue;
         }
         let mut others = Vec::new();
@@ -62,7 +64,7 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
         }
         let graph = &mut scene.graph;
         if let Some(shape) = others.into_iter().reduce(|a, b| graph.min(a, b)) {
-            rest.push(Part { object: index, shape, bound: None, shadowless });
+            rest.push(Part { object: index, shape, bound: None, away });
         }
     }
     let graph = &mut scene.graph;
@@ -73,27 +75,42 @@ struct Part {
     object: usize,
     shape: NodeId,
     bound: Option<NodeId>,
-    /// Above 0 if the object is of glass.
-    shadowless: Option<NodeId>,
+    /// The distance by which the penumbra moves an object of glass away; `None` for other objects.
+    away: Option<NodeId>,
 }
 
-/// Returns the glass of a material; `None` if it is 0, or depends on the point. Light then does not pass through.
-fn glass_of(scene: &Scene, material: usize) -> Result<Option<NodeId>, GraphError> {
-    let Some(glass) = scene.materials.get(material).map(|material| material.glass) else { return Ok(None) };
-    if scene.graph.as_constant(glass).is_some_and(|glass| glass <= 0.0) {
+impl Part {
+    /// The shape; glass is moved away.
+    fn moved(&self, graph: &mut Graph) -> NodeId {
+        self.away.map_or(self.shape, |away| graph.add(self.shape, away))
+    }
+}
+
+/// Returns the distance by which the penumbra moves glass away from rays. Rays to lights pass glass whose material is
+/// the same everywhere. With [`WITHOUT_GLASS`], all glass is away.
+fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>, GraphError> {
+    if graph.as_constant(glass).is_some_and(|glass| glass <= 0.0) {
         return Ok(None);
     }
-    let used = scene.graph.inputs_used(&[glass])?;
+    let used = graph.inputs_used(&[glass])?;
     let is_fixed = used.textures.is_empty() && used.inputs.iter().all(|input| input.of_point().is_none());
-    Ok(is_fixed.then_some(glass))
+    let penumbra = graph.input(Input::NX);
+    Ok(Some(if is_fixed {
+        let clear = graph.constant(CLEAR_OF_SHADOWS);
+        let clear = graph.mul(clear, glass);
+        graph.mul(penumbra, clear)
+    } else {
+        let shadows = graph.constant(0.1 * WITHOUT_GLASS);
+        let beyond = graph.sub(penumbra, shadows);
+        let zero = graph.constant(0.0);
+        graph.max(beyond, zero)
+    }))
 }
 
 /// The distance of glass grows by this multiple of the penumbra, so that rays to lights pass through it.
-const CLEAR_OF_SHADOWS: f32 = 1e4;
+const CLEAR_OF_SHADOWS: f32 = 1e6;
 
 /// Returns the union of `parts`.
-///
-/// Rays to lights, whose penumbra is above 0, pass through glass.
 ///
 /// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
@@ -102,22 +119,17 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let one = graph.constant(1.0);
     let (first, others) = parts.split_first()?;
     let mut object = graph.constant(first.object as f32);
-    let mut nearest = first.shape;
+    let mut nearest = first.moved(graph);
     for part in others {
-        let closer = graph.binary(Op::Less, part.shape, nearest);
+        let shape = part.moved(graph);
+        let closer = graph.binary(Op::Less, shape, nearest);
         let this = graph.constant(part.object as f32);
         object = graph.select(closer, this, object);
-        nearest = graph.min(nearest, part.shape);
+        nearest = graph.min(nearest, shape);
     }
     let (mut bound, mut estimate): (Option<NodeId>, Option<NodeId>) = (None, None);
     for part in parts {
-        let mut shape = part.shape;
-        if let Some(glass) = part.shadowless {
-            let clear = graph.constant(CLEAR_OF_SHADOWS);
-            let clear = graph.mul(clear, glass);
-            let away = graph.mul(penumbra, clear);
-            shape = graph.add(shape, away);
-        }
+        let shape = part.moved(graph);
         let mut trusted = shape;
         let mut step = shape;
         if let Some(left_out) = part.bound {
