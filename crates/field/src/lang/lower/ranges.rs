@@ -38,7 +38,9 @@ impl SceneBuilder<'_> {
             let clamped = field.range.and_then(|range| {
                 let numbers = value.parts().iter().filter_map(|part| self.lowering.known(*part));
                 let mut clamped = numbers.map(|number| (number, range.clamp(number)));
-                clamped.find(|(number, clamped)| number != clamped).map(|found| (range, found))
+                clamped
+                    .find(|(number, clamped)| !number.is_nan() && number != clamped)
+                    .map(|found| (range, found))
             });
             if let Some((range, (number, clamped))) = clamped {
                 let message = format!("`{name}` cannot be {number}: it counts as {clamped}");
