@@ -66,14 +66,14 @@ void main() {
     ivec2 last = textureSize(path_state, 0).xy - 1;
     vec4 own = light_of_state(texel);
     // Neighbours share the excess, so that no light is lost.
-    vec4 shared = vec4(0.0);
+    vec4 taken = vec4(0.0);
     for (int i = 0; i < 9; i++) {
         ivec2 at = texel + ivec2(i % 3, i / 3) - 1;
         if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
         vec4 other = light_of_state(at);
-        shared.rgb += excess_of(at, last, other) * other.rgb / 9.0;
+        taken.rgb += excess_of(at, last, other) * other.rgb / 9.0;
     }
-    own.rgb = own.rgb * (1.0 - excess_of(texel, last, own)) + shared.rgb;
+    own.rgb = own.rgb * (1.0 - excess_of(texel, last, own)) + taken.rgb;
     vec3 normal = guide_of(texel).xyz;
     // A few paths that found no light seem to be certain. The mean of many neighbours knows better.
     float variance = 0.0;

@@ -15,7 +15,7 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::moving_textures::description;
 use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
-use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, TextureRef, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, TextureRef, plural, render_all};
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
@@ -261,12 +261,10 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
         .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
         .count();
     Ok(format!(
-        "{} clauses, {constants} constants, {} registers for the distance; {}, {}, {}; listens to {}",
+        "{} clauses, {constants} constants, {} registers for the distance; {}; listens to {}",
         tape.clauses().len(),
         tape.registers(),
-        count(scene.objects.len(), "object"),
-        count(scene.materials.len(), "material"),
-        count(scene.lights.len(), "light"),
+        parts(scene),
         inputs(scene, &scene.graph, &roots)?
     ))
 }
@@ -296,8 +294,18 @@ fn remembers(world: &World) -> String {
 const NO_DISTANCE: &str =
     "the shape's value is not a distance, so rays take short steps and the shape's shadows are sharp";
 
-fn count(number: usize, what: &str) -> String {
-    if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
+/// Counts the parts of a scene: those that every scene has, and others if there are some.
+fn parts(scene: &Scene) -> String {
+    let points = scene.swarms.iter().map(|swarm| swarm.points).sum();
+    let usual =
+        [(scene.objects.len(), "object"), (scene.materials.len(), "material"), (scene.lights.len(), "light")];
+    let others = [(scene.media.len(), "medium"), (scene.swarms.len(), "swarm"), (points, "point")];
+    let others = others.into_iter().filter(|(number, _)| *number > 0);
+    let counted = usual.into_iter().chain(others).map(|(number, what)| match number {
+        1 => format!("1 {what}"),
+        _ => format!("{number} {}", plural(what)),
+    });
+    counted.collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the names, in the scene language, of the inputs that `roots` read, except the coordinates of the point.

@@ -11,7 +11,7 @@ use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, tell};
 use crate::scenes::{ShaderError, read_shader, scene_of_shader, text_around};
-use mariana_field::glsl_export::shadertoy;
+use mariana_field::glsl_export::{left_out, shadertoy};
 use mariana_field::glsl_import::Problem;
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
 
@@ -110,8 +110,8 @@ pub(super) fn run_export(arguments: &ExportArguments) -> anyhow::Result<()> {
         AtomicFile::create(&arguments.output)?.write(text.as_bytes())?;
         print_line(&arguments.output.display().to_string())?;
     }
-    if !scene.textures.is_empty() {
-        tell("left out: textures, which are grey");
+    for sentence in left_out(&scene) {
+        tell(&format!("left out: {sentence}"));
     }
     Ok(())
 }

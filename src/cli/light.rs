@@ -18,7 +18,7 @@ pub(super) struct LightArguments {
     #[arg(long, value_name = "HOW", default_value = "raster", value_parser = choice::<LightModel>())]
     light: LightModel,
     /// With --light path: most paths of a pixel [default: 256]
-    #[arg(long, value_name = "COUNT", value_parser = parse_samples)]
+    #[arg(long, value_name = "COUNT", value_parser = parse_samples, allow_negative_numbers = true)]
     samples: Option<u16>,
     /// With --light path: stop where the light's relative error is below this; 0 for all paths [default: 0.03]
     #[arg(long, value_name = "ERROR", value_parser = parse_noise, allow_negative_numbers = true)]

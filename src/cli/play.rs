@@ -210,7 +210,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         Some(name) => last_scene(name, &common)?,
         None => arguments.scene.choose(scene, &common)?,
     };
-    let projection = arguments.projection.projection();
+    let projection = arguments.projection.projection()?;
     let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
     if !arguments.new {
         settings.moved = file.settings().moved(&scene.source.title());

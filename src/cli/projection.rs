@@ -1,5 +1,6 @@
 //! Flags for projections and, in stills and videos, motion blur.
 
+use anyhow::bail;
 use clap::Args;
 
 use super::choices::choice;
@@ -19,14 +20,22 @@ pub(super) struct ProjectionArguments {
     #[arg(long, value_name = "UNITS", default_value_t = Projection::EYE_DISTANCE, value_parser = parse_eye_distance, requires = "stereo", allow_negative_numbers = true)]
     eye_distance: f64,
     /// Height of the camera's target in a dome, in degrees above the front rim; 90 is the zenith
-    #[arg(long, value_name = "DEGREES", default_value_t = Projection::DOME_TILT, value_parser = parse_degrees, allow_negative_numbers = true)]
-    dome_tilt: f64,
+    /// [default: 45]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_degrees, allow_negative_numbers = true)]
+    dome_tilt: Option<f64>,
 }
 
 impl ProjectionArguments {
-    pub(super) fn projection(&self) -> Projection {
-        let Self { projection: kind, stereo, eye_distance, dome_tilt, .. } = *self;
-        Projection { kind, stereo, eye_distance, dome_tilt }
+    /// Returns the projection.
+    ///
+    /// # Errors
+    /// Fails if a flag is about another projection.
+    pub(super) fn projection(&self) -> anyhow::Result<Projection> {
+        let Self { projection: kind, stereo, eye_distance, dome_tilt } = *self;
+        if dome_tilt.is_some() && kind != ProjectionKind::Dome {
+            bail!("--dome-tilt is about domes: give --projection dome too");
+        }
+        Ok(Projection { kind, stereo, eye_distance, dome_tilt: dome_tilt.unwrap_or(Projection::DOME_TILT) })
     }
 }
 
@@ -36,7 +45,7 @@ pub(super) struct ShutterArguments {
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = parse_shutter, conflicts_with_all = ["view", "alpha"], allow_negative_numbers = true)]
     shutter: f64,
     /// Exposures of each frame with --shutter; drawing takes this many times as long
-    #[arg(long, value_name = "COUNT", default_value_t = Shutter::EXPOSURES, value_parser = parse_exposures, requires = "shutter")]
+    #[arg(long, value_name = "COUNT", default_value_t = Shutter::EXPOSURES, value_parser = parse_exposures, requires = "shutter", allow_negative_numbers = true)]
     shutter_frames: u32,
 }
 

@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use anyhow::bail;
 use clap::Args;
 
 use super::common::{
@@ -76,12 +77,17 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         Some(_) => finish_by_signals(),
         None => end_by_signals(),
     }
+    if arguments.light.samples().is_some() && arguments.ray.is_some() {
+        bail!(
+            "--light path follows many rays through a pixel, and --ray draws one: leave out --ray or --light"
+        );
+    }
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana still -o - > frame.png")?;
     let (kind, fraction) = arguments.blend;
     let into = arguments.into.as_deref().map(scene_of).transpose()?;
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
-    let projection = arguments.projection.projection();
+    let projection = arguments.projection.projection()?;
     let request = StillRequest {
         song,
         at: arguments.at,

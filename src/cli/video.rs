@@ -128,7 +128,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         None => Lyrics::of_song(&song),
     });
     let lyrics = lyrics.transpose()?;
-    let projection = arguments.projection.projection();
+    let projection = arguments.projection.projection()?;
     let size = if projection.is_plain() { preset.size } else { projection.default_size() };
     let request = VideoRequest {
         song,

@@ -94,8 +94,16 @@ pub enum ExportError {
     /// No parts were given.
     #[error("there are no parts to join: name their files after --join")]
     NoParts,
+    /// A part that cannot be read.
+    #[error("{} cannot be read ({reason}): check the name of the part", .path.display())]
+    UnreadablePart {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        reason: String,
+    },
     /// A file that is no part.
-    #[error("{} is no finished part of a video: name files that 'mariana video --part' has written", .path.display())]
+    #[error("{} is no finished part of a video: name files that 'mariana video --part' has written, and let unfinished parts finish", .path.display())]
     NoPart {
         /// The file.
         path: PathBuf,

@@ -90,6 +90,8 @@ pub(super) struct HeadlessRenderer {
     paths: Option<PathDrawing>,
     /// True if images of later moments follow.
     is_video: bool,
+    /// True after the first image.
+    has_drawn: bool,
     // The last field, so that the context is dropped after the objects that use it.
     context: Headless,
 }
@@ -121,6 +123,7 @@ impl HeadlessRenderer {
             projection: choice.projection,
             paths: choice.paths.map(PathDrawing::of),
             is_video: false,
+            has_drawn: false,
             context,
         })
     }
@@ -216,6 +219,9 @@ impl HeadlessRenderer {
 
     pub(super) fn draw(&mut self, model: &Model, frame: Frame) -> Result<(), ExportError> {
         let Model { program, resources, mode, .. } = model;
+        if !std::mem::replace(&mut self.has_drawn, true) {
+            warn_of_a_camera_inside(resources.world(), &frame);
+        }
         let mut frame = frame.projected(resources.world(), self.projection);
         self.textures.put_into(&mut frame, resources.world());
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
@@ -332,6 +338,19 @@ pub struct Painter {
     model: Model,
     held: HeldInputs,
     headless_renderer: HeadlessRenderer,
+}
+
+fn warn_of_a_camera_inside(world: &World, frame: &Frame) {
+    let eye = frame.camera.position.to_array().map(|part| part as f32);
+    if let Some(object) = world.object_around(eye, &frame.inputs) {
+        tracing::warn!(
+            "at {:.2} s the camera is inside of the object `{}` of {}, and sees nothing else: move the camera's \
+             `position` out of it",
+            frame.inputs.time,
+            object.name,
+            world.name
+        );
+    }
 }
 
 impl Painter {

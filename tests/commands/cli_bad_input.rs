@@ -267,6 +267,34 @@ fn invalid_arguments_are_refused_with_the_valid_range() {
 }
 
 #[test]
+fn a_negative_count_was_taken_for_another_flag() {
+    let place = Workplace::new();
+    let still = ["still", "-o", "frame.png"];
+    for (arguments, option) in [
+        (&["--light", "path", "--samples", "-1"][..], "--samples"),
+        (&["--shutter", "180", "--shutter-frames", "-1"], "--shutter-frames"),
+    ] {
+        place.run(&[&still[..], arguments].concat()).refused_arguments(option, &["-1", "from"]);
+    }
+}
+
+#[test]
+fn flags_without_an_effect_were_ignored_in_silence() {
+    let place = Workplace::new();
+    for job in [&["still", "-o", "frame.png"][..], &["video", "-o", "song.mp4"], &[]] {
+        for projection in [&[][..], &["--projection", "360"]] {
+            place
+                .run(&[job, &["--dome-tilt", "10"], projection].concat())
+                .refused(&["--dome-tilt", "--projection dome"]);
+        }
+    }
+    place
+        .run(&["still", "-o", "frame.png", "--light", "path", "--ray", "1,1"])
+        .refused(&["--light path", "leave out --ray"]);
+    assert_eq!(place.names(), [""; 0], "a refused job left a file");
+}
+
+#[test]
 fn a_scene_that_is_a_pipe_is_refused() {
     let place = Workplace::new();
     output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();

@@ -256,3 +256,51 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     let differ = plain.pixels().zip(ray.pixels()).filter(|(a, b)| a != b).count();
     assert!(differ > 40_000, "only {differ} pixels belong to the diagram");
 }
+
+#[test]
+fn media_and_swarms_were_not_counted() {
+    let place = Workplace::new();
+    let swarm = "swarm sparks { count = 7  glow = 1 }\n";
+    place.write("fog.scene", format!("medium a {{ }}\nmedium b {{ }}\n{swarm}sphere(p, 1)"));
+    let printed = place.run(&["check", "fog.scene", "length(p) - 1"]).done();
+    assert!(
+        printed.contains("1 object, 1 material, 1 light, 2 media, 1 swarm, 7 points; listens"),
+        "{printed}"
+    );
+    assert!(printed.contains("1 object, 1 material, 1 light; listens"), "{printed}");
+}
+
+#[test]
+fn an_exported_scene_lost_its_fog_and_glass_in_silence() {
+    let place = Workplace::new();
+    place.write(
+        "all.scene",
+        "medium a { }\nswarm b { }\nmaterial m { glass = 1 }\nobject c { shape = sphere(p, 1)  material = m }",
+    );
+    place.write("plain.scene", "sphere(p, 1)");
+    let export = |scene: &str| place.run(&["export", "--glsl", scene]);
+    let (all, plain) = (export("all.scene"), export("plain.scene"));
+    for what in ["media", "swarms", "light through glass and translucent bodies"] {
+        assert!(all.stderr.contains(&format!("left out: {what}")), "{all:?}");
+        assert!(all.stdout.contains(&format!("// Left out: {what}.")), "{all:?}");
+    }
+    assert!(plain.stderr.is_empty() && !plain.stdout.contains("Left out"), "{plain:?}");
+}
+
+#[test]
+fn a_camera_inside_of_an_object_drew_nothing_in_silence() {
+    let place = Workplace::new();
+    let inside = "camera { position = vec3(0.1, 0, 0)  target = vec3(0, 0, 1) }\n";
+    place.write("in.scene", format!("{inside}object cave {{ shape = sphere(p, 1) }}"));
+    place.write("out.scene", format!("{inside}object cave {{ shape = shell(sphere(p, 1), 0.1) }}"));
+    place.write("below.scene", format!("{inside}object floor {{ shape = p.y - 1 }}"));
+    let still = |scene: &str| place.run(&["still", "-o", "a.png", "--size", "16x9", "--scene", scene]);
+    let (within, outside) = (still("in.scene"), still("out.scene"));
+    assert_eq!(within.code, 0, "{within:?}");
+    assert!(within.stderr.contains("inside of the object `cave`"), "{within:?}");
+    assert!(outside.stderr.is_empty(), "{outside:?}");
+    assert!(place.run(&["check", "in.scene"]).done().contains("the camera is inside of this object"));
+    for scene in ["out.scene", "below.scene"] {
+        assert!(!place.run(&["check", scene]).done().contains("camera"), "{scene}");
+    }
+}

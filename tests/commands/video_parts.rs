@@ -120,7 +120,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     join("one.wav", "j.mp4", &["p1.mp4", "p2.mp4"]).refused(&["p2.mp4", "other settings", "p1.mp4"]);
     join("one.wav", "j.mp4", &["a1.mp4", "c2.mp4"]).refused(&["c2.mp4", "another frame rate"]);
     join("one.wav", "j.mp4", &["a1.mp4", "one.wav"]).refused(&["one.wav is no finished part"]);
-    join("one.wav", "j.mp4", &["a1.mp4", "none.mp4"]).refused(&["none.mp4 is no finished part"]);
+    join("one.wav", "j.mp4", &["a1.mp4", "none.mp4"]).refused(&["none.mp4 cannot be read", "check the name"]);
     join("other.wav", "j.mp4", &["a1.mp4", "a2.mp4"]).refused(&["another song"]);
     join("one.wav", "j.gif", &["a1.mp4", "a2.mp4"]).refused(&["j.gif", ".mp4"]);
     join("one.wav", "a2.mp4", &["a1.mp4", "a2.mp4"]).refused(&["a2.mp4 is one of the parts", "-o"]);

@@ -1,12 +1,12 @@
 //! A scene as GLSL that can be pasted into Shadertoy.
 //!
 //! The time becomes `iTime`, parameters become constants of the same name, and the sound is silent. Textures are grey.
-//! Texts and pictures as shapes are left out.
+//! [`left_out`] lists what a scene loses.
 
 use std::fmt::Write as _;
 
 use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op};
-use crate::lang::Scene;
+use crate::lang::{Material, Scene};
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 
 /// Functions that the generated code may call, each with its text.
@@ -45,6 +45,24 @@ void mainImage(out vec4 fragColor, in vec2 fragCoord) {
     fragColor = vec4(pow(clamp(color, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
 }
 ";
+
+/// Returns the parts of a scene that its GLSL leaves out, in words.
+pub fn left_out(scene: &Scene) -> Vec<&'static str> {
+    let some = |value: &NodeId| scene.graph.as_constant(*value).is_none_or(|value| value > 0.0);
+    let any = |of: fn(&Material) -> Vec<NodeId>| scene.materials.iter().any(|one| of(one).iter().any(some));
+    let parts = [
+        (!scene.textures.is_empty(), "textures, which are grey"),
+        (!scene.shapes.is_empty(), "texts and pictures as shapes"),
+        (!scene.media.is_empty(), "media"),
+        (!scene.swarms.is_empty(), "swarms"),
+        (any(|one| vec![one.glass, one.translucent]), "light through glass and translucent bodies"),
+        (any(|one| one.emission.to_vec()), "emitted light"),
+        (any(|one| vec![one.reflect, one.metalness, one.coat, one.velvet]), "mirrors and shine"),
+        (scene.has_own_sky, "the sky, which has other colours"),
+        (some(&scene.picture.decay), "trails"),
+    ];
+    parts.into_iter().filter_map(|(is_lost, what)| is_lost.then_some(what)).collect()
+}
 
 /// Returns GLSL with `float map(vec3 p)`, the scene's distance, and `vec3 map_color(vec3 p, vec3 n)`, the colour of
 /// the nearest object. With `main_image`, a `mainImage` that draws both follows.
@@ -88,6 +106,9 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String, GraphError> 
     let mut text = String::from(
         "// Made by `mariana export`. map: distance, map_color: colour of the nearest object.\n",
     );
+    for sentence in left_out(scene) {
+        let _ = writeln!(text, "// Left out: {sentence}.");
+    }
     if main_image || body.contains("camera_position") {
         text.push_str("vec3 camera_position = vec3(0.0, 2.0, -5.0);\n");
     }

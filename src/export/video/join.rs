@@ -26,6 +26,10 @@ pub fn join_parts(request: &VideoRequest, files: &[PathBuf]) -> Result<Written, 
         if same_file(file, path) {
             return Err(ExportError::OverThePart { path: path.clone() });
         }
+        let metadata = std::fs::metadata(file);
+        if let Some(reason) = metadata.err().map(|error| error.to_string()) {
+            return Err(ExportError::UnreadablePart { path: file.clone(), reason });
+        }
         let record = PartRecord::read(file).ok_or_else(|| ExportError::NoPart { path: file.clone() })?;
         parts.push((file, record));
     }

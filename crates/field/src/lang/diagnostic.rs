@@ -257,9 +257,10 @@ impl Diagnostics {
         if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
     }
 
-    /// Adds a warning, unless there are already as many as mistakes are allowed.
+    /// Adds a warning, unless its place has one, or there are already as many as mistakes are allowed.
     pub(super) fn warn(&mut self, warning: Diagnostic) {
-        if self.warnings.len() < self.max {
+        let is_known = self.warnings.iter().any(|one| one.span == warning.span);
+        if !is_known && self.warnings.len() < self.max {
             self.warnings.push(warning);
         }
     }
@@ -280,6 +281,14 @@ impl Diagnostics {
 
     /// Returns the diagnostics in the order of their locations. If diagnostics were dropped, the last one reports this.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
+        // `previous(pixel)` in a place without images and pixels is one mistake.
+        let unsupported = self.list.iter().filter(|one| one.fault == Fault::Unsupported);
+        let spans: Vec<Span> = unsupported.map(|one| one.span).collect();
+        let holds =
+            |outer: &Span, span: Span| *outer != span && outer.start <= span.start && span.end <= outer.end;
+        self.list.retain(|one| {
+            one.fault != Fault::Unsupported || !spans.iter().any(|outer| holds(outer, one.span))
+        });
         self.list.sort_by_key(|one| one.span);
         if self.dropped > 0 {
             let span = self.list.last().map_or(Span::default(), |last| last.span);

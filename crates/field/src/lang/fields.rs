@@ -5,6 +5,8 @@
 
 use std::fmt;
 
+use crate::limits::FEEDBACK_DECAY_MAX;
+
 /// A field of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
@@ -16,8 +18,8 @@ pub struct Field {
     pub default: DefaultValue,
     /// The inputs that the value may use.
     pub(super) uses: u16,
-    /// The range of the values; `None` except in materials.
-    pub range: Option<MaterialRange>,
+    /// The range to which the values are clamped; `None` if every value has a meaning.
+    pub range: Option<FieldRange>,
     /// The description on the language's page.
     pub doc: &'static str,
 }
@@ -48,9 +50,8 @@ pub enum Holds {
 impl Field {
     /// True if the field's three numbers are the colour of light or of a surface.
     pub fn is_color(&self) -> bool {
-        let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
         self.holds == Holds::Vector
-            && (of_material || matches!(self.name, "color" | "ambient" | "emission" | "glow"))
+            && matches!(self.name, "color" | "ambient" | "emission" | "glow" | "absorb")
     }
 }
 
@@ -76,6 +77,7 @@ pub(super) mod of {
     pub(crate) type Vector<N> = [N; 3];
     pub(crate) type Place<N> = [N; 2];
     pub(crate) type ToneMap<N> = N;
+    pub(crate) type Shape<N> = N;
 }
 
 /// The value of a field that a scene does not set.
@@ -99,24 +101,58 @@ impl fmt::Display for DefaultValue {
     }
 }
 
-/// The range to which a field's values are clamped before lighting. A NaN becomes 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MaterialRange {
-    /// A fraction, 0..1.
-    Fraction,
-    /// A reflected colour: each part 0..1.
-    Reflectance,
-    /// Emitted light: each part 0..1e6.
-    Light,
-    /// A refractive index, 0.3..4.
-    Index,
-    /// A length, 0..1e6.
-    Length,
+/// A range to which the values of fields are clamped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldRange {
+    /// The least value.
+    pub least: f32,
+    /// The largest value; infinite for none.
+    pub most: f32,
+}
+
+impl FieldRange {
+    pub(super) const FRACTION: Self = Self::of(0.0, 1.0);
+    /// Light, or a length in a material.
+    pub(super) const LIGHT: Self = Self::of(0.0, 1e6);
+    pub(super) const FROM_0: Self = Self::of(0.0, f32::INFINITY);
+    /// A refractive index.
+    pub(super) const INDEX: Self = Self::of(0.3, 4.0);
+    /// A direction of scattering. At 1 all light would go straight on.
+    pub(super) const PHASE: Self = Self::of(-0.95, 0.95);
+    /// A vertical field of view, in degrees.
+    pub(super) const FOV: Self = Self::of(1.0, 170.0);
+    /// The radius of a lens.
+    pub(super) const LENS: Self = Self::of(0.0, 1e6);
+    pub(super) const EXPOSURE: Self = Self::of(0.0, 1000.0);
+    /// Grain, in steps of 1/255.
+    pub(super) const GRAIN: Self = Self::of(0.0, 16.0);
+    pub(super) const DECAY: Self = Self::of(0.0, FEEDBACK_DECAY_MAX);
+    /// The blur of trails in a frame, in heights of the picture: nine taps are not enough for more.
+    pub(super) const BLUR: Self = Self::of(0.0, 0.02);
+
+    const fn of(least: f32, most: f32) -> Self {
+        Self { least, most }
+    }
+
+    /// Returns the value in the range that is nearest to `value`; a NaN stays.
+    pub fn clamp(self, value: f32) -> f32 {
+        value.clamp(self.least, self.most)
+    }
+}
+
+impl fmt::Display for FieldRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.most.is_finite() {
+            true => write!(f, "from {} to {}", self.least, self.most),
+            false => write!(f, "of at least {}", self.least),
+        }
+    }
 }
 
 pub(super) trait Parts<N> {
     fn take(numbers: &mut impl Iterator<Item = N>) -> Self;
     fn put(self, numbers: &mut Vec<N>);
+    fn map(self, new: impl FnMut(N) -> N) -> Self;
 }
 
 impl<N: Default> Parts<N> for N {
@@ -126,6 +162,10 @@ impl<N: Default> Parts<N> for N {
 
     fn put(self, numbers: &mut Vec<N>) {
         numbers.push(self);
+    }
+
+    fn map(self, mut new: impl FnMut(N) -> N) -> Self {
+        new(self)
     }
 }
 
@@ -137,10 +177,14 @@ impl<N: Default, const COUNT: usize> Parts<N> for [N; COUNT] {
     fn put(self, numbers: &mut Vec<N>) {
         numbers.extend(self);
     }
+
+    fn map(self, new: impl FnMut(N) -> N) -> Self {
+        self.map(new)
+    }
 }
 
 /// Defines a section. The braces contain the members of its struct that are not fields. A row is `name: type = default,
-/// allowed inputs, range of a material's field, "description";`.
+/// allowed inputs, range if values are clamped, "description";`.
 macro_rules! section {
     (
         $(#[$about:meta])*
@@ -181,10 +225,25 @@ macro_rules! section {
                 let mut numbers = numbers.into_iter();
                 Self { $($own,)* $($field: $crate::lang::fields::Parts::take(&mut numbers),)+ }
             }
+
+            /// Returns the section with every number of a field that has a range clamped to it by `clamp`.
+            #[allow(dead_code, unused_mut, unused_variables, reason = "some sections have no ranges")]
+            pub fn in_ranges(self, mut clamp: impl FnMut(N, $crate::lang::fields::FieldRange) -> N) -> Self {
+                Self {
+                    $($own: self.$own,)*
+                    $($field: $crate::lang::fields::section!(@clamped self.$field, clamp $(, $range)?),)+
+                }
+            }
         }
     };
     (@range) => { None };
-    (@range $range:ident) => { Some($crate::lang::fields::MaterialRange::$range) };
+    (@range $range:ident) => { Some($crate::lang::fields::FieldRange::$range) };
+    (@clamped $value:expr, $clamp:ident) => { $value };
+    (@clamped $value:expr, $clamp:ident, $range:ident) => {
+        $crate::lang::fields::Parts::map($value, |number| {
+            $clamp(number, $crate::lang::fields::FieldRange::$range)
+        })
+    };
 }
 
 pub(super) use section;

@@ -44,6 +44,8 @@ const FUNCTIONS: &[(&str, &str)] = &[
     ("sdCappedCylinder", "use `cylinder(p, radius, half_height)`"),
     ("snoise", "use `noise(p)`, which is in 0..1"),
     ("cnoise", "use `noise(p)`, which is in 0..1"),
+    ("rand", "use `hash(p)`: the same place has the same number, as in `hash(vec3(index, 0, 0))`"),
+    ("random", "use `hash(p)`: the same place has the same number, as in `hash(vec3(index, 0, 0))`"),
     ("hash11", "use `hash(vec3(a, 0, 0))`"),
     ("hash21", "use `hash(vec3(p, 0))`"),
     ("hash31", "use `hash(p)`"),
@@ -51,6 +53,8 @@ const FUNCTIONS: &[(&str, &str)] = &[
 
 /// Values: the name, and what to write.
 const VALUES: &[(&str, &str)] = &[
+    ("i", "a point of a swarm has the number `index`; a loop names its variable: `for i in 0..8`"),
+    ("id", "a point of a swarm has the number `index`"),
     ("time", "the time is `t`"),
     ("iTime", "the time is `t`"),
     ("iGlobalTime", "the time is `t`"),

@@ -45,6 +45,8 @@ pub(super) fn load(
 ) -> Loaded {
     let mut loader =
         Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
+    // A file that includes itself is in the scene's folder.
+    loader.open.extend(name.rsplit(['/', '\\']).next().map(str::to_owned));
     loader.file(name, text, None);
     loader.loaded
 }
@@ -141,7 +143,7 @@ impl Loader<'_, '_> {
             return;
         }
         let (depth, count) = (self.limits.include_depth_max, self.limits.scene_includes_max);
-        if self.open.len() >= depth {
+        if self.open.len() > depth {
             let message = format!("files include each other more than {depth} deep");
             let hint = "include this file from the scene or from a less deeply included file";
             return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));

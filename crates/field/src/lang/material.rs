@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::fields::DefaultValue::Each;
-use super::fields::{DefaultValue, Field, Holds, MaterialRange, section};
+use super::fields::{DefaultValue, Field, FieldRange, Holds, section};
 
 const SURFACE: u16 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
@@ -15,28 +15,28 @@ section! {
         /// The name; `default` for the material of objects that set no material.
         name: String,
     }
-    color: Vector = Each(0.8), SURFACE, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
-    roughness: Number = Each(0.5), SURFACE, Fraction, "0 polished .. 1 matt";
-    metalness: Number = Each(0.0), SURFACE, Fraction, "0 insulator .. 1 metal";
-    emission: Vector = Each(0.0), SURFACE, Light, "emitted light";
-    reflect: Number = Each(0.0), SURFACE, Fraction,
+    color: Vector = Each(0.8), SURFACE, FRACTION, "diffuse reflectance, or the metal's colour, 0..1";
+    roughness: Number = Each(0.5), SURFACE, FRACTION, "0 polished .. 1 matt";
+    metalness: Number = Each(0.0), SURFACE, FRACTION, "0 insulator .. 1 metal";
+    emission: Vector = Each(0.0), SURFACE, LIGHT, "emitted light";
+    reflect: Number = Each(0.0), SURFACE, FRACTION,
         "fraction of light mirrored at normal incidence, 0..1: the ray continues in the mirrored direction";
-    coat: Number = Each(0.0), SURFACE, Fraction, "strength of a clear coat, 0..1";
-    haze: Number = Each(0.0), SURFACE, Fraction,
+    coat: Number = Each(0.0), SURFACE, FRACTION, "strength of a clear coat, 0..1";
+    haze: Number = Each(0.0), SURFACE, FRACTION,
         "fraction of the surface's light replaced by the sky, 0..1: for objects that fade into the distance";
-    blur: Number = Each(0.0), SURFACE, Fraction,
+    blur: Number = Each(0.0), SURFACE, FRACTION,
         "roughness of the mirror, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
-    glass: Number = Each(0.0), SURFACE, Fraction,
+    glass: Number = Each(0.0), SURFACE, FRACTION,
         "fraction of light that passes through the surface and bends, 0..1; a glass object casts no shadow";
-    ior: Number = Each(1.5), SURFACE, Index, "refractive index of the glass, 0.3..4: 1.33 water, 1.5 glass, 2.4 diamond";
-    absorb: Vector = Each(0.0), SURFACE, Light, "light that the glass absorbs per unit of length";
-    translucent: Number = Each(0.0), SURFACE, Fraction,
+    ior: Number = Each(1.5), SURFACE, INDEX, "refractive index of the glass, 0.3..4: 1.33 water, 1.5 glass, 2.4 diamond";
+    absorb: Vector = Each(0.0), SURFACE, LIGHT, "light that the glass absorbs per unit of length";
+    translucent: Number = Each(0.0), SURFACE, FRACTION,
         "fraction of diffuse light that comes through the body, 0..1: wax, leaves, skin";
-    depth: Number = Each(0.1), SURFACE, Length,
+    depth: Number = Each(0.1), SURFACE, LIGHT,
         "length after which 1/e of the light is left in a translucent body";
-    film: Number = Each(0.0), SURFACE, Length,
+    film: Number = Each(0.0), SURFACE, LIGHT,
         "thickness of a thin film in nanometres, which colours mirrored light; 0 for none";
-    velvet: Number = Each(0.0), SURFACE, Fraction, "strength of the shine at grazing angles, as of velvet, 0..1";
+    velvet: Number = Each(0.0), SURFACE, FRACTION, "strength of the shine at grazing angles, as of velvet, 0..1";
 }
 
 /// Number of the first fields, which every scene's shaders have. The other fields describe how light passes through a
@@ -74,15 +74,17 @@ pub fn material_glsl() -> String {
          // Clamps a formula's values to their ranges; a NaN becomes the least value.\n\
          float within(float value, float least, float most) {{\n    \
          return value > least ? min(value, most) : least;\n}}\n\
-         float fraction_of(float value) {{\n    return within(value, 0.0, 1.0);\n}}\n\
-         vec3 light_of(vec3 value) {{\n    return vec3(within(value.r, 0.0, 1e6), within(value.g, 0.0, 1e6), \
-         within(value.b, 0.0, 1e6));\n}}\n\
+         vec3 within(vec3 value, float least, float most) {{\n    \
+         return vec3(within(value.r, least, most), within(value.g, least, most), within(value.b, least, most));\n}}\n\
+         vec3 light_of(vec3 value) {{\n    return within(value, {:?}, {:?});\n}}\n\
          Material default_material() {{\n    Material m;\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
          Material within_ranges(Material m) {{\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
          // The fields in these outputs of the interpreter's program.\n\
          #define READ_MATERIAL(m, head) {}\n#define READ_BODY(m, head) {}\n",
         surface.members,
         body.members,
+        FieldRange::LIGHT.least,
+        FieldRange::LIGHT.most,
         surface.defaults,
         body.defaults,
         surface.ranges,
@@ -111,14 +113,9 @@ fn group_glsl(fields: &[Field]) -> GroupGlsl {
         if let DefaultValue::Each(number) = field.default {
             let _ = writeln!(glsl.defaults, "    {value} = {kind}({number:?});");
         }
-        let clamped = match field.range {
-            Some(MaterialRange::Fraction) => format!("fraction_of({value})"),
-            Some(MaterialRange::Light) => format!("light_of({value})"),
-            Some(MaterialRange::Reflectance) => format!("min(light_of({value}), vec3(1.0))"),
-            Some(MaterialRange::Index) => format!("within({value}, 0.3, 4.0)"),
-            Some(MaterialRange::Length) => format!("within({value}, 0.0, 1e6)"),
-            None => value.clone(),
-        };
+        let clamped = field
+            .range
+            .map_or(value.clone(), |range| format!("within({value}, {:?}, {:?})", range.least, range.most));
         let _ = writeln!(glsl.ranges, "    {value} = {clamped};");
         let place =
             |number: usize| format!("READ(head.{}, {})", ["x", "y", "z", "w"][number / 4], number % 4);

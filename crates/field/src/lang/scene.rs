@@ -149,10 +149,10 @@ section! {
     color: Vector = Each(1.0), FRAME,
         "The strength in red, green and blue: the light that arrives at distance 1 or, for a sun, everywhere. For a \
          panel, its brightness in the units of `emission`.";
-    radius: Number = Each(0.0), FRAME,
+    radius: Number = Each(0.0), FRAME, FROM_0,
         "Radius of the shining ball; for a sun, the tangent of its half angle. A larger radius makes shadows softer.";
-    range: Number = Each(0.0), FRAME, "Distance at which the light has faded to 0. A range of 0 means no limit.";
-    shadow: Number = Each(1.0), FRAME, "Fraction of the light that shadows remove, 0..1.";
+    range: Number = Each(0.0), FRAME, FROM_0, "Distance at which the light has faded to 0. A range of 0 means no limit.";
+    shadow: Number = Each(1.0), FRAME, FRACTION, "Fraction of the light that shadows remove, 0..1.";
     right: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its right side; else 0.";
     up: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its upper side; else 0.";
 }
@@ -160,18 +160,18 @@ section! {
 section! {
     /// A medium: fog, smoke, a cloud, an aurora. Light is absorbed and scattered on its way through the medium.
     Medium {}
-    density: Number = Each(0.1), POINT | FRAME | EYE,
+    density: Number = Each(0.1), POINT | FRAME | EYE, FROM_0,
         "Fraction of the light that is lost per unit of length, in thin fog: light falls to 1/e over a length of \
          1 / density.";
-    color: Vector = Each(1.0), POINT | FRAME | EYE, "The colour of the scattered light, 0..1.";
-    scatter: Number = Each(1.0), POINT | FRAME | EYE,
+    color: Vector = Each(1.0), POINT | FRAME | EYE, FRACTION, "The colour of the scattered light, 0..1.";
+    scatter: Number = Each(1.0), POINT | FRAME | EYE, FRACTION,
         "Fraction of the lost light that is scattered, 0 dark smoke .. 1 fog; the rest is absorbed.";
-    emission: Vector = Each(0.0), POINT | FRAME | EYE,
+    emission: Vector = Each(0.0), POINT | FRAME | EYE, FROM_0,
         "Light that the medium emits per unit of length. It does not depend on the density.";
-    phase: Number = Each(0.0), POINT | FRAME | EYE,
+    phase: Number = Each(0.0), POINT | FRAME | EYE, PHASE,
         "The direction in which light is scattered: 0 all directions alike, towards 1 forward, so that fog is bright \
          around a light, towards -1 backward.";
-    shape: Number = Each(-1.0), POINT | FRAME | EYE,
+    shape: Shape = Each(-1.0), POINT | FRAME | EYE,
         "Distance to the space that the medium fills. Outside of that space there is no medium.";
 }
 
@@ -183,12 +183,12 @@ section! {
     }
     count: Number = Each(1000.0), NOTHING, "The number of points, a whole number that never changes.";
     position: Vector = Each(0.0), INDEX | FRAME | EYE, "The position of the point `index`.";
-    size: Number = Each(0.02), INDEX | FRAME | EYE, "Radius of the ball around the position; 0 for no ball.";
-    color: Vector = Each(1.0), INDEX | FRAME | EYE, "The colour of the ball, 0..1.";
-    emission: Vector = Each(0.0), INDEX | FRAME | EYE, "Light that the ball emits.";
-    glow: Vector = Each(0.0), INDEX | FRAME | EYE,
+    size: Number = Each(0.02), INDEX | FRAME | EYE, FROM_0, "Radius of the ball around the position; 0 for no ball.";
+    color: Vector = Each(1.0), INDEX | FRAME | EYE, FRACTION, "The colour of the ball, 0..1.";
+    emission: Vector = Each(0.0), INDEX | FRAME | EYE, FROM_0, "Light that the ball emits.";
+    glow: Vector = Each(0.0), INDEX | FRAME | EYE, FROM_0,
         "Light that surrounds the place: its strength in the middle. It does not light surfaces.";
-    reach: Number = Each(0.3), INDEX | FRAME | EYE, "Distance at which the glow has faded to 0.";
+    reach: Number = Each(0.3), INDEX | FRAME | EYE, FROM_0, "Distance at which the glow has faded to 0.";
     stretch: Vector = Each(0.0), INDEX | FRAME | EYE,
         "From the place to the end of a streak: ball and glow are drawn out along this way.";
 }
@@ -199,10 +199,10 @@ section! {
     Camera {}
     position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
     target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point at which the camera looks.";
-    fov: Number = Each(45.0), FRAME, "Vertical field of view in degrees.";
+    fov: Number = Each(45.0), FRAME, FOV, "Vertical field of view in degrees.";
     roll: Number = Each(0.0), FRAME,
         "Roll around the line of sight in radians; positive values turn the image clockwise.";
-    aperture: Number = Each(0.0), FRAME, "Radius of the lens. With 0 the image is sharp everywhere.";
+    aperture: Number = Each(0.0), FRAME, LENS, "Radius of the lens. With 0 the image is sharp everywhere.";
     focus: Number = Each(f32::INFINITY), FRAME,
         "Distance in focus. If it is not finite, the target is in focus.";
     keep: Number = Each(0.0), FRAME,
@@ -217,9 +217,9 @@ section! {
         "Light from the given direction, or at the given pixel.";
     ambient: Vector = Library("default_ambient"), DIRECTION | FRAME | EYE,
         "Ambient light on a surface whose normal has the given direction.";
-    reach: Number = Each(1.1), FRAME,
+    reach: Number = Each(1.1), FRAME, FROM_0,
         "Distance from a surface within which other objects block ambient light and replace it by their own light.";
-    bounce: Number = Each(0.0), FRAME,
+    bounce: Number = Each(0.0), FRAME, FRACTION,
         "Fraction of the light that surfaces within the reach throw on each other, 0..1: one bounce, as if both had the \
          same colour.";
 }
@@ -228,19 +228,19 @@ section! {
     /// The conversion of light to the colours of the image. Its values depend only on the frame. The default has a
     /// slight glow around bright areas, and grain too weak to be seen.
     Picture {}
-    exposure: Number = Each(1.0), FRAME | SCREEN, "Factor by which light is multiplied.";
-    bloom: Number = Each(0.04), FRAME | SCREEN, "Fraction of the light that is scattered around bright areas, 0..1.";
-    vignette: Number = Each(0.0), FRAME | SCREEN, "Fraction of the light that is lost in the corners, 0..1.";
-    grain: Number = Each(1.0), FRAME | SCREEN, "Strength of the grain, in steps of 1/255.";
+    exposure: Number = Each(1.0), FRAME | SCREEN, EXPOSURE, "Factor by which light is multiplied.";
+    bloom: Number = Each(0.04), FRAME | SCREEN, FRACTION, "Fraction of the light that is scattered around bright areas, 0..1.";
+    vignette: Number = Each(0.0), FRAME | SCREEN, FRACTION, "Fraction of the light that is lost in the corners, 0..1.";
+    grain: Number = Each(1.0), FRAME | SCREEN, GRAIN, "Strength of the grain, in steps of 1/255.";
     tone_map: ToneMap = Each(ToneMap::Agx.number()), NOTHING,
         "The number of the [`ToneMap`], which converts light to a colour of the screen.";
-    decay: Number = Each(0.0), FRAME | SCREEN,
+    decay: Number = Each(0.0), FRAME | SCREEN, DECAY,
         "Fraction of the last frame's light that stays, at 60 frames a second: trails. The brighter of the trails and \
          the scene is visible. 0 for no trails.";
     warp: Place = Each(f32::INFINITY), FRAME | SCREEN | PIXEL,
         "The place in the last frame from which the trails at `pixel` come, as in `previous`; beyond 0..1 they are \
          black. If it is infinite, the trails stay in place.";
-    blur: Number = Each(0.0), FRAME | SCREEN,
+    blur: Number = Each(0.0), FRAME | SCREEN, BLUR,
         "Radius of the blur of the trails in each frame, in heights of the picture, 0..0.02.";
     memory: Number = Each(0.0), NOTHING,
         "Seconds of earlier frames that a frame may depend on, up to 10. 0 derives them from `decay`; a scene that \

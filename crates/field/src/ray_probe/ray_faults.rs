@@ -1,8 +1,9 @@
-//! Faults of a scene's distance that its picture may hide: rays that use up their steps, and steps over surfaces.
+//! Faults of a scene that its picture may hide: rays that use up their steps, steps over surfaces, and a camera inside of
+//! an object.
 
 use super::{Ray, RayProbe, Traced, unit};
 use crate::graph::FrameInputs;
-use crate::lang::Diagnostic;
+use crate::lang::{Diagnostic, Span};
 use crate::rays;
 use crate::region::{RegionOptions, RegionPlan};
 use crate::world::World;
@@ -23,6 +24,8 @@ const FLAT: f32 = 0.7;
 /// Costs and faults of the rays of a scene's camera.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RayFaults {
+    /// The object that contains the camera.
+    pub around: Option<Span>,
     /// Number of rays.
     pub rays: u32,
     /// Number of evaluations of the distance.
@@ -55,6 +58,11 @@ impl RayFaults {
                 )
             })
             .collect();
+        if let Some(span) = self.around {
+            let warning =
+                Diagnostic::warning(span, "the camera is inside of this object, and sees nothing else");
+            warnings.push(warning.hint("move the camera's `position` out of the object"));
+        }
         if self.capped as f32 >= CAPPED_MIN * self.rays.max(1) as f32
             && let Some(object) = world.scene.objects.first()
         {
@@ -88,6 +96,7 @@ pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> 
     frame.hoisted = world.hoisted.values(&frame);
     let regions = RegionPlan::new(world).build(&frame, &RegionOptions::default());
     let planes = world.frame_tape.values(&frame).planes;
+    let around = world.object_around(camera.position, &frame).map(|object| object.span);
     let ray_probe = RayProbe::new(world, &regions, &frame, &planes);
     let way: [f32; 3] = std::array::from_fn(|axis| camera.target[axis] - camera.position[axis]);
     let forward = unit(way);
@@ -99,7 +108,8 @@ pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> 
     ];
     let half = (0.5 * camera.fov.to_radians()).tan();
     let wide = columns as f32 / rows.max(1) as f32;
-    let mut faults = RayFaults { overstepped: vec![0; world.scene.objects.len()], ..RayFaults::default() };
+    let mut faults =
+        RayFaults { around, overstepped: vec![0; world.scene.objects.len()], ..RayFaults::default() };
     let mut slopes = Vec::new();
     let mut searched = Traced::default();
     for place in 0..columns * rows {

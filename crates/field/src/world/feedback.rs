@@ -4,20 +4,16 @@
 //! The CPU computes `warp` on a coarse grid, as MilkDrop does, so that no shader depends on the scene, and both modes
 //! warp alike.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use super::World;
-use crate::graph::{
-    FrameInputs, Graph, NodeId, Order, Point, Screen, ScreenInput, SoundInputs, TextureReader,
-};
-use crate::lang::{Diagnostic, Picture, Scene, Span};
-use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
+use crate::graph::{FrameInputs, Graph, Node, NodeId, Screen, ScreenInput, SoundInputs, TextureReader};
+use crate::lang::{Diagnostic, FORGOTTEN, Picture, Scene, Span, VISIBLE, outlasting};
+use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX, LIMITS, Limits};
 use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
 
 /// Columns and rows of the cells of the grid.
 pub const WARP_CELLS: (usize, usize) = (64, 36);
-/// Light is forgotten when less than this fraction is left.
-const FORGOTTEN: f32 = 1.0 / 255.0;
 /// Frames that a scene without `memory` remembers if it calls `previous`.
 const REMEMBERED: u32 = 2 * FEEDBACK_RATE;
 
@@ -80,100 +76,119 @@ impl Feedback {
 struct EvenLight {
     texture: u16,
     fraction: f32,
-    /// Position of the last read.
-    place: Mutex<Option<[f32; 2]>>,
 }
 
 impl TextureReader for EvenLight {
-    fn read(&self, texture: u16, _channel: u8, u: f32, v: f32) -> f32 {
-        if texture != self.texture {
-            return 0.0;
-        }
-        if let Ok(mut place) = self.place.lock() {
-            *place = Some([u, v]);
-        }
-        self.fraction
+    fn read(&self, texture: u16, _channel: u8, _u: f32, _v: f32) -> f32 {
+        if texture == self.texture { self.fraction } else { 0.0 }
     }
 }
 
 /// A scene keeps the light of its last frame if it reads it at least this bright.
 const GAIN: f32 = 1.001;
-/// A scene changes visibly when a history begins if more than this fraction of light is left by then.
-const VISIBLE: f32 = 4.0 * FORGOTTEN;
+/// The light of the last frames that are tried, as fractions of the brightest light.
+const BRIGHTNESSES: [f32; 2] = [0.25, 0.5];
 /// Columns and rows of the pixels that are tried.
 const TRIED: (u16, u16) = (7, 5);
 /// The size of the picture in which they are.
 const TRIED_SIZE: (u16, u16) = (160, 90);
 
-/// Formulas that may read the last frame.
-struct Formulas {
-    roots: Vec<NodeId>,
-    order: Order,
+/// Light that moves by less than this fraction of the picture is as bright as before, for this number of frames.
+const STEP: f32 = 0.05;
+const STEPS: u32 = 8;
+
+/// A colour that reads the last frame.
+struct Reader {
+    colors: Tape,
+    /// The place of the colour's last read.
+    place: Tape,
 }
 
-impl Formulas {
-    fn new(world: &World, roots: Vec<NodeId>) -> Option<Self> {
-        let order = world.scene.graph.order(&roots).ok()?;
-        Some(Self { roots, order })
+impl Reader {
+    fn new(world: &World, texture: usize, colors: impl IntoIterator<Item = NodeId>) -> Option<Self> {
+        let graph = &world.scene.graph;
+        let roots: Vec<NodeId> = colors.into_iter().collect();
+        let read = graph.order(&roots).ok()?.nodes.into_iter().rev().find_map(|id| match graph.node(id) {
+            Node::Texture { texture: number, u, v, .. } if usize::from(number) == texture => Some([u, v]),
+            _ => None,
+        });
+        // The limit on outputs is for shaders, which do not run this tape.
+        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
+        let options = TapeOptions { limits, ..TapeOptions::default() };
+        let tape = |roots: &[NodeId]| Tape::build(graph, roots, &options).ok();
+        Some(Self { colors: tape(&roots)?, place: tape(&read?)? })
+    }
+
+    fn lit<'a>(&'a self, frames: &'a [FrameInputs; 2]) -> LitReader<'a> {
+        let [dim, bright] = frames;
+        let colors = [dim, bright].map(|inputs| Batch::new(&self.colors, inputs));
+        LitReader { colors, place: Batch::new(&self.place, bright) }
     }
 }
 
-/// How formulas read the last frame in one sound.
-struct LastFrameUse<'w> {
-    world: &'w World,
-    /// Two brightnesses of the last frame.
-    frames: [(Arc<EvenLight>, FrameInputs); 2],
+/// A colour below even last frames of [`BRIGHTNESSES`].
+struct LitReader<'a> {
+    colors: [Batch<'a>; 2],
+    place: Batch<'a>,
 }
 
-impl<'w> LastFrameUse<'w> {
-    fn new(world: &'w World, texture: usize, sound: SoundInputs) -> Self {
-        let of = |fraction| {
-            let light = Arc::new(EvenLight { texture: texture as u16, fraction, place: Mutex::default() });
-            let inputs = FrameInputs {
-                textures: Some(light.clone()),
-                params: world.scene.params.iter().map(|param| param.default).collect(),
-                shapes: world.scene.atlas.clone(),
-                sound,
-                screen: Screen::of_size((TRIED_SIZE.0.into(), TRIED_SIZE.1.into())),
-                time: 1.0,
-                ..FrameInputs::default()
-            };
-            (light, inputs)
-        };
-        Self { world, frames: [0.25, 0.5].map(of) }
-    }
-
-    /// Returns by which factor formulas change the light of the last frame at a pixel, and the place that they read.
-    fn gain(&self, formulas: &Formulas, [x, y]: [f32; 2]) -> (f32, [f32; 2]) {
-        let (width, height) = (f32::from(TRIED_SIZE.0), f32::from(TRIED_SIZE.1));
-        let point = Point { position: [x * width, y * height, 0.0], normal: [0.0, 0.6, 0.8] };
-        let Formulas { roots, order } = formulas;
-        let light = |inputs| self.world.scene.graph.evaluate_in(order, roots, &point, inputs);
-        let [(dim, dim_inputs), (bright, bright_inputs)] = &self.frames;
-        let more = (bright.fraction - dim.fraction) * LAST_LIGHT_MAX;
-        let gains = light(dim_inputs).into_iter().zip(light(bright_inputs));
-        let gain = gains.map(|(dim, bright)| (bright - dim) / more).fold(0.0, f32::max);
-        let place = bright.place.lock().ok().and_then(|place| *place);
-        (gain, place.unwrap_or([x, y]))
-    }
-
-    /// Returns the fraction of light that is left after `frames` frames at a pixel, whose light comes from other places
-    /// from frame to frame. Ends as soon as the light is not visible any more.
-    fn left(&self, formulas: &Formulas, pixel: [f32; 2], frames: u32) -> f32 {
-        let (mut at, mut left) = (pixel, 1.0);
-        for frame in 0..frames {
-            let (gain, from) = self.gain(formulas, at);
-            if from == at {
-                return left * gain.powf((frames - frame) as f32);
+impl LitReader<'_> {
+    /// Returns by which factors the colour changes the light of two even last frames at places of the picture.
+    fn gains(&mut self, places: &[[f32; 2]]) -> Vec<f32> {
+        let [dim, bright] = self.colors.each_mut().map(|batch| run(batch, places));
+        let more = (BRIGHTNESSES[1] - BRIGHTNESSES[0]) * LAST_LIGHT_MAX;
+        let mut gains = vec![0.0; places.len()];
+        for (dim, bright) in dim.iter().zip(&bright) {
+            for (gain, (dim, bright)) in gains.iter_mut().zip(dim.iter().zip(bright)) {
+                *gain = ((bright - dim) / more).max(*gain);
             }
-            left *= gain;
-            if left < VISIBLE {
-                break;
-            }
-            at = from.map(|part| part.clamp(0.0, 1.0));
         }
-        left
+        gains
     }
+
+    /// Returns the places that the colour reads at places of the picture.
+    fn read(&mut self, places: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let read = run(&mut self.place, places);
+        let [u, v] = [0, 1].map(|part| read.get(part).map_or(&[][..], Vec::as_slice));
+        u.iter().zip(v).map(|(u, v)| [*u, *v].map(|part| part.clamp(0.0, 1.0))).collect()
+    }
+
+    /// Returns the largest fraction of light that is left after `count` frames at one of some places, whose light comes
+    /// from other places from frame to frame. Ends as soon as no light is visible any more.
+    fn left(&mut self, places: &[[f32; 2]], count: u32) -> f32 {
+        let (mut places, mut lefts) = (places.to_vec(), vec![1.0; places.len()]);
+        let (mut still, mut frame) = (0.0_f32, 0);
+        while frame < count && !places.is_empty() {
+            let next = self.read(&places);
+            let moved = places.iter().zip(&next).flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]);
+            let most = moved.map(f32::abs).fold(0.0, f32::max);
+            let steps = ((STEP / most) as u32).clamp(1, STEPS).min(count - frame);
+            let gains = self.gains(&places);
+            let mut rays = Vec::new();
+            for (((place, next), left), gain) in places.iter().zip(next).zip(&lefts).zip(gains) {
+                if next == *place {
+                    still = still.max(left * gain.powf((count - frame) as f32));
+                } else if left * gain.powf(steps as f32) > VISIBLE.max(still) {
+                    rays.push((next, left * gain.powf(steps as f32)));
+                }
+            }
+            (places, lefts) = rays.into_iter().unzip();
+            for _ in 1..steps {
+                places = self.read(&places);
+            }
+            frame += steps;
+        }
+        lefts.into_iter().fold(still, f32::max)
+    }
+}
+
+/// Runs a tape of the sky or of a surface at places of the picture.
+fn run(batch: &mut Batch<'_>, places: &[[f32; 2]]) -> Vec<Vec<f32>> {
+    let side = |part: usize, size: u16| places.iter().map(|at| at[part] * f32::from(size)).collect();
+    let (x, y): (Vec<f32>, Vec<f32>) = (side(0, TRIED_SIZE.0), side(1, TRIED_SIZE.1));
+    let normal = [0.0, 0.6, 0.8].map(|part| vec![part; places.len()]);
+    let [nx, ny, nz] = normal.each_ref().map(Vec::as_slice);
+    batch.run(Points { position: [&x, &y, nx], normal: Some([nx, ny, nz]) })
 }
 
 impl World {
@@ -183,26 +198,30 @@ impl World {
     pub fn feedback_warning(&self) -> Option<Diagnostic> {
         let textures = &self.scene.textures;
         let (number, texture) = textures.iter().enumerate().find(|(_, texture)| texture.is_last_frame())?;
-        let frames = self.frame_tape.feedback.as_ref()?.frames;
-        let emissions = self.scene.materials.iter().flat_map(|material| material.emission);
-        let emissions = Formulas::new(self, emissions.collect())?;
-        let sky_color = Formulas::new(self, self.scene.sky.color.to_vec())?;
-        let loud = SoundInputs::each(|input| input.range().1.min(1.0));
+        let count = self.frame_tape.feedback.as_ref()?.frames;
+        let emission =
+            Reader::new(self, number, self.scene.materials.iter().flat_map(|material| material.emission));
+        let sky = Reader::new(self, number, self.scene.sky.color);
+        let middle = |number: u16, of: u16| (f32::from(number) + 0.5) / f32::from(of);
+        let (columns, rows) = TRIED;
+        let places: Vec<[f32; 2]> = (0..columns * rows)
+            .map(|at| [middle(at % columns, columns), middle(at / columns, rows)])
+            .collect();
         let (mut most, mut left): (f32, f32) = (0.0, 0.0);
-        for sound in [SoundInputs::SILENCE, loud] {
-            let of = LastFrameUse::new(self, number, sound);
-            for at in 0..TRIED.0 * TRIED.1 {
-                let pixel = [
-                    (f32::from(at % TRIED.0) + 0.5) / f32::from(TRIED.0),
-                    (f32::from(at / TRIED.0) + 0.5) / f32::from(TRIED.1),
-                ];
-                let (sky, _) = of.gain(&sky_color, pixel);
-                let (emission, _) = of.gain(&emissions, pixel);
-                most = most.max(sky).max(emission);
+        for sound in [SoundInputs::SILENCE, SoundInputs::each(|input| input.range().1.min(1.0))] {
+            let frames = BRIGHTNESSES.map(|fraction| self.tried_inputs(number, fraction, sound));
+            let gain = |reader: &mut LitReader| reader.gains(&places).into_iter().fold(0.0, f32::max);
+            if let Some(emission) = &emission {
+                let gain = gain(&mut emission.lit(&frames));
                 // Which pixel shows a surface is not known.
-                left = left.max(emission.powf(frames as f32));
-                if sky.powf(frames as f32) > left.max(VISIBLE) {
-                    left = left.max(of.left(&sky_color, pixel, frames));
+                (most, left) = (most.max(gain), left.max(gain.powf(count as f32)));
+            }
+            if let Some(sky) = &sky {
+                let mut sky = sky.lit(&frames);
+                let gain = gain(&mut sky);
+                most = most.max(gain);
+                if gain.powf(count as f32) > left.max(VISIBLE) {
+                    left = left.max(sky.left(&places, count));
                 }
             }
         }
@@ -212,27 +231,38 @@ impl World {
             let hint = format!("multiply `previous` by less than 1; light is limited to {LAST_LIGHT_MAX}");
             return Some(Diagnostic::warning(texture.span, message).hint(hint));
         }
-        (left > VISIBLE).then(|| outlasts(left.min(1.0), frames, texture.span))
+        (left > VISIBLE).then(|| outlasts(left.min(1.0), count, texture.span))
+    }
+
+    fn tried_inputs(&self, texture: usize, fraction: f32, sound: SoundInputs) -> FrameInputs {
+        FrameInputs {
+            textures: Some(Arc::new(EvenLight { texture: texture as u16, fraction })),
+            params: self.scene.params.iter().map(|param| param.default).collect(),
+            shapes: self.scene.atlas.clone(),
+            sound,
+            screen: Screen::of_size((TRIED_SIZE.0.into(), TRIED_SIZE.1.into())),
+            time: 1.0,
+            ..FrameInputs::default()
+        }
     }
 }
 
 /// The warning about light of which a visible fraction is left after the frames that a scene remembers.
 fn outlasts(left: f32, frames: u32, span: Span) -> Diagnostic {
-    let (rate, most) = (FEEDBACK_RATE as f32, FEEDBACK_FRAMES_MAX as f32);
-    let seconds = frames as f32 / rate;
-    let percent = 100.0 * left;
-    let message = format!(
-        "light of `previous` lasts longer than the scene's memory of {seconds} s: {percent:.0} % is left when it ends, so \
-         the brightness changes every {seconds} s"
-    );
+    let most = FEEDBACK_FRAMES_MAX;
+    let message = outlasting("light of `previous` lasts", left, frames);
     // Rounded down: light that is multiplied by it is forgotten in time.
-    let allowed = |frames: f32| (100.0 * FORGOTTEN.powf(frames.recip())).floor() / 100.0;
+    let allowed = |frames: u32| (100.0 * FORGOTTEN.powf((frames as f32).recip())).floor() / 100.0;
     let needed = frames as f32 * FORGOTTEN.ln().abs() / left.ln().abs();
-    let less = format!("multiply `previous` by at most {}", allowed(frames as f32));
-    let hint = if needed <= most {
-        format!("write `picture {{ memory = {} }}`, or {less}", (needed / rate).ceil())
-    } else if (frames as f32) < most {
-        format!("{less}, or by at most {} with `picture {{ memory = {} }}`", allowed(most), most / rate)
+    let less = format!("multiply `previous` by at most {}", allowed(frames));
+    let hint = if needed <= most as f32 {
+        format!("write `picture {{ memory = {} }}`, or {less}", (needed / FEEDBACK_RATE as f32).ceil())
+    } else if frames < most {
+        format!(
+            "{less}, or by at most {} with `picture {{ memory = {} }}`",
+            allowed(most),
+            most / FEEDBACK_RATE
+        )
     } else {
         less
     };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::graph::{FrameInputs, Input, NodeId, Point, ScreenInput};
-use crate::lang::{Camera, Light, LightKind, Picture, Scene};
+use crate::lang::{Camera, Light, LightKind, Picture, Scene, Sky};
 use crate::limits::{LIMITS, Limits};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
@@ -25,7 +25,7 @@ pub struct FrameTape {
     pub screen_inputs: BTreeSet<ScreenInput>,
 }
 
-/// The scene's values in one frame. They are unchecked and may be infinite or NaN.
+/// The scene's values in one frame, which may be infinite or NaN. Those of the sky are in their ranges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameValues {
     /// The camera.
@@ -77,11 +77,13 @@ impl FrameTape {
             [at(1.0, 0.0, 0.0) - d, at(0.0, 1.0, 0.0) - d, at(0.0, 0.0, 1.0) - d, d]
         };
         let [reach, bounce] = *values(&self.nearby).first_chunk().unwrap_or(&[0.0; 2]);
+        let sky = Sky { color: [0.0; 3], ambient: [0.0; 3], reach, bounce };
+        let sky = sky.in_ranges(|number, range| range.clamp(number));
         FrameValues {
             camera: Camera::of(values(&self.camera)),
             cameras: self.cameras.iter().map(|tape| Camera::of(values(tape))).collect(),
-            reach,
-            bounce,
+            reach: sky.reach,
+            bounce: sky.bounce,
             picture: Picture::of(values(&self.picture)),
             lights: self.lights.iter().map(|(kind, tape)| Light::of(*kind, values(tape))).collect(),
             planes: self.planes.iter().map(plane).collect(),

@@ -9,7 +9,7 @@
 
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Op};
-use crate::lang::{Medium, Scene};
+use crate::lang::{FieldRange, Medium, Scene};
 use crate::region::every_frame::EveryFrame;
 
 /// Number of results of a scene's program of media: the density, scattered light in red, green and blue per unit of
@@ -19,8 +19,6 @@ pub(crate) const MEDIUM_NUMBERS: usize = 8;
 /// The results of the program of media ([`MEDIUM_NUMBERS`]).
 pub(super) type MediumRoots = [NodeId; MEDIUM_NUMBERS];
 
-/// The direction of scattering is limited to this value, because at 1 all light would go straight on.
-const PHASE_MAX: f32 = 0.95;
 /// Where density and emitted light together are below this value, there is no medium.
 const THINNEST: f32 = 1e-4;
 /// Media beyond this coordinate have no bound there.
@@ -69,23 +67,24 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>, GraphError> 
 
 /// Returns the numbers of one medium, without ambient light.
 fn numbers(graph: &mut Graph, medium: &Medium) -> MediumRoots {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let medium = medium.clone().in_ranges(|number, range| clamped(graph, number, range));
+    let zero = graph.constant(0.0);
     let is_inside = graph.binary(Op::Less, medium.shape, zero);
-    let positive = |graph: &mut Graph, value: NodeId| {
-        let value = graph.max(value, zero);
-        graph.select(is_inside, value, zero)
-    };
-    let density = positive(graph, medium.density);
-    let fraction = graph.clamp(medium.scatter, zero, one);
-    let scattered = graph.mul(density, fraction);
-    let [r, g, b] = medium.color.map(|part| {
-        let part = graph.clamp(part, zero, one);
-        graph.mul(scattered, part)
-    });
-    let [er, eg, eb] = medium.emission.map(|part| positive(graph, part));
-    let (low, high) = (graph.constant(-PHASE_MAX), graph.constant(PHASE_MAX));
-    let phase = graph.clamp(medium.phase, low, high);
-    [density, r, g, b, er, eg, eb, phase]
+    let density = graph.select(is_inside, medium.density, zero);
+    let scattered = graph.mul(density, medium.scatter);
+    let [r, g, b] = medium.color.map(|part| graph.mul(scattered, part));
+    let [er, eg, eb] = medium.emission.map(|part| graph.select(is_inside, part, zero));
+    [density, r, g, b, er, eg, eb, medium.phase]
+}
+
+fn clamped(graph: &mut Graph, number: NodeId, range: FieldRange) -> NodeId {
+    let least = graph.constant(range.least);
+    let number = graph.max(number, least);
+    if range.most.is_infinite() {
+        return number;
+    }
+    let most = graph.constant(range.most);
+    graph.min(number, most)
 }
 
 /// Returns the mean of the ambient light along the axes. It depends only on the frame, so the CPU computes it.
@@ -237,7 +236,7 @@ mod tests {
         );
         let found = medium_at(&world, &FrameInputs::default(), [0.0; 3]);
         assert_eq!(found[..7], [0.0; 7]);
-        assert_eq!(found[7], PHASE_MAX);
+        assert_eq!(found[7], 0.95);
     }
 
     #[test]

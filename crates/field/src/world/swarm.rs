@@ -198,13 +198,7 @@ pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS + 2);
 /// Returns the point with its values in their ranges; `None` if one of them is not a number or too large.
 fn checked(point: Swarm<f32>) -> Option<Swarm<f32>> {
     let is_sound = point.numbers().iter().all(|number| number.abs() <= LARGEST);
-    let positive = |light: [f32; 3]| light.map(|part| part.max(0.0));
-    is_sound.then(|| Swarm {
-        color: point.color.map(|part| part.clamp(0.0, 1.0)),
-        emission: positive(point.emission),
-        glow: positive(point.glow),
-        ..point
-    })
+    is_sound.then(|| point.in_ranges(|number, range| range.clamp(number)))
 }
 
 /// A ball or the glow of a point.

@@ -1,7 +1,8 @@
-//! The warning about a value that is not a distance.
+//! Warnings about a value that is not a distance, and about a camera inside of an object.
 
 use super::World;
-use crate::lang::Diagnostic;
+use crate::graph::{FrameInputs, Point};
+use crate::lang::{Diagnostic, Object};
 
 impl World {
     /// Returns a warning if the shape's value is not a distance and a factor makes it one; at the first object. A formula
@@ -13,5 +14,16 @@ impl World {
             "the shape's value is not a distance, so rays take short steps and its shadows are sharp";
         let hint = format!("multiply the value by {factor:.2} to make it a distance");
         Some(Diagnostic::warning(object.span, message).hint(hint))
+    }
+
+    /// Returns the object whose body contains a place, so that an eye there sees nothing but its inside. Planes have no
+    /// inside, and one can look through glass. `inputs` have the hoisted values.
+    pub fn object_around(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Option<&Object> {
+        let roots = [self.roots.distance[1], self.roots.object];
+        let values = self.graph.evaluate(&roots, &Point::at(x, y, z), inputs).ok()?;
+        let [distance, number] = values.first_chunk()?;
+        let object = self.scene.objects.get(*number as usize).filter(|_| self.has_rest && *distance < 0.0)?;
+        let glass = self.scene.materials.get(object.material)?.glass;
+        self.scene.graph.as_constant(glass).is_some_and(|glass| glass <= 0.0).then_some(object)
     }
 }

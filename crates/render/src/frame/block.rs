@@ -105,7 +105,7 @@ impl Frame {
             xyz(camera.position, pixel_radius),
             xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
-            xyz(forward, f64::from(self.values.bounce.clamp(0.0, 1.0))),
+            xyz(forward, f64::from(self.values.bounce)),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
@@ -180,10 +180,10 @@ fn number_of(kind: LightKind) -> f32 {
 }
 
 fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
+    let light = light.clone().in_ranges(|number, range| range.clamp(number));
     let ([x, y, z], kind) = (light.place(), number_of(light.kind));
     let ([r, g, b], [rx, ry, rz], [ux, uy, uz]) = (light.color, light.right, light.up);
-    let (range, shadow) = (light.range.max(0.0), light.shadow.clamp(0.0, 1.0));
-    [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]
+    [[x, y, z, kind], [r, g, b, light.radius], [rx, ry, rz, light.range], [ux, uy, uz, light.shadow]]
 }
 
 fn put(rest: &mut &mut [[f32; 4]], length: usize, vectors: impl IntoIterator<Item = [f32; 4]>) {

@@ -24,8 +24,8 @@ pub struct Camera {
     pub stepped_back: f64,
 }
 
-/// Range of the vertical field of view, in degrees.
-const FOV: (f64, f64) = (1.0, 170.0);
+/// The vertical field of view in degrees if a scene's is not finite.
+const FOV: f32 = 85.0;
 /// Coordinates are clamped to this range.
 const PLACE_MAX: f64 = 1e7;
 
@@ -42,8 +42,9 @@ impl Camera {
     pub fn by_hand(asked: &lang::Camera<f32>, aspect: f64, orbit: &OrbitControls) -> Self {
         let target = place(asked.target);
         let mut eye = place(asked.position);
-        let fov = if asked.fov.is_finite() { f64::from(asked.fov).clamp(FOV.0, FOV.1) } else { FOV.1 / 2.0 };
-        let tan = (0.5 * fov.to_radians()).tan();
+        let fov = asked.clone().in_ranges(|number, range| range.clamp(number)).fov;
+        let fov = if asked.fov.is_finite() { fov } else { FOV };
+        let tan = (0.5 * f64::from(fov).to_radians()).tan();
         let tan_half = (tan * aspect, tan);
         let away = eye - target;
         let seen = 2.0 * away.length() * tan_half.0;

@@ -1,7 +1,7 @@
 //! Post-processing settings of a frame: the numbers of the shaders' `PictureBlock` (see `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
-use mariana_field::limits::FEEDBACK_DECAY_MAX;
+use mariana_field::lang::FieldRange;
 use mariana_field::world::{FrameValues, SceneFeatures, ToneMap};
 
 /// Number of vec4 in the block.
@@ -25,7 +25,7 @@ pub struct Picture {
     pub tone_map: ToneMap,
     /// Fraction of the last frame's light that trails keep, 0..1.
     pub decay: f32,
-    /// Radius of the blur of trails in heights of the frame, at most [`TRAIL_BLUR_MAX`].
+    /// Radius of the blur of trails in heights of the frame.
     pub blur: f32,
     /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
@@ -45,21 +45,22 @@ pub struct Lens {
 impl Picture {
     /// The settings that a scene requests in a frame. Replaces NaN by the setting's default.
     pub fn of(values: &FrameValues, camera: &Camera, features: SceneFeatures) -> Self {
-        let picture = &values.picture;
+        let clamp = |number: f32, range: FieldRange| range.clamp(number);
+        let picture = values.picture.clone().in_ranges(clamp);
+        let aperture = values.camera.clone().in_ranges(clamp).aperture;
         let lens = || {
             let asked = f64::from(values.camera.focus);
             let focus = if asked.is_finite() { asked + camera.stepped_back } else { camera.to_target };
-            let radius = within(values.camera.aperture, 0.0, LENS_RADIUS_MAX, 0.0);
-            Lens { radius, nearness: 1.0 / (focus as f32).clamp(FOCUS.0, FOCUS.1) }
+            Lens { radius: unless_nan(aperture, 0.0), nearness: 1.0 / (focus as f32).clamp(FOCUS.0, FOCUS.1) }
         };
         Self {
-            exposure: within(picture.exposure, 0.0, EXPOSURE_MAX, 1.0),
-            bloom: within(picture.bloom, 0.0, 1.0, 0.0),
-            vignette: within(picture.vignette, 0.0, 1.0, 0.0),
-            grain: within(picture.grain, 0.0, GRAIN_MAX, 1.0),
+            exposure: unless_nan(picture.exposure, 1.0),
+            bloom: unless_nan(picture.bloom, 0.0),
+            vignette: unless_nan(picture.vignette, 0.0),
+            grain: unless_nan(picture.grain, 1.0),
             tone_map: ToneMap::numbered(picture.tone_map),
-            decay: within(picture.decay, 0.0, FEEDBACK_DECAY_MAX, 0.0),
-            blur: within(picture.blur, 0.0, TRAIL_BLUR_MAX, 0.0),
+            decay: unless_nan(picture.decay, 0.0),
+            blur: unless_nan(picture.blur, 0.0),
             lens: features.lens.then(lens),
             has_media: features.media,
         }
@@ -74,15 +75,10 @@ impl Picture {
 
 /// Largest radius of a blurred point, in image heights. Larger radii are clamped, to limit the samples needed.
 pub const BLUR_MAX: f32 = 0.04;
-/// Largest radius of the blur of trails in a frame, in image heights: nine taps are not enough for more.
-pub const TRAIL_BLUR_MAX: f32 = 0.02;
-const EXPOSURE_MAX: f32 = 1000.0;
-const GRAIN_MAX: f32 = 16.0;
-const LENS_RADIUS_MAX: f32 = 1e6;
 const FOCUS: (f32, f32) = (1e-3, 1e7);
 
-fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
-    if value.is_nan() { otherwise } else { value.clamp(low, high) }
+fn unless_nan(value: f32, otherwise: f32) -> f32 {
+    if value.is_nan() { otherwise } else { value }
 }
 
 #[cfg(test)]

@@ -89,12 +89,14 @@ impl Lowering<'_> {
             self.arguments.push(Value::Unknown);
             return;
         };
-        if self.reports.loop_too_long(
-            end - start,
-            self.limits,
-            "repeat space instead: `repeat(p, size)`",
-            span,
-        ) {
+        let hint = match self.inputs.allowed {
+            allowed if allowed & uses::POINT != 0 => "repeat space instead: `repeat(p, size)`",
+            allowed if allowed & uses::INDEX != 0 => {
+                "each point of a swarm has its own `index`: use it instead of a loop"
+            }
+            _ => "use fewer iterations",
+        };
+        if self.reports.loop_too_long(end - start, self.limits, hint, span) {
             self.arguments.push(Value::Unknown);
             return;
         }

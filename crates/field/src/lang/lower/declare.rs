@@ -8,7 +8,9 @@ use super::super::origins::Stretch;
 use super::super::scene::Param;
 use super::super::source::Span;
 use super::declared::{GlobalFunction, GlobalLet, GlobalValue};
+use super::lowering::A_NUMBER;
 use super::scene::SceneBuilder;
+use super::sections::plural;
 
 impl<'a> SceneBuilder<'a> {
     /// Records all names before anything is lowered, so that declarations may follow their uses.
@@ -76,7 +78,7 @@ impl<'a> SceneBuilder<'a> {
     }
 
     fn twice(&mut self, what: &str, name: Name, first: Span) {
-        let message = format!("two {what}s are called `{}`", self.lowering.name(name.symbol));
+        let message = format!("two {} are called `{}`", plural(what), self.lowering.name(name.symbol));
         let wrong = Diagnostic::new(name.span, message).note(first, "the first one is here");
         self.lowering.reports.add(wrong.hint("give one of them another name"));
     }
@@ -153,7 +155,7 @@ impl<'a> SceneBuilder<'a> {
     pub(super) fn fixed(&mut self, value: ExprId, what: &'static str) -> Option<f32> {
         let span = self.lowering.ast.span(value);
         let result = self.lowering.within(uses::NOTHING, what, |this| this.expr(value));
-        let part = self.lowering.one_number(result, what, span)?;
+        let part = self.lowering.one_number(result, (what, A_NUMBER), span)?;
         // If the number is not constant, the use of an input was already reported.
         self.lowering.known(part).filter(|number| number.is_finite())
     }

@@ -208,9 +208,9 @@ impl Lowering<'_> {
                 let zero = b.parts().iter().any(|&part| self.known(part) == Some(0.0));
                 if zero && self.reports.library_call.is_none() {
                     let wrong = Diagnostic::new(span, "this divides by zero");
-                    return self
-                        .reports
-                        .add(wrong.hint("in a loop, use `if` so that this iteration does not divide"));
+                    let hint =
+                        "write another divisor; in a loop use `if`, as in `if i == 0 then 0 else 1 / i`";
+                    return self.reports.add(wrong.hint(hint));
                 }
                 if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
             }

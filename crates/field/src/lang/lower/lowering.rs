@@ -4,6 +4,7 @@ use super::super::ast::{Ast, ExprId, Parameter};
 use super::super::builtin::{INPUTS, InputValue, uses};
 use super::super::changing::ChangingNumbers;
 use super::super::diagnostic::{Diagnostic, Diagnostics};
+use super::super::fields::Field;
 use super::super::library::{self, Library};
 use super::super::origins::Origins;
 use super::super::source::Span;
@@ -41,6 +42,8 @@ pub(super) struct Lowering<'a> {
 pub(super) struct Inputs {
     pub allowed: u16,
     pub place: &'static str,
+    /// The field that is being lowered, and all fields of its section.
+    pub field: Option<(&'static str, &'static [Field])>,
     pub used: u16,
 }
 
@@ -56,9 +59,13 @@ impl Inputs {
     #[cold]
     fn not_here(&self, missing: u16, symbol: Symbol, span: Span, reports: &mut Reports) {
         let name = reports.names.name(symbol);
-        let here = self.place;
+        let (field, fields) = self.field.unwrap_or_default();
+        let others = fields.iter().filter(|other| missing & !other.uses == 0);
+        let others: Vec<String> = others.map(|other| format!("`{}`", other.name)).collect();
+        let here = if others.is_empty() { self.place.to_owned() } else { format!("`{field}`") };
+        let of_swarm = fields.iter().any(|field| field.uses & uses::INDEX != 0);
         let (message, hint) = match missing {
-            _ if missing & uses::POINT != 0 && self.allowed & uses::INDEX != 0 => (
+            _ if missing & uses::POINT != 0 && of_swarm => (
                 format!("the points of a swarm have numbers, so `{name}` has no value here"),
                 "write a function of `index`, as in `10 * hash_3(vec3(index, 0, 0))`",
             ),
@@ -86,7 +93,7 @@ impl Inputs {
                 "pixels are available in the sky's colour and in `warp`; shapes and materials have the point `p`",
             ),
             _ if missing & uses::INDEX != 0 => (
-                format!("{here} has no points that are numbered, so `{name}` has no value here"),
+                format!("{here} has no numbered points, so `{name}` has no value here"),
                 "numbers of points are available in a `swarm`",
             ),
             _ if missing & uses::SCREEN != 0 => (
@@ -100,8 +107,14 @@ impl Inputs {
                 "write a number",
             ),
         };
-        let diagnostic = Diagnostic::unsupported(span, message).hint(hint);
-        reports.add(diagnostic);
+        let hint = match others.split_last() {
+            Some((last, rest)) if missing & uses::FRAME == 0 => match rest {
+                [] => format!("in this block, only {last} can use it"),
+                _ => format!("in this block, only {} and {last} can use it", rest.join(", ")),
+            },
+            _ => hint.to_owned(),
+        };
+        reports.add(Diagnostic::unsupported(span, message).hint(hint));
     }
 }
 
@@ -145,7 +158,7 @@ impl<'a> Lowering<'a> {
             reports: Reports { diagnostics, names, calls: Vec::new(), library_call: None, stopped: false },
             declared: Declared::new(names.len()),
             scope: Scope::new(names.len()),
-            inputs: Inputs { allowed: uses::NOTHING, place: "", used: uses::NOTHING },
+            inputs: Inputs { allowed: uses::NOTHING, place: "", field: None, used: uses::NOTHING },
             changing,
             budget: Budget::default(),
             spine: Vec::new(),
@@ -322,7 +335,13 @@ impl<'a> Lowering<'a> {
         result
     }
 
-    pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
+    /// Returns the only part of a value. `hint` says how a vector becomes a number.
+    pub(super) fn one_number(
+        &mut self,
+        value: Value,
+        (what, hint): (&str, &str),
+        span: Span,
+    ) -> Option<NodeId> {
         match value {
             Value::Unknown => None,
             Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),
@@ -331,15 +350,18 @@ impl<'a> Lowering<'a> {
                     span,
                     format!("{what} must be a number, but this is {}", other.described()),
                 );
-                let wrong = match other {
-                    Value::Vector(_) => {
-                        wrong.hint("get a distance with `length(…)` or a shape such as `sphere(p, 1)`")
-                    }
-                    _ => wrong,
-                };
-                self.reports.add(wrong);
+                self.reports.add(match other {
+                    Value::Vector(_) => wrong.hint(hint),
+                    Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
+                    _ => wrong.hint("write a number or a formula"),
+                });
                 None
             }
         }
     }
 }
+
+/// The hint for a vector in place of a distance.
+pub(super) const A_DISTANCE: &str = "get a distance with `length(…)` or a shape such as `sphere(p, 1)`";
+/// The hint for a vector in place of another number.
+pub(super) const A_NUMBER: &str = "write one number, or take one part of the vector with `.x`";

@@ -18,6 +18,7 @@ mod lowering;
 mod objects;
 mod parts;
 mod picture;
+mod ranges;
 mod reports;
 mod scene;
 mod scope;
@@ -27,8 +28,9 @@ mod statements;
 mod texture_read;
 mod unused;
 
-pub use sections::section_fields;
+pub(crate) use picture::{FORGOTTEN, VISIBLE, outlasting};
 pub(in crate::lang) use sections::word;
+pub use sections::{plural, section_fields};
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

@@ -5,8 +5,23 @@ use super::super::diagnostic::Diagnostic;
 use super::super::scene::{Picture, TextureRef};
 use super::scene::SceneBuilder;
 use super::sections::Values;
-use crate::graph::{FrameInputs, Input, NodeId, ShapeAtlas};
+use crate::graph::{FrameInputs, Input, NodeId, Point, Screen, ShapeAtlas};
 use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE};
+
+/// Light is forgotten when less than this fraction is left.
+pub(crate) const FORGOTTEN: f32 = 1.0 / 255.0;
+/// A scene changes visibly when a history begins if more than this fraction of light is left by then.
+pub(crate) const VISIBLE: f32 = 4.0 * FORGOTTEN;
+
+/// Returns the message about light that outlasts the frames that a scene remembers.
+pub(crate) fn outlasting(light: &str, left: f32, frames: u32) -> String {
+    let seconds = frames as f32 / FEEDBACK_RATE as f32;
+    format!(
+        "{light} longer than the scene's memory of {seconds} s: {:.0} % is left when it ends, so the brightness changes \
+         every {seconds} s",
+        100.0 * left
+    )
+}
 
 impl SceneBuilder<'_> {
     /// Reports fields that depend on the pixel through a `let` of the block, which only the field `allowed` may do.
@@ -39,6 +54,7 @@ impl SceneBuilder<'_> {
         let params = self.lowering.declared.params.iter().map(|param| (param.min, param.max));
         let any = FrameInputs::any(params, &ShapeAtlas::NONE);
         let decay = picture.largest_decay(&self.lowering.graph, &any);
+        let is_warped_away = self.is_warped_away(picture);
         let mut warn = |span, message: String, hint: &str| {
             self.lowering.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(hint));
         };
@@ -62,12 +78,30 @@ impl SceneBuilder<'_> {
                 warn(span, format!("`{name}` has no effect without trails"), "set `decay = 0.95`");
             }
         }
+        if let Some((_, span)) = values.given("warp")
+            && is_warped_away
+        {
+            warn(
+                span,
+                "`warp` takes all trails from outside of the picture".to_owned(),
+                "places are 0 to 1, as in `pixel / resolution`",
+            );
+        }
         let most = FEEDBACK_FRAMES_MAX / FEEDBACK_RATE;
         let memory = self.lowering.graph.as_constant(picture.memory);
         if let Some((_, span)) = values.given("memory") {
             match memory {
                 Some(memory) if (0.0..=most as f32).contains(&memory) => {
                     self.parts.memory = Some(span).filter(|_| decay <= 0.0);
+                    let frames = (memory * FEEDBACK_RATE as f32).ceil();
+                    let left = decay.clamp(0.0, FEEDBACK_DECAY_MAX).powf(frames);
+                    if memory > 0.0 && left > VISIBLE {
+                        warn(
+                            span,
+                            outlasting("trails last", left, frames as u32),
+                            "leave `memory` out, because it follows from `decay`, or lower `decay`",
+                        );
+                    }
                 }
                 Some(memory) if memory > most as f32 => warn(
                     span,
@@ -81,6 +115,18 @@ impl SceneBuilder<'_> {
                 }
             }
         }
+    }
+
+    /// True if no trail at some pixels comes from a place in the picture, at the start of a silent song.
+    fn is_warped_away(&self, picture: &Picture) -> bool {
+        let params = self.lowering.declared.params.iter().map(|param| param.default).collect();
+        let screen = Screen::of_size((1280, 720));
+        let inputs = FrameInputs { params, screen, ..FrameInputs::default() };
+        (1..16).all(|at| {
+            let point = Point::at(80.0 * at as f32, 45.0 * at as f32, 0.0);
+            let place = self.lowering.graph.evaluate(&picture.warp, &point, &inputs).unwrap_or_default();
+            place.iter().all(|part| part.is_finite()) && place.iter().any(|part| !(0.0..=1.0).contains(part))
+        })
     }
 
     /// Warns of a `memory` without anything to remember; after all blocks, which may call `previous`.

@@ -10,7 +10,7 @@ use super::super::material::Material;
 use super::super::origins::Stretch;
 use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky, Swarm};
 use super::super::source::{Sources, Span};
-use super::lowering::Lowering;
+use super::lowering::{A_DISTANCE, Lowering};
 use super::sections::Values;
 use crate::graph::{NodeId, ShapeAtlas};
 
@@ -71,6 +71,7 @@ impl<'a> SceneBuilder<'a> {
                         let from = self.lowering.origins.mark();
                         let values = self.fields(*section, entries, *broken);
                         self.section(*section, *name, *span, &values);
+                        self.warn_of_values(*section, &values);
                         self.note_block((*section, *span), entries, from, &values);
                     }
                     Item::Bare(value) if wanted(&Section::Object) => self.bare(*value),
@@ -226,7 +227,7 @@ impl<'a> SceneBuilder<'a> {
         let from = self.lowering.origins.mark();
         let shape = self.lowering.within(uses::POINT | uses::FRAME, "a shape", |this| this.expr(value));
         let by = self.lowering.origins.since(from);
-        if let Some(shape) = self.lowering.one_number(shape, "a shape", span) {
+        if let Some(shape) = self.lowering.one_number(shape, ("a shape", A_DISTANCE), span) {
             let material = self.default_material();
             let name = BARE_NAME.to_owned();
             self.add_object(Object { name, span, shape, bound: None, material, trusted: false });

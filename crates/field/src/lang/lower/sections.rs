@@ -15,18 +15,18 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
-use super::lowering::Lowering;
+use super::lowering::{A_DISTANCE, A_NUMBER, Lowering};
 use super::reports::Reports;
 use super::scene::SceneBuilder;
 use crate::graph::NodeId;
 
 /// The fields of objects. Their defaults are unused: `objects.rs` handles missing fields.
 const OBJECT: &[Field] = &[
-    of_object("shape", Holds::Number, POINT | FRAME, "the distance from `p` to the object"),
+    of_object("shape", Holds::Shape, POINT | FRAME, "the distance from `p` to the object"),
     of_object("material", Holds::Material, NOTHING, "the name of its material"),
     of_object(
         "bound",
-        Holds::Number,
+        Holds::Shape,
         POINT | FRAME,
         "a lower bound of the distance to everything that `shape` leaves out",
     ),
@@ -48,7 +48,7 @@ const fn of_object(name: &'static str, holds: Holds, uses: u16, doc: &'static st
     Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc }
 }
 
-fn fields(section: Section) -> &'static [Field] {
+pub(super) fn fields(section: Section) -> &'static [Field] {
     match section {
         Section::Object => OBJECT,
         Section::Material => Material::FIELDS,
@@ -95,6 +95,11 @@ pub(in crate::lang) fn word(section: Section) -> &'static str {
         Section::Picture => "picture",
         Section::About => "about",
     }
+}
+
+/// Returns the plural of a word for a part of a scene.
+pub fn plural(word: &str) -> String {
+    if word == "medium" { "media".to_owned() } else { format!("{word}s") }
 }
 
 fn place(section: Section) -> &'static str {
@@ -305,12 +310,14 @@ impl SceneBuilder<'_> {
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
                 Holds::Number | Holds::Vector | Holds::Place | Holds::Shape => {
+                    self.lowering.inputs.field = Some((field.name, known));
                     let value =
                         self.lowering.within(field.uses, place(section), |this| this.expr(entry.value));
+                    self.lowering.inputs.field = None;
                     self.field_value(value, field.holds, text, self.lowering.ast.span(entry.value))
                 }
             };
-            if field.holds != Holds::Number || field.name != "shape" {
+            if field.name != "shape" {
                 values.beside_the_shape.push(self.lowering.origins.since(from));
             }
             values.broken |= value == Value::Unknown;
@@ -334,7 +341,8 @@ impl SceneBuilder<'_> {
             };
         }
         if holds != Holds::Vector {
-            return match self.lowering.one_number(value, &format!("`{name}`"), span) {
+            let hint = if holds == Holds::Shape { A_DISTANCE } else { A_NUMBER };
+            return match self.lowering.one_number(value, (&format!("`{name}`"), hint), span) {
                 Some(part) => Value::scalar(part),
                 None => Value::Unknown,
             };
@@ -360,13 +368,22 @@ impl SceneBuilder<'_> {
         let text = self.lowering.name(name.symbol);
         let known = fields(section).iter().map(|field| field.name);
         let near = suggest::nearest(text, known.clone());
-        let message = format!("{} has no field `{text}`", place_of_field(section));
+        let owner = place_of_field(section);
+        let message = format!("{owner} has no field `{text}`");
         let wrong = Diagnostic::new(name.span, message);
         let wrong = match near {
             Some(_) => wrong.did_you_mean(near),
             None => {
                 let all: Vec<String> = known.map(|name| format!("`{name}`")).collect();
-                wrong.hint(format!("its fields are {}; introduce other names with `let`", all.join(", ")))
+                let others = SECTIONS
+                    .into_iter()
+                    .filter(|other| fields(*other).iter().any(|field| field.name == text));
+                let others: Vec<String> = others.map(|other| format!("`{}`", word(other))).collect();
+                let all = all.join(", ");
+                wrong.hint(match others.is_empty() {
+                    true => format!("its fields are {all}; introduce other names with `let`"),
+                    false => format!("this is a field of {}; {owner} has {all}", others.join(" and ")),
+                })
             }
         };
         self.lowering.reports.add(wrong);

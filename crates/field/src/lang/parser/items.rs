@@ -388,13 +388,26 @@ impl Parser<'_> {
         Some(Parameter { name, of: known })
     }
 
+    /// Consumes the name of a section, or reports that it is missing.
+    fn name_of(&mut self, section: Section) -> Option<Name> {
+        if self.kind() == Kind::OpenBrace {
+            let word = KEYWORDS.iter().find(|(_, keyword)| *keyword == Keyword::Section(section));
+            let word = word.map_or("block", |(word, _)| word);
+            let missing =
+                self.expected("a name").hint(format!("each {word} has a name: `{word} first {{ … }}`"));
+            self.report(missing);
+            return None;
+        }
+        self.name("a name")
+    }
+
     fn section(&mut self, section: Section) -> Option<Item> {
         let head = self.advance().span;
         let mut name = None;
         if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };
         } else if named(section).is_some() {
-            name = Some(self.name("a name")?);
+            name = Some(self.name_of(section)?);
         } else if self.token().is_name() {
             let wrong = self.expected("`{`");
             self.report(wrong.hint("`sky`, `picture` and `about` have no names: a scene has one of each"));
@@ -432,7 +445,7 @@ impl Parser<'_> {
             } else {
                 broken = true;
                 let wrong = self.expected("a field, as in `name = value`");
-                self.report(wrong);
+                self.report(wrong.hint("a block ends with `}`"));
                 self.advance();
                 self.skip_to_field();
             }

@@ -34,9 +34,9 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "picture { grain = pixel.x }\nx",
-        "the picture cannot depend on `pixel`, which is a place in the picture",
+        "`grain` cannot depend on `pixel`, which is a place in the picture",
         "pixel",
-        "the sky's colour",
+        "only `warp`",
     ),
     (
         "sky { let a = pixel.y  ambient = vec3(a) }",

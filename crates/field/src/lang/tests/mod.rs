@@ -14,6 +14,8 @@ mod meaning;
 #[cfg(test)]
 mod messages;
 #[cfg(test)]
+mod misleading;
+#[cfg(test)]
 mod parts;
 #[cfg(test)]
 mod pixels;

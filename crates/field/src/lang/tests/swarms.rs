@@ -30,7 +30,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "swarm a { count = 5 + bass }",
-        "a swarm is fixed before the music plays, so `bass` has no value here",
+        "`count` is fixed before the music plays, so `bass` has no value here",
         "bass",
         "a number",
     ),
@@ -41,12 +41,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "p",
         "`index`",
     ),
-    (
-        "sphere(p, index)",
-        "a shape has no points that are numbered, so `index` has no value here",
-        "index",
-        "`swarm`",
-    ),
+    ("sphere(p, index)", "a shape has no numbered points, so `index` has no value here", "index", "`swarm`"),
     ("swarm { count = 5 }", "expected a name, found `{`", "{", ""),
     (
         "swarm a { position = 5  glow = vec2(1) }",
