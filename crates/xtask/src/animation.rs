@@ -1,16 +1,38 @@
-//! Animated pictures of scenes with the demo track, as WebP files. They need ffmpeg.
+//! Pictures of scenes with the demo track: still ones, and animated ones as WebP files, which need ffmpeg.
 
 use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, ensure};
+use image::RgbaImage;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::output::Output;
 use mariana::export::showing::Showing;
 use mariana::export::shutter::Shutter;
+use mariana::export::still::{StillRequest, write_still};
 use mariana::export::video::{EncodingQuality, VideoRequest, write_video};
 use mariana::scenes::SceneSource;
 use mariana_music::Gain;
+
+/// Draws a shipped scene at `at` seconds, in the same way as `mariana still`.
+pub(crate) fn still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("still.png");
+    write_still(&StillRequest {
+        song: DEMO_TRACK,
+        at,
+        size,
+        gain: Gain::Auto,
+        output: Output::Path(path.clone()),
+        scene: SceneSource::Shipped(name.to_owned()).into(),
+        show: None,
+        blend: None,
+        set: Vec::new(),
+        ray: None,
+        shutter: Shutter::MOMENT,
+    })?;
+    Ok(image::open(&path)?.into_rgba8())
+}
 
 /// The size and length of an animation.
 pub(crate) struct Animation {

@@ -6,15 +6,10 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
-use mariana::demo_track::DEMO_TRACK;
-use mariana::export::output::Output;
-use mariana::export::shutter::Shutter;
-use mariana::export::still::{StillRequest, write_still};
-use mariana::scenes::{SceneSource, shipped_names};
+use mariana::scenes::shipped_names;
 use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_of};
-use mariana_music::Gain;
 
-use crate::animation::Animation;
+use crate::animation::{Animation, still};
 
 /// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
@@ -22,7 +17,9 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     fs::create_dir_all(&folder)?;
     let names = shipped_names();
     for name in names.iter().filter(|name| wanted.is_empty() || wanted.contains(name)) {
-        let jpeg = draw(name, &folder).with_context(|| format!("drawing {name}"))?;
+        let jpeg = still(name, MOMENT, SIZE)
+            .map(|picture| jpeg_of(&picture))
+            .with_context(|| format!("drawing {name}"))?;
         fs::write(folder.join(format!("{name}.jpg")), &jpeg)?;
         let moving = folder.join(format!("{name}.webp"));
         draw_loop(name, &moving).with_context(|| format!("drawing the loop of {name}"))?;
@@ -36,27 +33,6 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Returns the thumbnail of a scene as a JPEG, drawn in the same way as the thumbnails of a user's scenes.
-fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
-    let path = folder.join(format!("{name}.png"));
-    write_still(&StillRequest {
-        song: DEMO_TRACK,
-        at: MOMENT,
-        size: SIZE,
-        gain: Gain::Auto,
-        output: Output::Path(path.clone()),
-        scene: SceneSource::Shipped(name.to_owned()).into(),
-        show: None,
-        blend: None,
-        set: Vec::new(),
-        ray: None,
-        shutter: Shutter::MOMENT,
-    })?;
-    let picture = image::open(&path);
-    fs::remove_file(&path)?;
-    Ok(jpeg_of(&picture?.into_rgba8()))
 }
 
 /// Draws the loop of a scene from [`MOMENT`] and writes it to `file` as an animated WebP of low quality, because loops

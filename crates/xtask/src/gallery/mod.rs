@@ -1,8 +1,7 @@
 //! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, a strip of four moments of the
 //! demo track, the cost, and how much the music changes the image. Run this tool after you change a scene.
 //!
-//! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all scenes. The figures are always
-//! measured for all scenes.
+//! `cargo xtask gallery [SCENE ...]` draws and measures these scenes, or all scenes. Other scenes keep their figures.
 
 mod figures;
 
@@ -10,14 +9,12 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::animation::Animation;
+use crate::animation::{Animation, still};
 use anyhow::Context as _;
 use figures::Figures;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbaImage, imageops};
-use mariana::config::SdfChoice;
 use mariana::demo_track::DEMO_TRACK;
-use mariana::export::painter::{Painter, SceneChoice};
 use mariana::export::song_features::SongFeatures;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::Sound;
@@ -40,17 +37,24 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let docs = Path::new(crate::root::ROOT).join("docs");
     let folder = docs.join("gallery");
     fs::create_dir_all(&folder)?;
-    let sounds = MOMENTS.map(|time| SongFeatures::open(&DEMO_TRACK, time)?.require(time));
+    let sounds = MOMENTS.map(|time| {
+        let mut song = SongFeatures::open(&DEMO_TRACK, time)?;
+        song.know_song();
+        song.require(time)
+    });
     let sounds: Vec<Sound> = sounds.into_iter().collect::<Result<_, _>>()?;
 
     let (surfaces, music): (Vec<String>, Vec<String>) =
         shipped_names().into_iter().partition(|name| SURFACES.contains(&name.as_str()));
+    let before = fs::read_to_string(docs.join("gallery.md")).unwrap_or_default();
+    let row_before = |name: &str| before.lines().find(|line| line.starts_with(&format!("| `{name}` |")));
     let mut page = String::from(INTRO);
     let mut table = String::from(TABLE_HEAD);
     for name in music.iter().chain(&surfaces) {
-        if wanted.is_empty() || wanted.contains(name) {
+        let is_wanted = wanted.is_empty() || wanted.contains(name);
+        if is_wanted {
             MOTION.draw(name, &folder.join(format!("{name}.webp")))?;
-            draw(name, &sounds, &folder).with_context(|| format!("drawing {name}"))?;
+            draw(name, &folder).with_context(|| format!("drawing {name}"))?;
         }
         if Some(name) == surfaces.first() {
             page.push_str("\n# Surfaces\n");
@@ -63,6 +67,10 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         );
         if folder.join(format!("{name}.webp")).exists() {
             let _ = write!(page, "\n![{name} in motion](gallery/{name}.webp)\n");
+        }
+        if let Some(row) = row_before(name).filter(|_| !is_wanted) {
+            let _ = writeln!(table, "{row}");
+            continue;
         }
         let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
         println!("{name}: {figures}");
@@ -93,18 +101,12 @@ columns `black` and `white` give the largest percentages of black and white pixe
 |---|---|---|---|---|---|---|
 ";
 
-fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
-    let source = SceneSource::Shipped(name.to_owned());
-    let mut painter = Painter::open(&SceneChoice { sdf: SdfChoice::Compiled, ..SceneChoice::from(source) })?;
-    let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {
-        painter.draw(MOMENTS[moment], sounds[moment].clone(), size)?;
-        RgbaImage::from_raw(size.0, size.1, painter.read()).context("an image has four bytes per pixel")
-    };
-    write_jpeg(&folder.join(format!("{name}.jpg")), picture(LARGE, LARGE_SIZE)?)?;
+fn draw(name: &str, folder: &Path) -> anyhow::Result<()> {
+    write_jpeg(&folder.join(format!("{name}.jpg")), still(name, MOMENTS[LARGE], LARGE_SIZE)?)?;
     let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
-    for moment in 0..MOMENTS.len() {
+    for (moment, time) in MOMENTS.into_iter().enumerate() {
         let left = i64::from(STRIP_SIZE.0) * moment as i64;
-        imageops::replace(&mut strip, &picture(moment, STRIP_SIZE)?, left, 0);
+        imageops::replace(&mut strip, &still(name, time, STRIP_SIZE)?, left, 0);
     }
     write_jpeg(&folder.join(format!("{name}-strip.jpg")), strip)
 }
