@@ -30,13 +30,15 @@ const NEEDS: &[(Section, &str, &[&str])] = &[
 
 impl SceneBuilder<'_> {
     /// Warns of constants that are clamped to another value, and of fields without the field that they need.
+    ///
+    /// Numbers that are being edited are no constants here, and so remain inputs.
     pub(super) fn warn_of_values(&mut self, section: Section, values: &Values) {
         let mut warnings = Vec::new();
         for field in fields(section) {
             let Some((Value::Vector(value), span)) = values.given(field.name) else { continue };
             let name = field.name;
             let clamped = field.range.and_then(|range| {
-                let numbers = value.parts().iter().filter_map(|part| self.lowering.known(*part));
+                let numbers = value.parts().iter().filter_map(|part| self.lowering.graph.as_constant(*part));
                 let mut clamped = numbers.map(|number| (number, range.clamp(number)));
                 clamped
                     .find(|(number, clamped)| !number.is_nan() && number != clamped)
@@ -72,6 +74,7 @@ impl SceneBuilder<'_> {
     fn may_be_positive(&mut self, section: Section, name: &str, values: &Values) -> bool {
         let field: Vec<Field> = fields(section).iter().filter(|field| field.name == name).copied().collect();
         let numbers: Vec<NodeId> = self.lowering.numbers(&field, values);
-        numbers.into_iter().any(|number| self.lowering.known(number).is_none_or(|number| number > 0.0))
+        let graph = &self.lowering.graph;
+        numbers.into_iter().any(|number| graph.as_constant(number).is_none_or(|number| number > 0.0))
     }
 }
