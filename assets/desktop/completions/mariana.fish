@@ -73,7 +73,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l stereo -d 'Pictures for
 side-by-side\t'The left eye on the left'
 over-under\t'The left eye above'"
 complete -c mariana -n "__fish_mariana_needs_command" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith [default: 45]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
@@ -125,7 +125,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand still" -l stereo -d 'Pic
 side-by-side\t'The left eye on the left'
 over-under\t'The left eye above'"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith [default: 45]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l light -d 'Computation of light' -r -f -a "raster\t'as in the window'
@@ -174,7 +174,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l stereo -d 'Pic
 side-by-side\t'The left eye on the left'
 over-under\t'The left eye above'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith [default: 45]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l light -d 'Computation of light' -r -f -a "raster\t'as in the window'
