@@ -21,7 +21,7 @@ const float DEVIATIONS = 3.0;
 const float FIRST_DEVIATIONS = 9.0;
 const float NORMAL_SHARPNESS = 24.0;
 const float COLOR_SHARPNESS = 6.0;
-// Depths that differ by this fraction are on different surfaces, besides the surface's own slope.
+// Depths that differ by this fraction more than the surface's slope explains are on different surfaces.
 const float DEPTH_FRACTION = 0.01;
 // Total weight of the neighbours, of 220, below which a pixel is like too few.
 const float LONELY = 40.0;
@@ -66,14 +66,14 @@ void main() {
     ivec2 last = textureSize(path_state, 0).xy - 1;
     vec4 own = light_of_state(texel);
     // Neighbours share the excess, so that no light is lost.
-    vec4 taken = vec4(0.0);
+    vec3 taken = vec3(0.0);
     for (int i = 0; i < 9; i++) {
         ivec2 at = texel + ivec2(i % 3, i / 3) - 1;
         if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
         vec4 other = light_of_state(at);
-        taken.rgb += excess_of(at, last, other) * other.rgb / 9.0;
+        taken += excess_of(at, last, other) * other.rgb / 9.0;
     }
-    own.rgb = own.rgb * (1.0 - excess_of(texel, last, own)) + taken.rgb;
+    own.rgb = own.rgb * (1.0 - excess_of(texel, last, own)) + taken;
     vec3 normal = guide_of(texel).xyz;
     // A few paths that found no light seem to be certain. The mean of many neighbours knows better.
     float variance = 0.0;

@@ -31,8 +31,8 @@ vec2 traced_span(vec3 origin, vec3 direction, float margin) {
     return box_span(origin, direction, bounds_low.xyz - margin, bounds_high.xyz + margin);
 }
 
-// Returns the first plane that the ray hits from its upper side. With GLASS, `start` is the least height of the ray's
-// origin above the plane instead: rays start below a plane if they leave glass that stands on it.
+// Returns the first plane that the ray hits from its upper side, at least `start` along the ray. With GLASS, `start` is
+// the least height of the ray's origin above the plane, because rays that leave glass on a plane may start below it.
 Hit trace_planes(vec3 origin, vec3 direction, float start) {
     Hit hit = Hit(1e9, NOTHING, false);
     for (int i = 0; i < PLANES; i++) {

@@ -100,7 +100,7 @@ const STEPS: u32 = 8;
 /// A colour that reads the last frame.
 struct Reader {
     colors: Tape,
-    /// The place of the colour's last read.
+    /// The texture coordinates of the colour's last read.
     place: Tape,
 }
 
@@ -133,7 +133,7 @@ struct LitReader<'a> {
 }
 
 impl LitReader<'_> {
-    /// Returns by which factors the colour changes the light of two even last frames at places of the picture.
+    /// Returns the factors by which the colour changes the light of two even last frames, for points of the picture.
     fn gains(&mut self, places: &[[f32; 2]]) -> Vec<f32> {
         let [dim, bright] = self.colors.each_mut().map(|batch| run(batch, places));
         let more = (BRIGHTNESSES[1] - BRIGHTNESSES[0]) * LAST_LIGHT_MAX;
@@ -146,7 +146,7 @@ impl LitReader<'_> {
         gains
     }
 
-    /// Returns the places that the colour reads at places of the picture.
+    /// Returns the texture coordinates that the colour reads, for points of the picture.
     fn read(&mut self, places: &[[f32; 2]]) -> Vec<[f32; 2]> {
         let read = run(&mut self.place, places);
         let [u, v] = [0, 1].map(|part| read.get(part).map_or(&[][..], Vec::as_slice));
@@ -182,7 +182,7 @@ impl LitReader<'_> {
     }
 }
 
-/// Runs a tape of the sky or of a surface at places of the picture.
+/// Runs a tape of the sky or of a surface for points of the picture, 0..1.
 fn run(batch: &mut Batch<'_>, places: &[[f32; 2]]) -> Vec<Vec<f32>> {
     let side = |part: usize, size: u16| places.iter().map(|at| at[part] * f32::from(size)).collect();
     let (x, y): (Vec<f32>, Vec<f32>) = (side(0, TRIED_SIZE.0), side(1, TRIED_SIZE.1));

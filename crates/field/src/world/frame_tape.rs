@@ -25,7 +25,7 @@ pub struct FrameTape {
     pub screen_inputs: BTreeSet<ScreenInput>,
 }
 
-/// The scene's values in one frame, which may be infinite or NaN. Those of the sky are in their ranges.
+/// The scene's values in one frame, which may be infinite or NaN. The sky's values are in their ranges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameValues {
     /// The camera.

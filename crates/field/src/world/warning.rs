@@ -16,7 +16,7 @@ impl World {
         Some(Diagnostic::warning(object.span, message).hint(hint))
     }
 
-    /// Returns the object whose body contains a place, so that an eye there sees nothing but its inside. Planes have no
+    /// Returns the object whose body contains a point. An eye there sees only the body's inside. Planes have no
     /// inside, and one can look through glass. `inputs` have the hoisted values.
     pub fn object_around(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Option<&Object> {
         let roots = [self.roots.distance[1], self.roots.object];

@@ -335,7 +335,7 @@ impl<'a> Lowering<'a> {
         result
     }
 
-    /// Returns the only part of a value. `hint` says how a vector becomes a number.
+    /// Returns the only part of a value. `hint` is the advice for vectors.
     pub(super) fn one_number(
         &mut self,
         value: Value,
@@ -361,7 +361,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The hint for a vector in place of a distance.
+/// The advice if a vector is given for a distance.
 pub(super) const A_DISTANCE: &str = "get a distance with `length(…)` or a shape such as `sphere(p, 1)`";
-/// The hint for a vector in place of another number.
+/// The advice if a vector is given for another number.
 pub(super) const A_NUMBER: &str = "write one number, or take one part of the vector with `.x`";

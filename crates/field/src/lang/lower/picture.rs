@@ -54,7 +54,7 @@ impl SceneBuilder<'_> {
         let params = self.lowering.declared.params.iter().map(|param| (param.min, param.max));
         let any = FrameInputs::any(params, &ShapeAtlas::NONE);
         let decay = picture.largest_decay(&self.lowering.graph, &any);
-        let is_warped_away = self.is_warped_away(picture);
+        let is_warped_away = values.given("warp").is_some() && self.is_warped_away(picture);
         let mut warn = |span, message: String, hint: &str| {
             self.lowering.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(hint));
         };
