@@ -4,7 +4,8 @@
 #   mariana_setup build [run] [package] [test] [targets]    installs missing packages of these groups; exits with 1 if
 #                                                          it cannot
 #
-# MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing.
+# MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing;
+# MARIANA_SETUP=yes runs rustup's installer without a question.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 
@@ -129,7 +130,9 @@ install_with() {
         say "Would install with $manager: $*"
         return
     fi
-    if [[ $manager == brew ]]; then
+    if [[ $manager == none ]]; then
+        fail "Mariana needs the packages $*. Install them, then run this again."
+    elif [[ $manager == brew ]]; then
         have brew || fail "Mariana needs the packages $*. Install Homebrew or these packages, then run this again."
     elif [[ $EUID -ne 0 ]]; then
         have sudo || fail "Mariana needs the packages $*. Ask an administrator to install them, then run this again."
@@ -156,7 +159,7 @@ install_packages() {
     local manager=$1 group check apt dnf pacman zypper brew package missing=() unmet=()
     local groups=" ${*:2} " shared_libraries=""
     # On Windows no package manager can be assumed. A build needs cmake and a C compiler there.
-    if [[ $(uname -s) == @(MINGW|MSYS)* ]]; then return; fi
+    case $(uname -s) in MINGW* | MSYS*) return ;; esac
     if [[ $(uname -s) == Linux ]]; then
         shared_libraries=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null) || true
     fi
@@ -195,39 +198,102 @@ rust_packages() {
     esac
 }
 
-# Prints the package manager's version of Rust, if it has one.
-offered_rust() {
+# offered_version MANAGER PACKAGE prints the package manager's version of a package, if it has one.
+offered_version() {
     case $1 in
-        apt) apt-cache policy rustc | awk '$1 == "Candidate:" { print $2 }' ;;
-        dnf) dnf -q repoquery --latest-limit=1 --qf '%{version}\n' rust ;;
-        pacman) pacman -Si rust | awk '$1 == "Version" { sub(/^[0-9]+:/, "", $3); print $3 }' ;;
-        zypper) zypper --non-interactive info rust | awk '$1 == "Version" { print $3 }' ;;
-        brew) brew info --formula rust | awk 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]+\./) { print $i; exit } }' ;;
+        apt) apt-cache policy "$2" | awk '$1 == "Candidate:" && $2 != "(none)" { print $2 }' ;;
+        dnf) dnf -q repoquery --latest-limit=1 --qf '%{version}\n' "$2" ;;
+        pacman) pacman -Si "$2" | awk '$1 == "Version" { sub(/^[0-9]+:/, "", $3); print $3 }' ;;
+        zypper) zypper --non-interactive info "$2" | awk '$1 == "Version" { print $3 }' ;;
+        brew) brew info --formula "$2" | awk 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]+\./) { print $i; exit } }' ;;
     esac 2>/dev/null
+}
+
+# Asks on the terminal, because the scripts do not read standard input. Succeeds after a yes.
+confirm() {
+    local answer
+    { printf '%s [y/N] ' "$1" >/dev/tty && read -r answer </dev/tty; } 2>/dev/null && [[ $answer == [yY]* ]]
+}
+
+# announce INSTALLER THING: fails in a dry run.
+announce() {
+    if [[ ${MARIANA_SETUP:-} == dry-run ]]; then
+        say "Would install with $1: $2"
+        return 1
+    fi
+    say "Installing with $1: $2"
+}
+
+# install_rustup MANAGER installs rustup for this user, without a toolchain. It does not change the PATH.
+install_rustup() {
+    local installer=https://sh.rustup.rs script="" command=(sh -s --)
+    if have rustup-init; then installer=rustup-init command=(rustup-init); fi
+    announce "$installer" rustup || return 0
+    if [[ $installer != rustup-init ]]; then
+        have curl || install_with "$1" ca-certificates curl
+        script=$(curl --proto '=https' --tlsv1.2 -sSf --retry 3 "$installer" </dev/null) ||
+            fail "Cannot download $installer. Check the network, or set HTTPS_PROXY if yours has a proxy, then run this again."
+    fi
+    "${command[@]}" -y --quiet --profile minimal --default-toolchain none --no-modify-path <<<"$script" >&2 ||
+        fail "$installer could not install rustup; the reason is above. Check the network and the space in your home folder, then run this again."
+}
+
+# install_toolchain TOOLCHAIN installs or updates it with rustup. The tests need rustfmt and clippy.
+install_toolchain() {
+    announce rustup "Rust $1" || return 0
+    rustup toolchain install "$1" --profile minimal --component rustfmt --component clippy --no-self-update </dev/null >&2 ||
+        fail "rustup could not install Rust $1; the reason is above. Check the network, or set HTTPS_PROXY if yours has a proxy, then run this again."
+}
+
+# use_rustup MANAGER OLDEST [PRESENT] selects rustup's stable Rust for this run, and installs what is missing. OLDEST is
+# the oldest Rust that works; PRESENT is older.
+use_rustup() {
+    local manager=$1 oldest=$2 present=${3:-} stable
+    local problem="Mariana needs Rust $oldest or newer, but this computer has ${present:-none}."
+    if ! have rustup; then
+        # The packages of rustup and of Rust conflict.
+        if [[ -z $present && -n $(offered_version "$manager" rustup) ]]; then
+            install_with "$manager" rustup ca-certificates
+            # Fedora's package has only rustup's installer.
+            if have rustup-init && ! have rustup; then install_rustup "$manager"; fi
+        elif [[ ${MARIANA_SETUP:-} == yes || ${MARIANA_SETUP:-} == dry-run ]] ||
+            confirm "$problem Download and run https://sh.rustup.rs? It installs rustup and Rust stable into ~/.cargo and ~/.rustup, and changes no other file."; then
+            install_rustup "$manager"
+        else
+            fail "$problem Run scripts/run or scripts/test with --yes to install it with https://sh.rustup.rs, or install it yourself from https://rustup.rs."
+        fi
+    fi
+    stable=$(rustup run stable cargo --version 2>/dev/null | awk '{ print $2 }') || stable=""
+    version_at_least "${stable:-0}" "$oldest" || install_toolchain stable
+    if [[ ${MARIANA_SETUP:-} == dry-run ]]; then return; fi
+    # The programs of an older Rust may be on the PATH too.
+    stable=$(rustup run stable rustc --print sysroot)
+    PATH=$(cd "$stable/bin" && pwd):$PATH
+    export RUSTUP_TOOLCHAIN=stable
 }
 
 # ensure_rust MANAGER GROUP...: installs or requires the Rust version in Cargo.toml, for tests with rustfmt and clippy.
 ensure_rust() {
-    local manager=$1 wanted found offered packages
+    local manager=$1 wanted found offered="" packages
     wanted=$(sed -n 's/^rust-version *= *"\([0-9.]*\)".*/\1/p' "$root/Cargo.toml")
-    if ! have cargo && [[ -x ${CARGO_HOME:-${HOME:-}/.cargo}/bin/cargo ]]; then
-        PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
-    fi
-    found=$(cd "$root" && cargo --version 2>/dev/null | awk '{ print $2 }') || found=""
+    # The PATH may lack the folder of rustup.
+    PATH=$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin
+    found=$(cd "$root" && RUSTUP_AUTO_INSTALL=0 cargo --version 2>/dev/null | awk '{ print $2 }') || found=""
     if ! version_at_least "${found:-0}" "$wanted"; then
-        if have rustup; then
-            fail "Mariana needs Rust $wanted or newer, but rustup has ${found:-none selected}. Run 'rustup default stable && rustup update stable', then run this again."
-        fi
-        offered=$(offered_rust "$manager") || offered=""
-        if [[ -n $found ]] || ! version_at_least "${offered:-0}" "$wanted"; then
-            fail "Mariana needs Rust $wanted or newer, but this computer has ${found:-none}. Install Rust with rustup (https://rustup.rs), then run this again."
-        fi
         read -ra packages <<<"$(rust_packages "$manager")"
-        install_with "$manager" "${packages[@]}"
+        if [[ -z $found ]] && ! have rustup; then
+            offered=$(offered_version "$manager" "${packages[0]-}") || offered=""
+        fi
+        if version_at_least "${offered:-0}" "$wanted"; then
+            install_with "$manager" "${packages[@]}"
+        else
+            use_rustup "$manager" "$wanted" "$found"
+        fi
     fi
     if [[ " $* " == *" test "* && ${MARIANA_SETUP:-} != dry-run ]]; then
         (cd "$root" && cargo fmt --version && cargo clippy --version) >/dev/null 2>&1 ||
-            fail "The tests need rustfmt and clippy. Run 'rustup component add rustfmt clippy', or install your system's packages of the same names, then run this again."
+            (have rustup && cd "$root" && rustup component add rustfmt clippy) >&2 ||
+            fail "The tests need rustfmt and clippy. Install them with rustup or your system's package manager, then run this again."
     fi
 }
 
@@ -271,9 +337,9 @@ get_gpu_shim() {
 mariana_setup() {
     local manager
     case ${MARIANA_SETUP:-} in
-        "" | dry-run) ;;
+        "" | dry-run | yes) ;;
         skip) return ;;
-        *) fail "MARIANA_SETUP is '$MARIANA_SETUP'. Use dry-run or skip, or unset it." ;;
+        *) fail "MARIANA_SETUP is '$MARIANA_SETUP'. Use dry-run, skip or yes, or unset it." ;;
     esac
     manager=$(package_manager)
     install_packages "$manager" "$@"

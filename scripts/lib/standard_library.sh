@@ -3,7 +3,7 @@
 
 # The cache: the library's sources, and the results of the compiler.
 # shellcheck disable=SC2154 # Set by setup.sh.
-other_systems=$root/target/other-systems
+other_systems=${CARGO_TARGET_DIR:-$root/target}/other-systems
 # Arguments for cargo that compile the library too; empty if this Rust has it.
 # shellcheck disable=SC2034 # For the scripts that source this one.
 standard_library=()

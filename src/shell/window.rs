@@ -150,12 +150,7 @@ impl OpenWindow {
 
 impl GlWindowContext {
     pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
-        let made = (0..count).map(|_| {
-            WorkerContext::new(&self.config.display(), &self.config, self.gl.info()).map_err(|error| {
-                tracing::info!("no second context ({error}); scenes are compiled between frames");
-            })
-        });
-        if WorkerContext::are_of(&self.config) { made.flatten().collect() } else { Vec::new() }
+        WorkerContext::beside_window(&self.config, self.gl.info(), count)
     }
 
     /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.

@@ -11,7 +11,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
         &["ctrlc", "directories", "serde", "serde_json", "signal-hook", "tempfile", "thiserror", "tracing"],
     ),
     ("language_server", &["mariana-editing", "mariana-field", "serde", "serde_json"]),
-    ("music", &["ebur128", "rustfft", "serde"]),
+    ("music", &["ebur128", "mariana-transforms", "serde"]),
     (
         "player",
         &[
@@ -20,9 +20,9 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "futures-executor",
             "mariana-files",
             "mariana-music",
+            "mariana-transforms",
             "pulseaudio",
             "rtrb",
-            "rubato",
             "rustix",
             "serde",
             "serde_json",
@@ -107,6 +107,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
     ("show", &["mariana-field", "mariana-music", "thiserror"]),
     ("browser", &["mariana-field", "mariana-music"]),
+    ("transforms", &["rubato", "rustfft"]),
     ("testing", &["tempfile"]),
     (
         "ui",

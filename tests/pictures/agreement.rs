@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::support::drawing::Context;
 use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
 use crate::support::glsl::{Stage, check_with_glslang};
+use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texel_list::ListTexel;
 use mariana_field::graph::{
@@ -29,7 +29,7 @@ const LISTS: &str = include_str!("../../shaders/texel_lists.glsl");
 const REGION_REGISTERS: usize = 128;
 
 struct PointReader {
-    context: Context,
+    context: Headless,
 }
 
 fn bytes<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 4]) -> Vec<u8> {
@@ -276,7 +276,7 @@ fn operands() -> Vec<f32> {
 
 #[test]
 fn every_operator_agrees_on_ordinary_and_extreme_operands() {
-    let point_reader = PointReader { context: Context::new() };
+    let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let numbers = operands();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     let mut graph = Graph::new();
@@ -321,7 +321,7 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
 
 #[test]
 fn every_compound_agrees() {
-    let point_reader = PointReader { context: Context::new() };
+    let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let numbers: Vec<f32> = operands().into_iter().filter(|number| number.abs() <= 100.0).collect();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     const C: f32 = 0.7;
@@ -381,7 +381,7 @@ fn random_expressions_agree() {
     const POINTS: usize = 256;
     const PER_SHADER: usize = 50;
     const LARGEST: f32 = 1e38;
-    let point_reader = PointReader { context: Context::new() };
+    let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let mut random = Random(1);
     let mut graph = Graph::new();
     let roots: Vec<NodeId> = (0..EXPRESSIONS)
@@ -461,7 +461,7 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
 
 #[test]
 fn spills_and_pages_change_nothing() {
-    let point_reader = PointReader { context: Context::new() };
+    let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
@@ -497,7 +497,7 @@ fn spills_and_pages_change_nothing() {
 
 #[test]
 fn textures_return_samples_and_outputs_are_in_their_registers() {
-    let point_reader = PointReader { context: Context::new() };
+    let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let zero = graph.constant(0.0);

@@ -1,22 +1,20 @@
 //! Blends of two scenes: they have no holes, and both modes draw the same image.
 //!
-//! The test draws a few pairs of the shipped scenes. `MARIANA_PAIRS=all` draws every pair at three fractions and prints
-//! a table. `MARIANA_PAIRS=orb,city` draws only pairs with one of these names. `MARIANA_BLEND` sets the kind of blend.
+//! The tests draw a few chosen pairs of the shipped scenes, and pairs that a seed draws. `cargo bench --bench transitions`
+//! measures the cost of all pairs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::collections::BTreeMap;
-
 use crate::support::compare::{LOOSE, difference};
+use crate::support::expression::Random;
 use crate::support::test_renderer::{TestRenderer, loud_sound, ready};
-use cpu_time::ProcessTime;
 use image::RgbaImage;
 use mariana::frame::Frame;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::Mode;
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
-use mariana_field::world::{Alignment, BlendKind, PortalShape, World, blended_params};
+use mariana_field::world::{Alignment, BlendKind, PortalShape, blended_params};
 
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
@@ -41,25 +39,52 @@ const CAPPED_MAX: f64 = 0.001;
 /// The same limit for portals. Where the floors of the scenes differ, rays take many steps along the floor's edge.
 const CAPPED_BY_PORTALS_MAX: f64 = 0.005;
 
+/// A moment of a transition.
+pub(super) struct Pair {
+    pub(super) from: String,
+    pub(super) to: String,
+    pub(super) kind: BlendKind,
+    pub(super) fraction: f32,
+}
+
+impl Pair {
+    /// Pairs of shipped scenes, and melts at a fraction. Like the values of property tests, they are the same in each
+    /// run, unless `PROPTEST_RNG_SEED` is another number.
+    pub(super) fn drawn(count: usize) -> Vec<Self> {
+        let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1);
+        let mut random = Random(seed);
+        // Scenes that show their last frame have no blends.
+        let can_blend = |name: &String| {
+            ready(&SceneSource::Shipped(name.clone())).world.frame_tape.feedback.is_none()
+        };
+        let names: Vec<String> = shipped_names().into_iter().filter(can_blend).collect();
+        let mut pairs = Vec::new();
+        while pairs.len() < count {
+            let [from, to] = [0, 1].map(|_| names[random.below(names.len())].clone());
+            let fraction = 0.25 * (1 + random.below(3)) as f32;
+            if from != to {
+                pairs.push(Self { from, to, kind: BlendKind::Melt, fraction });
+            }
+        }
+        pairs
+    }
+}
+
 struct Drawn {
     picture: RgbaImage,
     evaluations: Evaluations,
     not_finite: usize,
-    cpu_ms: f64,
 }
 
 fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> Drawn {
     let frame = Frame::with_params(test_renderer.world(), TIME, loud_sound(), SIZE, params);
-    let start = ProcessTime::now();
     test_renderer.renderer.draw(&frame, &test_renderer.resources, program).unwrap();
     let picture = RgbaImage::from_raw(SIZE.0, SIZE.1, test_renderer.renderer.read()).unwrap();
-    let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
     let light = test_renderer.renderer.read_light().unwrap();
     Drawn {
         picture,
         evaluations: test_renderer.renderer.evaluations(),
         not_finite: light.iter().filter(|part| !part.is_finite()).count(),
-        cpu_ms,
     }
 }
 
@@ -83,116 +108,37 @@ fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String>
     faults
 }
 
-fn shipped(name: &str) -> ReadyScene {
-    ready(&SceneSource::Shipped(name.to_owned()))
-}
-
-/// Returns the renderer, the compile time in milliseconds and the number of clauses.
-fn test_renderer_of(
-    from: &ReadyScene,
-    to: &ReadyScene,
-    kind: BlendKind,
-) -> (TestRenderer, [Program; 2], [f64; 2]) {
+fn check(pair: &Pair) -> Result<(), String> {
+    let Pair { from, to, kind, fraction } = pair;
+    let [a, b] = [from, to].map(|name| ready(&SceneSource::Shipped(name.clone())));
     let camera = |scene: &ReadyScene| Frame::new(&scene.world, TIME, loud_sound(), SIZE).values.camera;
-    let blended = from.blended(to, kind, &Alignment::of(&camera(from), &camera(to)), 0.5).unwrap();
-    let start = ProcessTime::now();
-    let test_renderer = TestRenderer::of_ready(blended, Mode::Compiled, Counting::On);
-    let compiled_ms = start.elapsed().as_secs_f64() * 1e3;
+    let blended = a.blended(&b, *kind, &Alignment::of(&camera(&a), &camera(&b)), 0.5).unwrap();
+    let mut test_renderer = TestRenderer::of_ready(blended, Mode::Compiled, Counting::On);
     test_renderer.resources.set_cells(true, Mode::Interpreted);
-    let programs =
-        [Mode::Compiled, Mode::Interpreted].map(|mode| test_renderer.program_of(mode, Counting::On));
-    let clauses = test_renderer.resources.buffers().cost.total as f64;
-    (test_renderer, programs, [compiled_ms, clauses])
-}
-
-fn params(from: &World, to: &World, fraction: f32) -> Vec<f32> {
-    blended_params((&from.scene, &[]), (&to.scene, &[]), fraction)
+    let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
+    let [compiled, interpreted] = [Mode::Compiled, Mode::Interpreted].map(|mode| {
+        let program = test_renderer.program_of(mode, Counting::On);
+        draw(&mut test_renderer, &program, &params)
+    });
+    let faults = faults(*kind, &compiled, &interpreted);
+    let shown = format!("{from} into {to}, {kind:?} at {fraction}: {}", faults.join(", "));
+    if faults.is_empty() { Ok(()) } else { Err(shown) }
 }
 
 #[test]
 fn blends_have_no_holes_and_both_modes_agree() {
-    let mut wrong = Vec::new();
-    for (from, to, kind, fraction) in SLICE {
-        let [a, b] = [from, to].map(shipped);
-        let (mut test_renderer, programs, _) = test_renderer_of(&a, &b, kind);
-        let params = params(&a.world, &b.world, fraction);
-        let [compiled, interpreted] = [0, 1].map(|mode| draw(&mut test_renderer, &programs[mode], &params));
-        let faults = faults(kind, &compiled, &interpreted);
-        if !faults.is_empty() {
-            wrong.push(format!("{from} into {to} at {fraction}: {}", faults.join(", ")));
-        }
-    }
+    let pair = |(from, to, kind, fraction): (&str, &str, BlendKind, f32)| Pair {
+        from: from.to_owned(),
+        to: to.to_owned(),
+        kind,
+        fraction,
+    };
+    let wrong: Vec<String> = SLICE.into_iter().filter_map(|row| check(&pair(row)).err()).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
-fn all_pairs() {
-    let Ok(wanted) = std::env::var("MARIANA_PAIRS") else { return };
-    let kind = std::env::var("MARIANA_BLEND").ok();
-    let kind = kind.map_or(BlendKind::Melt, |name| BlendKind::named(&name).unwrap());
-    let names = shipped_names();
-    let wanted = |from: &str, to: &str| {
-        wanted == "all" || wanted.split(',').any(|one| one == from || one == format!("{from}:{to}"))
-    };
-    let scenes: BTreeMap<&str, ReadyScene> =
-        names.iter().map(|name| (name.as_str(), shipped(name))).collect();
-    let alone: BTreeMap<&str, [Drawn; 2]> = scenes
-        .iter()
-        .map(|(name, scene)| {
-            let mut test_renderer = TestRenderer::of_ready(scene.clone(), Mode::Compiled, Counting::On);
-            test_renderer.resources.set_cells(true, Mode::Interpreted);
-            let both = [Mode::Compiled, Mode::Interpreted].map(|mode| {
-                let program = test_renderer.program_of(mode, Counting::On);
-                draw(&mut test_renderer, &program, &[]);
-                draw(&mut test_renderer, &program, &[])
-            });
-            (*name, both)
-        })
-        .collect();
-    println!(
-        "pair fraction | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms \
-         compiled and interpreted, each with its ratio to the sum | compiling ms, clauses"
-    );
-    for (from, a) in &scenes {
-        for (to, b) in &scenes {
-            if from == to || !wanted(from, to) {
-                continue;
-            }
-            let (mut test_renderer, programs, [compiling, clauses]) = test_renderer_of(a, b, kind);
-            for fraction in [0.25, 0.5, 0.75] {
-                let params = params(&a.world, &b.world, fraction);
-                let [compiled, interpreted] = [0, 1].map(|mode| {
-                    // Draw a frame before the measurement, because the first frame builds the region tree.
-                    draw(&mut test_renderer, &programs[mode], &params);
-                    draw(&mut test_renderer, &programs[mode], &params)
-                });
-                if let Some(folder) = std::env::var_os("MARIANA_PICTURES") {
-                    let name = format!("{from}-{to}-{fraction}.png");
-                    compiled.picture.save(std::path::Path::new(&folder).join(name)).unwrap();
-                }
-                let pixels = f64::from(SIZE.0 * SIZE.1);
-                let sum = |of: &dyn Fn(&[Drawn; 2]) -> f64| of(&alone[from]) + of(&alone[to]);
-                let evaluations = compiled.evaluations.total() / sum(&|both| both[0].evaluations.total());
-                let clauses_of = |e: &Evaluations| e.clauses + e.surface_clauses;
-                let run =
-                    clauses_of(&interpreted.evaluations) / sum(&|both| clauses_of(&both[1].evaluations));
-                let cpu = [&compiled, &interpreted].map(|drawn| drawn.cpu_ms);
-                let cpu_ratio = [cpu[0] / sum(&|both| both[0].cpu_ms), cpu[1] / sum(&|both| both[1].cpu_ms)];
-                let capped = [&compiled, &interpreted].map(|d| 100.0 * d.evaluations.capped_rays / pixels);
-                let modes = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
-                println!(
-                    "{from}:{to} {fraction} | {:.3} {:.3} | {:.2} | {:.1} {evaluations:.2} {run:.2} {:.0} {:.2} {:.0} {:.2} | {compiling:.0} {clauses} | {}",
-                    capped[0],
-                    capped[1],
-                    100.0 * modes.fraction,
-                    compiled.evaluations.total() / pixels,
-                    cpu[0],
-                    cpu_ratio[0],
-                    cpu[1],
-                    cpu_ratio[1],
-                    faults(kind, &compiled, &interpreted).join(", ")
-                );
-            }
-        }
-    }
+fn blends_of_drawn_pairs_have_no_holes_and_both_modes_agree() {
+    let wrong: Vec<String> = Pair::drawn(3).iter().filter_map(|pair| check(pair).err()).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

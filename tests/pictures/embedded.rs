@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::compare::{LOOSE, TIGHT, assert_alike};
-use crate::support::drawing::Context;
 use crate::support::test_renderer::{TestRenderer, loud_sound, ready};
 use mariana::gpu::api::Api;
+use mariana::gpu::headless::Headless;
 use mariana::gpu::picture_reader::PictureReader;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
@@ -16,7 +16,12 @@ use mariana::scenes::SceneSource;
 /// Textures and mirrors, sound tables, a formula that is not a distance, and depth of field.
 const SCENES: [&str; 4] = ["speakers", "terrain", "gyroid", "tunnel"];
 
-fn renderer(context: Context, scene: &str, mode: Mode) -> TestRenderer {
+/// A context of OpenGL ES.
+fn embedded() -> Headless {
+    Headless::with(&[Api::Embedded], false).unwrap()
+}
+
+fn renderer(context: Headless, scene: &str, mode: Mode) -> TestRenderer {
     let scene = ready(&SceneSource::Shipped(scene.to_owned()));
     TestRenderer::in_context(context, scene, mode, Counting::Off)
 }
@@ -25,8 +30,9 @@ fn renderer(context: Context, scene: &str, mode: Mode) -> TestRenderer {
 fn opengl_es_draws_the_same_images() {
     for scene in SCENES {
         for mode in [Mode::Compiled, Mode::Interpreted] {
-            let [expected, actual] = [Context::new as fn() -> Context, Context::embedded].map(|context| {
-                let mut test_renderer = renderer(context(), scene, mode);
+            let [expected, actual] = [Api::Desktop, Api::Embedded].map(|api| {
+                let context = Headless::with(&[api], false).unwrap();
+                let mut test_renderer = renderer(context, scene, mode);
                 let image = test_renderer.picture(62.0, loud_sound(), (96, 54));
                 (test_renderer.context.gl().info().api, image)
             });
@@ -39,7 +45,7 @@ fn opengl_es_draws_the_same_images() {
 /// The tree of this scene fills more than the first row of its texture in OpenGL ES.
 #[test]
 fn lists_longer_than_a_row_grow_and_shrink() {
-    let mut test_renderer = renderer(Context::embedded(), "lattice", Mode::Interpreted);
+    let mut test_renderer = renderer(embedded(), "lattice", Mode::Interpreted);
     let mut image = |cells: bool| {
         test_renderer.resources.set_cells(cells, Mode::Interpreted);
         let image = test_renderer.picture(1.0, loud_sound(), (48, 27));
@@ -57,7 +63,7 @@ fn lists_longer_than_a_row_grow_and_shrink() {
 #[test]
 fn an_image_is_sent_unchanged() {
     let size = (40, 24);
-    let mut test_renderer = renderer(Context::embedded(), "first_steps", Mode::Compiled);
+    let mut test_renderer = renderer(embedded(), "first_steps", Mode::Compiled);
     let gl = test_renderer.context.gl().clone();
     test_renderer.renderer.prepare_for_window(&ShaderLibrary::embedded()).unwrap();
     let expected = test_renderer.picture(2.0, loud_sound(), size);

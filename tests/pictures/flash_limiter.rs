@@ -5,9 +5,9 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use crate::support::drawing::Context;
 use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
 use mariana::gpu::flash_pass::{FlashPass, PASSES};
+use mariana::gpu::headless::Headless;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
 
@@ -32,12 +32,12 @@ struct Bench {
     cells: usize,
     differing: usize,
     // This field is the last, so that the context is dropped after the objects in it.
-    _context: Context,
+    _context: Headless,
 }
 
 impl Bench {
     fn new() -> Self {
-        let context = Context::new();
+        let context = Headless::new(false).unwrap();
         let gl = context.gl();
         let picture = || Target::new(gl, SIZE, &[Texel::Rgba8], None).unwrap();
         Self {

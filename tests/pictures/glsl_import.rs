@@ -3,8 +3,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::drawing::Context;
 use crate::support::expression::Random;
+use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texel_list::ListTexel;
 use mariana_field::graph::{FrameInputs, Point};
@@ -62,7 +62,7 @@ fn functions(text: &str) -> Vec<Function<'_>> {
 }
 
 /// The values by the driver: for each function, those at all points.
-fn driven(context: &Context, text: &str, functions: &[Function], points: &[[f32; 3]]) -> Vec<Vec<[f32; 4]>> {
+fn driven(context: &Headless, text: &str, functions: &[Function], points: &[[f32; 3]]) -> Vec<Vec<[f32; 4]>> {
     let lines: String =
         text.lines().filter(|line| !line.starts_with("#version")).map(|line| format!("{line}\n")).collect();
     let text = RENAMED.iter().fold(lines, |text, (word, other)| text.replace(word, other));
@@ -115,7 +115,7 @@ fn included(file: (&str, &str), function: &Function, points: &[[f32; 3]]) -> Vec
 
 #[test]
 fn included_functions_have_the_values_that_the_driver_computes() {
-    let context = Context::new();
+    let context = Headless::new(false).unwrap();
     let mut random = Random(37);
     let points: Vec<[f32; 3]> =
         (0..POINTS).map(|_| std::array::from_fn(|_| random.between(-1.5, 1.5))).collect();

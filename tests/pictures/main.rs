@@ -25,6 +25,7 @@ mod scene_looks;
 mod scene_modes;
 mod shaders;
 mod shadow_of_a_facing_surface;
+mod shipped_scenes;
 mod swarm;
 mod textures;
 mod two_dimensions;

@@ -6,15 +6,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::blends::Pair;
 use crate::support::expression::Random;
-use mariana::scenes::{SceneSource, shipped_names};
+use mariana::scenes::SceneSource;
 use mariana_field::graph::{FrameInputs, LevelList, Levels, SHAPE_STEP};
 #[allow(dead_code)]
 use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
-use mariana_field::world::{Alignment, BlendKind, World};
+use mariana_field::world::{Alignment, World};
 
 /// The growth of a pixel's cone per unit of distance, for 360 rows and 40 degrees.
 const SPREAD: f64 = 0.002;
@@ -398,7 +399,7 @@ fn ray_of(
 }
 
 fn rays_wanted() -> usize {
-    std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
+    std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(200)
 }
 
 /// Fails if a traced ray hits a surface that does not exist, or misses a surface. Returns the number of rays that the
@@ -447,58 +448,46 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
     (hits + misses, capped)
 }
 
+/// Fails unless rays through the scene hit and miss as the oracle proves.
+fn check_scene(name: &str, source: &SceneSource) {
+    let compiled = source.compile().unwrap();
+    let world = World::new(name, compiled.scene.unwrap(), Vec::new()).unwrap();
+    // Planes are solved exactly.
+    if !world.has_rest {
+        return;
+    }
+    let rays = rays_wanted();
+    let (decided, capped) = check_rays(name, &world, rays);
+    // If space repeats, long parts of a ray have wide intervals, so the oracle decides fewer rays.
+    let least = if REPEATING.contains(&name) { rays / 4 } else { rays / 2 };
+    assert!(decided > least, "{name}: {decided}");
+    let most = if matches!(source, SceneSource::Shipped(_)) { rays / 20 } else { 0 };
+    assert!(capped <= most, "{name}: {capped} rays reached the step cap");
+}
+
+/// Like [`check_scene`], for a shipped scene.
+pub(super) fn check_hits(name: &str) {
+    check_scene(name, &SceneSource::Shipped(name.to_owned()));
+}
+
 #[test]
 fn hits_and_misses_match_the_oracle() {
-    let rays = rays_wanted();
-    let shipped = shipped_names().into_iter().map(|name| (SceneSource::Shipped(name.clone()), name));
-    let others = OF_MODELLERS.map(|(name, text)| (SceneSource::Formula(text.to_owned()), name.to_owned()));
-    for (source, name) in others.into_iter().chain(shipped) {
-        let compiled = source.compile().unwrap();
-        let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
-        // Planes are solved exactly.
-        if !world.has_rest {
-            continue;
-        }
-        let (decided, capped) = check_rays(&name, &world, rays);
-        // If space repeats, long parts of a ray have wide intervals, so the oracle decides fewer rays.
-        let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
-        assert!(decided > least, "{name}: {decided}");
-        let most = if matches!(source, SceneSource::Shipped(_)) { rays / 20 } else { 0 };
-        assert!(capped <= most, "{name}: {capped} rays reached the step cap");
+    for (name, text) in OF_MODELLERS {
+        check_scene(name, &SceneSource::Formula(text.to_owned()));
     }
 }
 
-/// Tests blends of two scenes. `MARIANA_PAIRS=all` tests every pair at three fractions.
 #[test]
 fn hits_and_misses_in_blends_match_the_oracle() {
-    let all = std::env::var("MARIANA_PAIRS").is_ok_and(|pairs| pairs == "all");
-    let worlds: Vec<World> = shipped_names()
-        .into_iter()
-        .map(|name| {
-            let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
-            World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap()
-        })
-        // Scenes that show their last frame have no blends.
-        .filter(|world| world.frame_tape.feedback.is_none())
-        .collect();
-    let mut wrong = Vec::new();
-    for (i, from) in worlds.iter().enumerate() {
-        for (k, to) in worlds.iter().enumerate() {
-            // Each scene is the first scene of one pair and the second scene of another pair.
-            if i == k || !(all || k == (i + 5) % worlds.len()) {
-                continue;
-            }
-            let camera = |world: &World| world.frame_tape.values(&inputs_of(world, 3.0)).camera;
-            let alignment = Alignment::of(&camera(from), &camera(to));
-            for fraction in if all { [0.25, 0.5, 0.75].as_slice() } else { &[0.4] } {
-                let world = World::blend(from, to, BlendKind::Melt, &alignment, *fraction).unwrap();
-                let name = format!("{} at {fraction}", world.name);
-                let check = || check_rays(&name, &world, if all { rays_wanted() } else { 12 });
-                if std::panic::catch_unwind(check).is_err() {
-                    wrong.push(name);
-                }
-            }
-        }
+    let world = |name: &str| {
+        let compiled = SceneSource::Shipped(name.to_owned()).compile().unwrap();
+        World::new(name, compiled.scene.unwrap(), Vec::new()).unwrap()
+    };
+    for Pair { from, to, kind, fraction } in Pair::drawn(8) {
+        let (from, to) = (world(&from), world(&to));
+        let camera = |world: &World| world.frame_tape.values(&inputs_of(world, 3.0)).camera;
+        let alignment = Alignment::of(&camera(&from), &camera(&to));
+        let world = World::blend(&from, &to, kind, &alignment, fraction).unwrap();
+        check_rays(&format!("{} at {fraction}", world.name), &world, 40);
     }
-    assert!(wrong.is_empty(), "wrong rays in {wrong:?}: see above");
 }

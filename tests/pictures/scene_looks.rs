@@ -1,4 +1,4 @@
-//! The look of the shipped scenes: each scene has a golden image, reacts to music, and is neither too dark nor clipped.
+//! The look of a shipped scene: it has a golden image, reacts to music, and is neither too dark nor clipped.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -8,9 +8,6 @@ use std::process::Command;
 use crate::support::compare::{LOOSE, check_golden, compare, difference};
 use crate::support::test_renderer::{TestRenderer, loud_sound, silence};
 use image::RgbaImage;
-use mariana::gpu::renderer::Counting;
-use mariana::gpu::scene_program::Mode;
-use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{self, jpeg_of};
 
 const SIZE: (u32, u32) = (192, 108);
@@ -52,37 +49,17 @@ fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
         .map_err(|reason| format!("the thumbnail of {name} is out of date: {advice}; {reason}"))
 }
 
-#[test]
-fn the_shipped_thumbnails_are_up_to_date() {
-    let folder = tempfile::tempdir().unwrap();
-    let check = |name: &String| check_thumbnail(name, &drawn_thumbnail(name, folder.path())).err();
-    let failures: Vec<String> = shipped_names().iter().filter_map(check).collect();
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-#[test]
-fn every_scene_matches_its_golden_image_and_shows_the_music() {
-    let mut failures = Vec::new();
-    for name in shipped_names() {
-        let scene = SceneSource::Shipped(name.clone());
-        let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
-        let loud = test_renderer.picture(TIME, loud_sound(), SIZE);
-        let silent = test_renderer.picture(TIME, silence(), SIZE);
-        failures.extend(check_golden(&format!("scene-{name}"), &loud).err());
-        let moved = difference(&loud, &silent, VISIBLE).fraction;
-        if moved < MOVED_MIN {
-            failures.push(format!("{name}: music changes {:.1} % of the pixels", 100.0 * moved));
-        }
-        for (sound, picture) in [("music", &loud), ("silence", &silent)] {
-            let (black, white) = (fraction(picture, 0..=1), fraction(picture, 254..=255));
-            if black > BLACK_MAX || white > WHITE_MAX {
-                let (black, white) = (100.0 * black, 100.0 * white);
-                failures.push(format!(
-                    "{name} in {sound}: {black:.1} % of the pixels are black, {white:.1} % \
-                    white"
-                ));
-            }
-        }
+/// Fails unless the scene looks like its golden image and its thumbnail, shows the music, and is neither too dark nor
+/// clipped.
+pub(super) fn check_look(name: &str, renderer: &mut TestRenderer) {
+    let [loud, silent] = [loud_sound(), silence().into()].map(|sound| renderer.picture(TIME, sound, SIZE));
+    check_golden(&format!("scene-{name}"), &loud).unwrap();
+    let moved = difference(&loud, &silent, VISIBLE).fraction;
+    assert!(moved >= MOVED_MIN, "{name}: music changes {:.1} % of the pixels", 100.0 * moved);
+    for (sound, picture) in [("music", &loud), ("silence", &silent)] {
+        let (black, white) = (fraction(picture, 0..=1), fraction(picture, 254..=255));
+        assert!(black <= BLACK_MAX && white <= WHITE_MAX, "{name} in {sound}: {black} black, {white} white");
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    let folder = tempfile::tempdir().unwrap();
+    check_thumbnail(name, &drawn_thumbnail(name, folder.path())).unwrap();
 }

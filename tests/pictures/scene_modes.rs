@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::compare::{LOOSE, TIGHT, Tolerance, assert_alike, difference};
-use crate::support::drawing::DrawsAlone;
 use crate::support::oracle::BY_HAND;
 use crate::support::test_renderer::{
     TestRenderer, driver, loud_music, loud_sound, ready, silence, soft_music, speakers,
@@ -18,7 +17,7 @@ use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::{Interpreter, Mode, compiled_variant, compiled_variant_of, without_cells};
 use mariana::gpu::shader_source::ShaderLibrary;
-use mariana::scenes::{SceneSource, shipped_names};
+use mariana::scenes::SceneSource;
 use mariana_music::{Sound, Tables};
 
 const SIZE: (u32, u32) = (240, 135);
@@ -131,25 +130,52 @@ fn drawn(
     (picture, test_renderer.renderer.evaluations())
 }
 
+/// Like [`drawn`], in loud music. Without a program, draws with the renderer's own.
+fn counted(
+    test_renderer: &mut TestRenderer,
+    program: Option<&Program>,
+    time: f64,
+    size: (u32, u32),
+) -> (RgbaImage, Evaluations) {
+    match program {
+        Some(program) => drawn(test_renderer, program, time, loud_sound(), size),
+        None => (test_renderer.picture(time, loud_sound(), size), test_renderer.renderer.evaluations()),
+    }
+}
+
 fn kinds(all: &Evaluations) -> [f64; 5] {
     [all.primary, all.reflection, all.normal, all.shadow, all.occlusion]
 }
 
-/// Compares both modes, with and without regions, in loud music at each of the `times`. Fails unless the images match
-/// and the numbers of evaluations without regions are about equal. No ray of a shipped scene may reach its step cap.
-fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
-    assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
+/// How images of both modes are compared.
+struct Comparison<'a> {
+    /// In seconds.
+    times: &'a [f64],
+    size: (u32, u32),
+    tolerance: Tolerance,
+    /// True if no ray may reach its step cap.
+    is_complete: bool,
 }
 
-fn assert_modes_agree_at(
-    name: &str,
-    scene: &SceneSource,
-    times: &[f64],
-    (size, tolerance): ((u32, u32), Tolerance),
-) {
+fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     let mut test_renderer = TestRenderer::of(scene, Mode::Compiled, Counting::On);
-    let programs =
-        [Mode::Compiled, Mode::Interpreted].map(|mode| test_renderer.program_of(mode, Counting::On));
+    let comparison = Comparison { times, size: SIZE, tolerance: TIGHT, is_complete: false };
+    compare_modes(name, &mut test_renderer, &comparison);
+}
+
+/// Compares the modes of a shipped scene. `test_renderer` has its compiled program, which counts.
+pub(super) fn check_modes(name: &str, test_renderer: &mut TestRenderer) {
+    // In these small images, many details are finer than a pixel, so rounding can decide on which side of a detail's
+    // edge a ray ends.
+    let comparison = Comparison { times: &[40.0], size: (160, 90), tolerance: LOOSE, is_complete: true };
+    compare_modes(name, test_renderer, &comparison);
+}
+
+/// Compares both modes, with and without regions, in loud music. Fails unless the images match and the numbers of
+/// evaluations without regions are about equal.
+fn compare_modes(name: &str, test_renderer: &mut TestRenderer, comparison: &Comparison) {
+    let &Comparison { times, size, tolerance, is_complete } = comparison;
+    let interpreter = test_renderer.program_of(Mode::Interpreted, Counting::On);
     let world = test_renderer.resources.world();
     let non_lipschitz = world.non_lipschitz;
     // A scene of sky and planes alone evaluates no distance.
@@ -160,15 +186,17 @@ fn assert_modes_agree_at(
     });
     let mut first: Option<RgbaImage> = None;
     for &time in times {
+        let both = |test_renderer: &mut TestRenderer| {
+            let compiled = counted(test_renderer, None, time, size);
+            [compiled, counted(test_renderer, Some(&interpreter), time, size)]
+        };
         test_renderer.resources.set_cells(true, Mode::Interpreted);
-        let [skipping, short] =
-            [0, 1].map(|mode| drawn(&mut test_renderer, &programs[mode], time, loud_sound(), size));
+        let [skipping, short] = both(test_renderer);
         test_renderer.resources.set_cells(false, Mode::Interpreted);
-        let [compiled, interpreted] =
-            [0, 1].map(|mode| drawn(&mut test_renderer, &programs[mode], time, loud_sound(), size));
+        let [compiled, interpreted] = both(test_renderer);
         assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, tolerance);
         assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, tolerance);
-        if matches!(scene, SceneSource::Shipped(_)) {
+        if is_complete {
             assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
         }
         let (fewer, all) = (short.1, interpreted.1);
@@ -179,7 +207,7 @@ fn assert_modes_agree_at(
         );
         assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, tolerance);
         if let Some(program) = &without_code {
-            let bare = drawn(&mut test_renderer, program, time, loud_sound(), size);
+            let bare = counted(test_renderer, Some(program), time, size);
             assert_alike(&format!("{name}-at-{time}-without-code"), &bare.0, &compiled.0, TIGHT);
             assert_eq!(
                 kinds(&bare.1),
@@ -213,18 +241,6 @@ fn assert_modes_agree_at(
         assert!(fraction > 0.05, "{name}: nothing is visible or moves at {time} s: {fraction}");
         first = Some(compiled.0);
     }
-}
-
-#[test]
-fn both_modes_show_the_same_shipped_scenes() {
-    let differs = |name: &String| {
-        // In these small images, many details are finer than a pixel, so rounding can decide on which side of a
-        // detail's edge a ray ends.
-        let scene = SceneSource::Shipped(name.clone());
-        std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
-    };
-    let different: Vec<String> = shipped_names().into_iter().filter(differs).collect();
-    assert!(different.is_empty(), "modes differ in {different:?}: see above");
 }
 
 #[test]
@@ -349,7 +365,6 @@ fn a_painter_uses_the_requested_mode() {
     ] {
         let source = SceneSource::Formula(PLANES.into());
         let choice = SceneChoice { sdf, cells: CellUse::Always, ..SceneChoice::from(source) };
-        let _alone = DrawsAlone::wait();
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence().into(), (16, 9)).unwrap();

@@ -6,7 +6,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::drawing::Context;
 use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_text};
 use crate::support::test_renderer::{driver, driver_of, ready, speakers};
@@ -14,6 +13,7 @@ use mariana::frame::projection::{Projection, ProjectionKind};
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
+use mariana::gpu::headless::Headless;
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
@@ -24,7 +24,7 @@ use mariana::gpu::scene_program::{
     without_sky,
 };
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
-use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
+use mariana::scenes::{ReadyScene, SceneSource};
 
 /// A plane and a traced part, without textures. The shader omits the code for all other features.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
@@ -190,13 +190,10 @@ fn glslang_accepts_every_variant() {
     }
 }
 
-#[test]
-fn glslang_accepts_every_shipped_scene_in_opengl_es() {
-    let scenes = shipped_names().into_iter().map(SceneSource::Shipped);
-    let cases = scenes.flat_map(|scene| {
-        [(Mode::Compiled, false), (Mode::Interpreted, false), (Mode::Interpreted, true)]
-            .map(|(mode, software)| scene_case(&scene, mode, software, Counting::Off))
-    });
+/// Fails unless glslang accepts the scene's shaders for OpenGL ES.
+pub(super) fn check_embedded_shaders(scene: &SceneSource) {
+    let cases = [(Mode::Compiled, false), (Mode::Interpreted, false), (Mode::Interpreted, true)]
+        .map(|(mode, software)| scene_case(scene, mode, software, Counting::Off));
     judge_cases(cases, Api::Embedded, check_with_glslang);
 }
 
@@ -211,7 +208,7 @@ fn opengl_es_rejects_what_only_opengl_has() {
 
 #[test]
 fn the_driver_links_every_variant() {
-    let context = Context::new();
+    let context = Headless::new(false).unwrap();
     for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file.ends_with(".frag")) {
         if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), file, variant) {
             panic!("{name}: {error}");
@@ -238,7 +235,7 @@ fn names_line(log: &str, file: &str, line: usize) -> bool {
 
 #[test]
 fn broken_shaders_are_rejected_with_file_and_line() {
-    let context = Context::new();
+    let context = Headless::new(false).unwrap();
     let software = context.gl().info().software;
     for (file, mode) in [
         ("scene.frag", Mode::Compiled),

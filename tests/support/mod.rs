@@ -10,7 +10,6 @@ pub(crate) mod browser;
 pub(crate) mod compare;
 #[cfg(target_os = "linux")]
 pub(crate) mod desktop;
-pub(crate) mod drawing;
 #[path = "../../crates/field/tests/field/expression.rs"]
 pub(crate) mod expression;
 pub(crate) mod glsl;

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::support::drawing::Context;
 use image::RgbaImage;
 use mariana::frame::Frame;
 use mariana::frame::picture::Picture;
@@ -10,6 +9,7 @@ use mariana::frame::projection::Stereo;
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
+use mariana::gpu::headless::Headless;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
@@ -58,7 +58,7 @@ pub(crate) struct TestRenderer {
     pub adjust: fn(&mut Picture),
     /// The number of images so far.
     drawn: u64,
-    pub context: Context,
+    pub context: Headless,
 }
 
 impl TestRenderer {
@@ -72,10 +72,10 @@ impl TestRenderer {
     }
 
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
-        Self::in_context(Context::new(), scene, mode, counting)
+        Self::in_context(Headless::new(false).unwrap(), scene, mode, counting)
     }
 
-    pub(crate) fn in_context(context: Context, scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
+    pub(crate) fn in_context(context: Headless, scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
         let gl = context.gl();
         let renderer =
@@ -146,7 +146,7 @@ impl TestRenderer {
     }
 }
 
-fn link(context: &Context, library: &ShaderLibrary, variant: &Variant) -> Program {
+fn link(context: &Headless, library: &ShaderLibrary, variant: &Variant) -> Program {
     link_scene(context.gl(), library, variant).unwrap_or_else(|error| panic!("{error}"))
 }
 

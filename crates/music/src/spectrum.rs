@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use rustfft::num_complex::Complex32;
-use rustfft::{Fft, FftPlanner};
+use mariana_transforms::{Complex32, Fft};
 
 use super::StereoFrame;
 use super::window::hann;
@@ -22,7 +21,7 @@ impl Spectrum {
     /// Creates a spectrum for stretches of `length` frames, an even number. The power of each bin is divided by
     /// `gain`, the power gain of a filter that the samples passed.
     pub(super) fn new(length: usize, gain: impl Fn(usize) -> f64) -> Self {
-        let fft = FftPlanner::new().plan_fft_forward(length);
+        let fft = mariana_transforms::forward(length);
         let window = hann(length);
         let squares: f64 = window.iter().map(|&w| f64::from(w).powi(2)).sum();
         Self {

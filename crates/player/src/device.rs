@@ -101,16 +101,16 @@ pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
 pub(crate) fn error_callback(
     on_failure: OnFailure,
     xruns: impl Fn() + Send + 'static,
-) -> impl FnMut(cpal::Error) + Send + 'static {
+) -> Box<dyn FnMut(cpal::Error) + Send> {
     // A dead server may report the failure a million times.
     let reported = AtomicBool::new(false);
-    move |error| match error.kind() {
+    Box::new(move |error| match error.kind() {
         ErrorKind::Xrun => xruns(),
         // The stream continues.
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
         _ if reported.swap(true, Ordering::Relaxed) => {}
         kind => on_failure(Failure { reason: sentence(&error), kind }),
-    }
+    })
 }
 
 /// The system's message, without a final full stop.

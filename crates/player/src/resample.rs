@@ -6,14 +6,9 @@
 //! of frames on both sides. For odd ratios an FFT block would hold seconds of sound. These ratios use the windowed-sinc
 //! resampler, whose delay is compensated to within half an output frame.
 
-use rubato::audioadapter_buffers::direct::InterleavedSlice;
-use rubato::{
-    Async, Fft, FixedAsync, FixedSync, Indexing, SincInterpolationParameters, SincInterpolationType,
-    WindowFunction, calculate_cutoff,
-};
-
 use mariana_music::StereoFrame;
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_transforms::{Indexing, InterleavedSlice, fourier_resampler, sinc_resampler};
 
 /// Target length of an FFT block, in input frames (23 ms at 44.1 kHz). It allows a narrow transition and fast seeks.
 const BLOCK_FRAMES: usize = 1024;
@@ -56,7 +51,7 @@ pub struct Resampler {
 }
 
 struct Engine {
-    inner: Box<dyn rubato::Resampler<f32>>,
+    inner: Box<dyn mariana_transforms::Resampler<f32>>,
     waiting: Vec<StereoFrame>,
     block: Vec<StereoFrame>,
     /// The filter's delay, in output frames.
@@ -137,36 +132,25 @@ impl Resampler {
 
 impl Engine {
     fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
-        let library = |e: rubato::ResamplerConstructionError| ResampleError::Library {
+        let library = |e: mariana_transforms::ResamplerConstructionError| ResampleError::Library {
             from,
             to,
             message: e.to_string(),
         };
         // The shortest block whose half is a whole number of frames at both rates has two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
-        let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
-            let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
-            let window = WindowFunction::BlackmanHarris2;
-            let fft = Fft::new_custom(from as usize, to as usize, chunk, 1, 2, window, FixedSync::Both)
-                .map_err(library)?;
-            let delay = rubato::Resampler::<f32>::output_delay(&fft);
-            (Box::new(fft), delay)
+        let (inner, delay) = if unit <= BLOCK_FRAMES_MAX {
+            let fourier =
+                fourier_resampler(from, to, unit * BLOCK_FRAMES.div_ceil(unit), 2).map_err(library)?;
+            let delay = fourier.output_delay();
+            (fourier, delay)
         } else {
-            let window = WindowFunction::BlackmanHarris2;
-            let parameters = SincInterpolationParameters {
-                sinc_len: SINC_LENGTH,
-                f_cutoff: Some(calculate_cutoff(SINC_LENGTH, window)),
-                interpolation: SincInterpolationType::Cubic,
-                oversampling_factor: 256,
-                window,
-            };
             let ratio = f64::from(to) / f64::from(from);
-            let sinc = Async::<f32>::new_sinc(ratio, 1.0, &parameters, BLOCK_FRAMES, 2, FixedAsync::Input)
-                .map_err(library)?;
+            let sinc = sinc_resampler(ratio, SINC_LENGTH, BLOCK_FRAMES, 2).map_err(library)?;
             // By measurement, the first output is one output frame into the filter, and the library truncates the
             // reported delay to a whole number.
             let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
-            (Box::new(sinc), delay as usize)
+            (sinc, delay as usize)
         };
         let block = vec![[0.0; 2]; inner.output_frames_max()];
         Ok(Self { inner, waiting: Vec::new(), block, delay, delay_left: delay, frames_in: 0, frames_out: 0 })

@@ -124,19 +124,23 @@ pub(super) fn open(
     Err(last_error.map_or(none, refused))
 }
 
+/// Boxed, so that cpal's code for streams is compiled once and not for each type of samples.
+type Callback = Box<dyn FnMut(&cpal::Data, &cpal::InputCallbackInfo) + Send>;
+
 fn build<T: SizedSample>(
     device: &cpal::Device,
     config: StreamConfig,
     mut tap: InputCallback,
-    on_error: impl FnMut(cpal::Error) + Send + 'static,
+    on_error: Box<dyn FnMut(cpal::Error) + Send>,
 ) -> Result<cpal::Stream, cpal::Error>
 where
     f32: FromSample<T>,
 {
     let channels = usize::from(config.channels);
-    let callback = move |data: &[T], info: &cpal::InputCallbackInfo| {
+    let callback: Callback = Box::new(move |data, info| {
+        let Some(data) = data.as_slice::<T>() else { return };
         let stamps = info.timestamp();
         tap.take(data, channels, stamps.callback.checked_duration_since(stamps.capture));
-    };
-    device.build_input_stream(config, callback, on_error, Some(BUILD_LIMIT))
+    });
+    device.build_input_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
 }

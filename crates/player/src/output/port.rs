@@ -215,18 +215,22 @@ fn open(
     Err(last_error.map_or(none, refused))
 }
 
+/// Boxed, so that cpal's code for streams is compiled once and not for each type of samples.
+type Callback = Box<dyn FnMut(&mut cpal::Data, &cpal::OutputCallbackInfo) + Send>;
+
 fn build<T: SizedSample + FromSample<f32>>(
     device: &cpal::Device,
     config: StreamConfig,
     mut output_callback: OutputCallback,
-    on_error: impl FnMut(cpal::Error) + Send + 'static,
+    on_error: Box<dyn FnMut(cpal::Error) + Send>,
 ) -> Result<cpal::Stream, cpal::Error> {
     let channels = usize::from(config.channels);
-    let callback = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
+    let callback: Callback = Box::new(move |data, info| {
+        let Some(data) = data.as_slice_mut::<T>() else { return };
         let stamps = info.timestamp();
         let latency =
             stamps.playback.checked_duration_since(stamps.callback).filter(|latency| !latency.is_zero());
         output_callback.serve(data, channels, latency);
-    };
-    device.build_output_stream(config, callback, on_error, Some(BUILD_LIMIT))
+    });
+    device.build_output_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
 }

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 
 use glutin::config::Config;
 use glutin::context::{NotCurrentContext, PossiblyCurrentContext};
-use glutin::display::{Display, GlDisplay};
+use glutin::display::{Display, GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 
 use super::error::GpuError;
@@ -42,24 +42,33 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// Creates a context for the driver `info`, on `display` or on a separate display. The context shares no objects.
+    /// Creates contexts for up to `count` workers of a window whose context has this `config` and the driver `info`. The
+    /// contexts share no objects. Without any, programs are compiled between frames.
     ///
-    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it reads
-    /// lists of unfinished draws, of all contexts of the display (`llvmpipe_flush_resource`). Other threads may change
-    /// these lists meanwhile (Mesa 22.3), so drawing in one context could crash another context.
-    ///
-    /// # Errors
-    /// Fails with the system's error.
-    pub fn new(display: &Display, config: &Config, info: &GlInfo) -> glutin::error::Result<Self> {
+    /// **llvmpipe gets one context, on a separate display.** Before llvmpipe hands out the memory of a texture or
+    /// buffer, it reads lists of unfinished draws, of all contexts of the display (`llvmpipe_flush_resource`). Other
+    /// threads may change these lists meanwhile (Mesa 22.3), so drawing in one context could crash another context. EGL
+    /// has one display for each device, so a second worker would share the first one's display.
+    pub fn beside_window(config: &Config, info: &GlInfo, count: usize) -> Vec<Self> {
+        if !Self::are_of(config) {
+            return Vec::new();
+        }
         #[cfg(all(unix, not(target_os = "macos")))]
         if info.software
             && let Some((display, context)) = super::headless::software_context(info.api)
         {
-            return Ok(Self { display: Display::Egl(display), context: NotCurrentContext::Egl(context) });
+            return vec![Self { display: Display::Egl(display), context: NotCurrentContext::Egl(context) }];
         }
-        // SAFETY: `display` is alive, and `config` comes from the same library.
-        let context = unsafe { display.create_context(config, &info.api.context_attributes(None)) }?;
-        Ok(Self { display: display.clone(), context })
+        let display = config.display();
+        let made = (0..count).map(|_| {
+            // SAFETY: `display` is alive, and `config` comes from the same library.
+            let context = unsafe { display.create_context(config, &info.api.context_attributes(None)) };
+            let context = context.map_err(|error| {
+                tracing::info!("no second context ({error}); scenes are compiled between frames");
+            });
+            context.map(|context| Self { display: display.clone(), context })
+        });
+        made.flatten().collect()
     }
 
     /// Creates a context on EGL's default display, apart from [`super::headless::Headless`]. `None` if EGL refuses.
@@ -76,7 +85,7 @@ impl WorkerContext {
     }
 
     /// True if workers can use contexts of the kind of `config`: those of EGL and WGL.
-    pub fn are_of(config: &Config) -> bool {
+    fn are_of(config: &Config) -> bool {
         match config {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
             Config::Egl(_) => true,
@@ -366,4 +375,24 @@ fn texts_of(
     info: &GlInfo,
 ) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, product.shader(), &variant()?, info)?)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use glutin::config::GetGlConfig;
+
+    use super::super::headless::{Headless, software_context};
+    use super::*;
+
+    /// Two compilers got the same display from EGL, and drew on it at the same time.
+    #[test]
+    fn a_software_renderer_has_one_compiler() {
+        let info = Headless::new(false).unwrap().gl().info().clone();
+        let (_display, window) = software_context(info.api).unwrap();
+        let config = Config::Egl(window.config());
+        let count = |software: bool| {
+            WorkerContext::beside_window(&config, &GlInfo { software, ..info.clone() }, 2).len()
+        };
+        assert_eq!((count(true), count(false)), (1, 2));
+    }
 }
