@@ -108,7 +108,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("show", &["mariana-field", "mariana-music", "thiserror"]),
     ("browser", &["mariana-field", "mariana-music"]),
     ("transforms", &["rubato", "rustfft"]),
-    ("testing", &["tempfile"]),
+    ("testing", &["rustix", "serde_json", "tempfile"]),
     (
         "ui",
         &[

@@ -54,9 +54,8 @@ impl Pair {
         let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1);
         let mut random = Random(seed);
         // Scenes that show their last frame have no blends.
-        let can_blend = |name: &String| {
-            ready(&SceneSource::Shipped(name.clone())).world.frame_tape.feedback.is_none()
-        };
+        let can_blend =
+            |name: &String| ready(&SceneSource::Shipped(name.clone())).world.frame_tape.feedback.is_none();
         let names: Vec<String> = shipped_names().into_iter().filter(can_blend).collect();
         let mut pairs = Vec::new();
         while pairs.len() < count {

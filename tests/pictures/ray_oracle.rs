@@ -399,7 +399,7 @@ fn ray_of(
 }
 
 fn rays_wanted() -> usize {
-    std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(200)
+    std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(100)
 }
 
 /// Fails if a traced ray hits a surface that does not exist, or misses a surface. Returns the number of rays that the

@@ -46,7 +46,7 @@ impl Browser {
         ]);
         command.arg(format!("--user-data-dir={}", folder.path().display())).arg("about:blank");
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut process = Process::start(&mut command, program);
+        let mut process = Process::start_group(&mut command, program);
         let mut lines = BufReader::new(process.child().stderr.take().unwrap()).lines();
         let mut reported = String::new();
         let (address, whole) = loop {

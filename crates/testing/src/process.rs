@@ -2,10 +2,12 @@
 
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
+use rustix::process::{Pid, Signal, kill_process_group};
 use tempfile::TempDir;
 
 /// Maximum time that a test waits for a condition.
@@ -14,39 +16,56 @@ pub const WAIT_LIMIT: Duration = Duration::from_secs(60);
 pub const LOOK_PERIOD: Duration = Duration::from_millis(10);
 
 /// A child process that is killed when the test ends, even if the test panics.
-pub struct Process(Child);
+pub struct Process {
+    child: Child,
+    /// True if the processes that the child starts are killed too.
+    has_group: bool,
+}
 
 impl Process {
     /// Starts `command`. `package` is the Debian package that contains the program.
     pub fn start(command: &mut Command, package: &str) -> Self {
-        Self(command.spawn().unwrap_or_else(|error| missing(command, package, &error)))
+        let child = command.spawn().unwrap_or_else(|error| missing(command, package, &error));
+        Self { child, has_group: false }
+    }
+
+    /// Like [`Self::start`], for a program that starts others, which would outlive it.
+    pub fn start_group(command: &mut Command, package: &str) -> Self {
+        let mut process = Self::start(command.process_group(0), package);
+        process.has_group = true;
+        process
     }
 
     /// The process id.
     pub fn id(&self) -> u32 {
-        self.0.id()
+        self.child.id()
     }
 
     /// Takes the standard output, which must be piped. Call this only once.
     pub fn stdout(&mut self) -> ChildStdout {
-        self.0.stdout.take().expect("the standard output is piped and not taken yet")
+        self.child.stdout.take().expect("the standard output is piped and not taken yet")
     }
 
     /// The child process.
     pub fn child(&mut self) -> &mut Child {
-        &mut self.0
+        &mut self.child
     }
 
     /// Returns the exit status if the process has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
-        self.0.try_wait().expect("the process is a child")
+        self.child.try_wait().expect("the process is a child")
     }
 
     /// Kills the process.
     pub fn kill(&mut self) {
         // Killing fails if the process has ended.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        if self.has_group
+            && let Some(group) = Pid::from_raw(self.child.id().cast_signed())
+        {
+            let _ = kill_process_group(group, Signal::KILL);
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 

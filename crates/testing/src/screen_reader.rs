@@ -56,7 +56,7 @@ impl<'b> ScreenReader<'b> {
             .env("XDG_DATA_DIRS", "/usr/local/share:/usr/share")
             .stdout(Stdio::null())
             .stderr(Stdio::null());
-        let launcher = Process::start(&mut command, "at-spi2-core");
+        let launcher = Process::start_group(&mut command, "at-spi2-core");
         let mut address = String::new();
         wait_until("the accessibility bus", || {
             let asked = bus.send("org.a11y.Bus", "/org/a11y/bus", &["org.a11y.Bus.GetAddress"]);

@@ -21,7 +21,7 @@ impl SessionBus {
             .envs(session_environment(folder))
             .stdout(Stdio::null())
             .stderr(Stdio::null());
-        let bus = Self { _daemon: Process::start(&mut command, "dbus"), folder: folder.to_owned() };
+        let bus = Self { _daemon: Process::start_group(&mut command, "dbus"), folder: folder.to_owned() };
         wait_until("the bus", || bus.names().is_ok());
         bus
     }

@@ -13,14 +13,12 @@ mod linux {
     use std::collections::BTreeSet;
     use std::fs::File;
     use std::io::{BufRead, IsTerminal, Read, Seek};
-    use std::os::unix::process::CommandExt;
     use std::path::PathBuf;
     use std::process::{Child, Command, ExitCode, Stdio};
     use std::time::{Duration, Instant};
 
     use rustix::process::{
-        Pid, Signal, WaitId, WaitIdOptions, WaitOptions, kill_process, kill_process_group,
-        set_child_subreaper, waitid, waitpid,
+        Pid, Signal, WaitId, WaitIdOptions, WaitOptions, kill_process, set_child_subreaper, waitid, waitpid,
     };
     use serde_json::Value;
 
@@ -154,7 +152,7 @@ mod linux {
             command.env("MESA_SHADER_CACHE_DIR", target.join("tmp"));
         }
         let (out, err) = (output.try_clone().map_err(failed)?, output.try_clone().map_err(failed)?);
-        command.stdin(Stdio::null()).stdout(out).stderr(err).process_group(0);
+        command.stdin(Stdio::null()).stdout(out).stderr(err);
         let child = command.spawn().map_err(failed)?;
         Ok(Running { name, program: number, child, output, start: Instant::now() })
     }
@@ -195,7 +193,11 @@ mod linux {
             let command = String::from_utf8_lossy(&read("cmdline")).replace('\0', " ");
             Orphan { pid, test: test.unwrap_or_default(), command }
         });
-        described.filter(|orphan| !running.iter().any(|test| test.name == orphan.test)).collect()
+        // A process without a command is about to end.
+        let is_left = |orphan: &Orphan| {
+            !orphan.command.is_empty() && !running.iter().any(|test| test.name == orphan.test)
+        };
+        described.filter(is_left).collect()
     }
 
     impl Running {
@@ -214,8 +216,8 @@ mod linux {
 
         fn kill(&self) {
             if let Some(pid) = self.id() {
-                // Fails if the group has ended.
-                let _ = kill_process_group(pid, Signal::KILL);
+                // Fails if the test has ended. The processes that it started become orphans.
+                let _ = kill_process(pid, Signal::KILL);
             }
         }
     }
