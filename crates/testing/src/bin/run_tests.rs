@@ -54,6 +54,7 @@ mod linux {
         child: Child,
         output: File,
         start: Instant,
+        is_killed: bool,
     }
 
     #[derive(Default)]
@@ -154,7 +155,7 @@ mod linux {
         let (out, err) = (output.try_clone().map_err(failed)?, output.try_clone().map_err(failed)?);
         command.stdin(Stdio::null()).stdout(out).stderr(err);
         let child = command.spawn().map_err(failed)?;
-        Ok(Running { name, program: number, child, output, start: Instant::now() })
+        Ok(Running { name, program: number, child, output, start: Instant::now(), is_killed: false })
     }
 
     fn text_of(file: &mut File) -> String {
@@ -214,7 +215,8 @@ mod linux {
             status.is_ok_and(|status| status.is_some()).then(|| processor_seconds(pid))
         }
 
-        fn kill(&self) {
+        fn kill(&mut self) {
+            self.is_killed = true;
             if let Some(pid) = self.id() {
                 // Fails if the test has ended. The processes that it started become orphans.
                 let _ = kill_process(pid, Signal::KILL);
@@ -283,7 +285,8 @@ mod linux {
                 programs[test.program].seconds += test.start.elapsed().as_secs_f64();
                 results.add(test, &progress)?;
             }
-            for test in running.iter().filter(|test| test.start.elapsed() > TEST_LIMIT) {
+            let is_late = |test: &&mut Running| !test.is_killed && test.start.elapsed() > TEST_LIMIT;
+            for test in running.iter_mut().filter(is_late) {
                 progress.print(&format!("{} takes longer than {TEST_LIMIT:?}: killed", test.name));
                 test.kill();
             }
