@@ -17,7 +17,7 @@ use_clippy() {
 }
 
 # prepare_build PROGRAM MINUTES: if the folder for the build cannot be written, ends the script. If PROGRAM does not exist
-# yet, says how long its first build may take: MINUTES with two processors.
+# yet, prints the estimated duration of the first build. MINUTES is the duration with two processors.
 prepare_build() {
     local target processors
     target=$(cargo_target)

@@ -1,4 +1,4 @@
-//! What is checked of each shipped scene. Each scene has one test, which compiles the scene's programs once for all checks.
+//! Checks of the shipped scenes. Each scene has one test, which compiles the scene's programs once for all checks.
 
 #![allow(clippy::unwrap_used)]
 

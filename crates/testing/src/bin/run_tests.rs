@@ -1,7 +1,7 @@
-//! Runs tests, each in a process of its own: `cargo test --no-run --message-format=json | run_tests [FILTER...]`. With
+//! Runs each test in a separate process: `cargo test --no-run --message-format=json | run_tests [FILTER...]`. With
 //! filters, runs the tests whose name `PROGRAM::TEST` contains one of them.
 //!
-//! A test in its own process shares no driver, environment or static value with another test, and a crash ends only
+//! A test in a separate process shares no driver, environment or static value with another test, and a crash ends only
 //! this test. Programs are run side by side at the same relative pace, so that programs that wait for devices and
 //! windows run beside programs that compute. Tests of programs in [`PUNCTUAL`] have priority.
 //!
@@ -125,7 +125,7 @@ mod linux {
         Ok(text.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect())
     }
 
-    /// The program whose next test starts: the one that is farthest behind.
+    /// The program with the smallest share of started tests. Its next test starts.
     fn next(programs: &[Program]) -> Option<usize> {
         let open = programs.iter().enumerate().filter(|(_, program)| program.started < program.tests.len());
         let share = |program: &Program| (program.started as f64 + 0.5) / program.tests.len() as f64;
@@ -224,7 +224,7 @@ mod linux {
         }
     }
 
-    /// Says how many tests have run: in a line that the next one replaces, or now and then in a line of its own.
+    /// Prints the number of finished tests. A terminal shows one line, which is updated; elsewhere each report is a line.
     struct Progress {
         is_terminal: bool,
         total: usize,
