@@ -224,7 +224,7 @@ mod linux {
         }
     }
 
-    /// Prints the number of finished tests. A terminal shows one line, which is updated; elsewhere each report is a line.
+    /// Prints the number of finished tests: in a terminal as a line that is updated, elsewhere now and then.
     struct Progress {
         is_terminal: bool,
         total: usize,
