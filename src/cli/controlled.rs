@@ -1,4 +1,4 @@
-//! `mariana video --controlled`: a video that a window renders in a process of its own.
+//! `--controlled`: a video or a thumbnail that a window draws in a process of its own.
 
 use std::io::BufRead;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -9,10 +9,10 @@ use crate::ending::{self, Signal};
 use crate::export::print::{print_line, tell};
 use crate::export::video::{CONTINUE, PAUSE, VideoReport, Written};
 
-/// The priority of the process. With the lowest priority, 19, a window with a software renderer would leave the video
-/// no time.
-#[cfg(target_os = "linux")]
-const NICENESS: i32 = 10;
+/// The priority of a video. With [`LOWEST`], a window with a software renderer would leave the video no time.
+const VIDEO_NICENESS: i32 = 10;
+/// The lowest priority.
+const LOWEST: i32 = 19;
 
 /// The connection to the window.
 pub(super) struct Controlled {
@@ -26,27 +26,14 @@ impl Controlled {
     /// # Errors
     /// Fails if no thread can be started.
     pub(super) fn begin() -> anyhow::Result<Self> {
-        // Later threads, and ffmpeg, inherit the priority.
-        #[cfg(target_os = "linux")]
-        let _ = rustix::process::setpriority_process(None, NICENESS);
         let is_paused = Arc::new((Mutex::new(false), Condvar::new()));
         let obeying = is_paused.clone();
-        let obey = move || {
-            for line in std::io::stdin().lock().lines() {
-                let Ok(line) = line else { break };
-                let (paused, changed) = &*obeying;
-                let mut paused = paused.lock().unwrap_or_else(PoisonError::into_inner);
-                *paused = if line == PAUSE { true } else { *paused && line != CONTINUE };
-                changed.notify_all();
-            }
-            ending::end_now(Signal::HangUp, || {
-                tell("the window has ended the video; unfinished files are removed");
-            });
-        };
-        std::thread::Builder::new()
-            .name("window".into())
-            .spawn(obey)
-            .context("no thread can be started: close other programs")?;
+        end_with_input(VIDEO_NICENESS, move |line| {
+            let (paused, changed) = &*obeying;
+            let mut paused = paused.lock().unwrap_or_else(PoisonError::into_inner);
+            *paused = if line == PAUSE { true } else { *paused && line != CONTINUE };
+            changed.notify_all();
+        })?;
         Ok(Self { is_paused })
     }
 
@@ -67,6 +54,33 @@ impl Controlled {
         let name = written.file.as_deref().and_then(|file| file.file_name()).unwrap_or_default();
         report(&VideoReport::Written { name: name.to_string_lossy().into_owned() })
     }
+}
+
+/// Lowers the priority of this process to the lowest, and ends the process when standard input ends, because the window
+/// that started it is gone.
+///
+/// # Errors
+/// Fails if no thread can be started.
+pub(super) fn draw_for_window() -> anyhow::Result<()> {
+    end_with_input(LOWEST, |_| ())
+}
+
+/// Sets the priority, which later threads and ffmpeg inherit. A new thread calls `obey` with each line of standard input,
+/// and ends the process after the last.
+fn end_with_input(niceness: i32, mut obey: impl FnMut(String) + Send + 'static) -> anyhow::Result<()> {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, niceness);
+    #[cfg(not(target_os = "linux"))]
+    let _ = niceness;
+    let watch = move || {
+        std::io::stdin().lock().lines().map_while(Result::ok).for_each(&mut obey);
+        ending::end_now(Signal::HangUp, || {
+            tell("the window has ended this work; unfinished files are removed")
+        });
+    };
+    let thread = std::thread::Builder::new().name("window".into()).spawn(watch);
+    thread.context("no thread can be started: close other programs")?;
+    Ok(())
 }
 
 fn report(report: &VideoReport) -> anyhow::Result<()> {

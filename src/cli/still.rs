@@ -11,6 +11,7 @@ use clap::Args;
 use super::common::{
     CommonArguments, OneScene, SetArguments, end_by_signals, finish_by_signals, refuse_a_terminal,
 };
+use super::controlled::draw_for_window;
 use super::files::{Files, scene_of};
 use super::light::LightArguments;
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
@@ -62,6 +63,9 @@ pub(super) struct StillArguments {
     /// and its occlusion; 0,0 is the upper left pixel
     #[arg(long, value_name = "X,Y", value_parser = parse_pixel, conflicts_with_all = ["show", "into", "alpha", "projection", "stereo"], allow_hyphen_values = true)]
     ray: Option<(u32, u32)>,
+    /// Draw a thumbnail for a window of Mariana, at the lowest priority, and end when standard input ends
+    #[arg(long, hide = true)]
+    controlled: bool,
     #[command(flatten)]
     set: SetArguments,
     #[command(flatten)]
@@ -76,6 +80,9 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     match arguments.light.samples() {
         Some(_) => finish_by_signals(),
         None => end_by_signals(),
+    }
+    if arguments.controlled {
+        draw_for_window()?;
     }
     if arguments.light.samples().is_some() && arguments.ray.is_some() {
         bail!(

@@ -501,6 +501,16 @@ fn a_controlled_video_reports_lines_replaces_no_file_and_ends_with_its_input() {
     assert_eq!(place.read("v.mp4"), b"another video");
     let names = place.names();
     let ended = place.run(&arguments);
-    assert!(ended.code == 129 && ended.stderr.contains("the window has ended the video"), "{ended:?}");
+    assert!(ended.code == 129 && ended.stderr.contains("the window has ended this work"), "{ended:?}");
+    assert_eq!(place.names(), names);
+}
+
+#[test]
+fn a_thumbnail_outlived_the_window_that_asked_for_it() {
+    let place = Workplace::new();
+    write_colors(&place);
+    let names = place.names();
+    let ended = place.run(&["still", "--controlled", "--scene=red.scene", "-o", "picture.png"]);
+    assert!(ended.code == 129 && ended.stderr.contains("the window has ended this work"), "{ended:?}");
     assert_eq!(place.names(), names);
 }

@@ -43,6 +43,7 @@ const RECORDS: &[(&str, &str)] = &[
     ("ShowState", "the state of the show, for controllers"),
     ("SongMoment", "the place of a moment in a song"),
     ("SongStructure", "the analysis of a song"),
+    ("StillArguments", "the command line of `still`"),
     ("VideoArguments", "the command line of `video`"),
     ("VideoRequest", "the settings of a video"),
 ];

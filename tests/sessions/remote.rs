@@ -236,8 +236,8 @@ fn prepare_pictures(place: &Place) -> PathBuf {
     let program = place.save(
         "draw",
         &format!(
-            "#!/bin/sh\n[ \"$1 $2 $3 $4 $5 $6\" = '{arguments}' ] || exit 1\n\
-             scene=${{8#--scene=}}\nexec cp \"${{scene%.scene}}.png\" \"$7\"\n"
+            "#!/bin/sh\n[ \"$1 $2 $3 $4 $5 $6 $8\" = '{arguments} --controlled' ] || exit 1\n\
+             scene=${{9#--scene=}}\nexec cp \"${{scene%.scene}}.png\" \"$7\"\n"
         ),
     );
     std::fs::set_permissions(&program, Permissions::from_mode(0o755)).unwrap();

@@ -412,7 +412,7 @@ impl App<'_> {
         let start = Instant::now();
         loop {
             if let Some(status) = self.process.ended() {
-                return (status, self.reported());
+                return (status, wait_for_all(&self.reported));
             }
             assert!(start.elapsed() < limit, "still running after {limit:?}; {}", self.reported());
             std::thread::sleep(LOOK_PERIOD);
@@ -457,7 +457,7 @@ fn processor_seconds(process: u32) -> f64 {
 
 pub(crate) type Text = Arc<Mutex<String>>;
 
-/// Reads a stream to its end on a separate thread.
+/// Reads a stream to its end on a separate thread, which holds the second reference to the text until the end.
 pub(crate) fn collect(mut stream: impl Read + Send + 'static) -> Text {
     let text = Text::default();
     let collected = text.clone();
@@ -468,6 +468,12 @@ pub(crate) fn collect(mut stream: impl Read + Send + 'static) -> Text {
         }
     });
     text
+}
+
+/// Waits until [`collect`] has read everything that a program wrote, which may be later than the program's end.
+pub(crate) fn wait_for_all(text: &Text) -> String {
+    wait_until("the end of the output", || Arc::strong_count(text) == 1);
+    lock(text).clone()
 }
 
 pub(crate) fn lock(text: &Mutex<String>) -> MutexGuard<'_, String> {

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask};
 
-use super::desktop::{PROGRAM, Place, Text, collect, command_in, lock, start_x_server};
+use super::desktop::{PROGRAM, Place, Text, collect, command_in, lock, start_x_server, wait_for_all};
 use mariana_testing::process::{Process, output_of, private_folder, wait_until};
 
 /// The user id of "nobody". Programs that refuse to run as root use it.
@@ -219,10 +219,7 @@ impl Show {
 
     pub(crate) fn wait_for_end(mut self) -> (ExitStatus, String) {
         wait_until("its end", || !self.runs());
-        // The thread that reads the output may lag behind. The program's last message ends with a line break.
-        let status = self.process.ended().unwrap();
-        wait_until("the last message", || self.reported().is_empty() || self.reported().ends_with('\n'));
-        (status, self.reported())
+        (self.process.ended().unwrap(), wait_for_all(&self.reported))
     }
 }
 

@@ -3,12 +3,13 @@
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::process::{ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::{Duration, Instant, SystemTime};
 
+use crate::child::{ChildLimits, ChildProcess};
 use crate::ending::{self, Undo};
 
 /// Only this many bytes at the end of the process's messages are read.
@@ -17,14 +18,12 @@ const COMPLAINT_BYTES: u64 = 4096;
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
 /// Longest time between two checks if the process makes progress.
 const WATCH_PERIOD: Duration = Duration::from_secs(1);
-/// Longest wait for the end of a killed process, which may be stuck in a system call.
-const KILL_LIMIT: Duration = Duration::from_secs(2);
 /// Bytes written to the pipe at once. Each piece counts as progress.
 const PIECE_BYTES: usize = 1 << 16;
 
 /// A running encoder. The encoder is killed when Mariana ends, or when this value is dropped.
 pub(super) struct EncoderProcess {
-    child: Arc<Mutex<Child>>,
+    child: Arc<Mutex<ChildProcess>>,
     /// `None` once the process has got all input.
     input: Option<ChildStdin>,
     /// The process writes its messages into this file. A pipe could become full and block the process.
@@ -55,13 +54,12 @@ impl EncoderProcess {
     ) -> io::Result<Self> {
         let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        ending::apart_from_terminal(&mut command);
         let (child, end) = ending::begin(|| {
-            let child = Arc::new(Mutex::new(command.spawn()?));
+            let child = Arc::new(Mutex::new(ChildProcess::start(&mut command, ChildLimits::default())?));
             let its = child.clone();
-            io::Result::Ok((child, move || end_child(&mut lock(&its))))
+            io::Result::Ok((child, move || lock(&its).kill()))
         })?;
-        let input = lock(&child).stdin.take();
+        let input = lock(&child).child().stdin.take();
         let wait = Arc::new(Mutex::new(Wait::default()));
         let (stop, stopped) = sync_channel(0);
         let process = Self {
@@ -82,7 +80,7 @@ impl EncoderProcess {
                 let mut wait = lock(&wait);
                 if wait.is_too_long(Instant::now(), writes, patience) {
                     wait.has_stalled = true;
-                    return end_child(&mut lock(&child));
+                    return lock(&child).kill();
                 }
             }
         })?;
@@ -113,7 +111,7 @@ impl EncoderProcess {
         self.input = None;
         lock(&self.wait).since = Some(Instant::now());
         let status = loop {
-            if let Some(status) = lock(&self.child).try_wait().transpose() {
+            if let Some(status) = lock(&self.child).ended().transpose() {
                 break status;
             }
             if self.has_stalled() {
@@ -143,7 +141,7 @@ impl EncoderProcess {
 impl Drop for EncoderProcess {
     fn drop(&mut self) {
         // If the encoder still runs, an error has occurred, and its output is useless.
-        end_child(&mut lock(&self.child));
+        lock(&self.child).kill();
     }
 }
 
@@ -167,24 +165,6 @@ fn stamp(file: &Path) -> Option<(u64, SystemTime)> {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Kills a process and its children, because the children may hold the pipe open.
-fn end_child(child: &mut Child) {
-    if !matches!(child.try_wait(), Ok(None)) {
-        return;
-    }
-    // An error means that the process has already ended.
-    #[cfg(target_os = "linux")]
-    let _ = rustix::process::kill_process_group(
-        rustix::process::Pid::from_child(child),
-        rustix::process::Signal::KILL,
-    );
-    let _ = child.kill();
-    let start = Instant::now();
-    while matches!(child.try_wait(), Ok(None)) && start.elapsed() < KILL_LIMIT {
-        std::thread::sleep(LOOK_PERIOD);
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! A child process that writes to a pipe. All waits for the process are limited, and it never outlives its [`Process`].
 
 use std::io::{self, Read};
-use std::process::{Child, Stdio};
+use std::process::Stdio;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
+
+use mariana_files::child::{ChildLimits, ChildProcess};
 
 use super::CommandLine;
 
@@ -16,7 +18,10 @@ const PIECES_WAITING: usize = 4;
 /// Maximum number of bytes that are kept from the end of the program's error messages.
 const WORDS_MAX: usize = 1 << 12;
 
-/// Maximum wait for the end of a program that has closed its pipe or was killed.
+/// A film of 8K by many threads takes about 2 GB. The programs write only into pipes.
+const LIMITS: ChildLimits = ChildLimits { memory: Some(4 << 30), cpu_seconds: None, file: Some(0) };
+
+/// Maximum wait for the end of a program that has closed its pipe.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
 #[derive(Debug)]
@@ -28,7 +33,7 @@ pub(crate) enum Failure {
 
 /// A running program. Dropping this value kills the program. If Mariana ends, the pipe closes and ends the program.
 pub(crate) struct Process {
-    child: Child,
+    child: ChildProcess,
     pieces: Receiver<Vec<u8>>,
     words: Arc<Mutex<Vec<u8>>>,
     patience: Duration,
@@ -36,19 +41,15 @@ pub(crate) struct Process {
 
 impl Process {
     pub(crate) fn start(line: CommandLine, patience: Duration) -> Result<Self, Failure> {
-        let mut child = line
-            .command()
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|error| match error.kind() {
-                io::ErrorKind::NotFound => Failure::Missing,
-                _ => Failure::Start(error),
-            })?;
+        let mut command = line.command();
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = ChildProcess::start(&mut command, LIMITS).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => Failure::Missing,
+            _ => Failure::Start(error),
+        })?;
         let (to_reader, pieces) = sync_channel(PIECES_WAITING);
         let words = Arc::new(Mutex::new(Vec::new()));
-        let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+        let (stdout, stderr) = (child.child().stdout.take(), child.child().stderr.take());
         // From here on, dropping `process` ends the program on every return.
         let process = Self { child, pieces, words: words.clone(), patience };
         let thread = || Builder::new().name("ffmpeg".into());
@@ -98,7 +99,7 @@ impl Process {
 
     /// True if the program succeeded. Call this method after the program has closed its pipe.
     pub(crate) fn succeeded(&mut self) -> bool {
-        self.wait().is_some_and(|success| success)
+        matches!(self.child.ended_within(END_LIMIT), Ok(Some(status)) if status.success())
     }
 
     /// The last error message, on one line and without `path`.
@@ -110,31 +111,9 @@ impl Process {
         crate::one_line::one_line(last.trim_start_matches([':', ' ']))
     }
 
-    /// Waits for the program's end within the limit. Returns true if it succeeded, and `None` if it is still running.
-    fn wait(&mut self) -> Option<bool> {
-        let start = Instant::now();
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status.success()),
-                Ok(None) if start.elapsed() < END_LIMIT => std::thread::sleep(Duration::from_millis(1)),
-                _ => return None,
-            }
-        }
-    }
-
     #[cfg(test)]
-    pub(crate) fn id(&self) -> u32 {
-        self.child.id()
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // An error means that the program has ended already.
-        let _ = self.child.kill();
-        if self.wait().is_none() {
-            tracing::debug!("a killed program did not exit");
-        }
+    pub(crate) fn id(&mut self) -> u32 {
+        self.child.child().id()
     }
 }
 

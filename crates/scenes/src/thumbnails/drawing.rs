@@ -3,16 +3,19 @@
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use mariana_files::ending::apart_from_terminal;
+use mariana_files::child::{ChildLimits, ChildProcess};
 
 use super::{MOMENT, SIZE};
 use crate::SceneSource;
 use crate::limits::LIMITS;
 
 const INTERVAL: Duration = Duration::from_millis(20);
+/// A driver's cache of programs may be a large file.
+const CHILD_LIMITS: ChildLimits =
+    ChildLimits { memory: Some(4 << 30), cpu_seconds: Some(300), file: Some(1 << 30) };
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotDrawn {
@@ -50,13 +53,13 @@ pub(super) fn draw(
     let mut command = Command::new(program);
     let size = format!("{}x{}", SIZE.0, SIZE.1);
     command.args(["still", "--at", &MOMENT.to_string(), "--size", &size, "-o"]).arg(&file);
-    command.arg(option).env("LP_NUM_THREADS", "1");
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut child = Drawing(apart_from_terminal(&mut command).spawn()?);
-    lower_priority(&child.0);
+    // The process ends when its input closes, so it never outlives this process.
+    command.args(["--controlled"]).arg(option).env("LP_NUM_THREADS", "1");
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = ChildProcess::start(&mut command, CHILD_LIMITS)?;
     let until = Instant::now() + Duration::from_secs_f64(LIMITS.thumbnail_seconds_max);
     loop {
-        match child.0.try_wait()? {
+        match child.ended()? {
             Some(status) if status.success() => return Ok(fs::read(&file)?),
             Some(_) => return Err(NotDrawn::Failed),
             None if is_stopped() => return Err(NotDrawn::Stopped),
@@ -65,23 +68,3 @@ pub(super) fn draw(
         }
     }
 }
-
-/// A process that is killed on drop.
-struct Drawing(Child);
-
-impl Drop for Drawing {
-    fn drop(&mut self) {
-        // Killing fails if the process has already ended.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-#[cfg(target_os = "linux")]
-fn lower_priority(child: &Child) {
-    let lowered = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw);
-    let _ = rustix::process::setpriority_process(lowered, 19);
-}
-
-#[cfg(not(target_os = "linux"))]
-fn lower_priority(_: &Child) {}
