@@ -9,6 +9,7 @@ pub use mariana_settings::{
 };
 
 use crate::program_cache::ProgramCache;
+use crate::scenes::SceneSource;
 use crate::sending::SenderTarget;
 use crate::show::ShowSource;
 use mariana_control::osc::Place;
@@ -99,6 +100,8 @@ pub struct PlaySettings {
     pub begin_at: f64,
     /// Values of the sliders that were moved in the first scene, and the sounds that move sliders.
     pub moved: Snapshot,
+    /// The scene to show if the scene of the last show cannot be shown; `None` if the user has named a scene.
+    pub resumed_scene_or: Option<SceneSource>,
     /// True if this run is saved, so that the next run can continue it.
     pub remembered: bool,
     /// Size of the window at the start, in pixels.

@@ -22,6 +22,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
+use crate::scenes::SceneSource;
 use crate::session::Prepared;
 use crate::shell;
 use mariana_control::osc::Place;
@@ -187,6 +188,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
             remote: arguments.remote,
         },
         moved: Snapshot::default(),
+        resumed_scene_or: None,
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // Ignore the saved position if the size was given, because the position fits only the saved size.
@@ -206,28 +208,23 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     };
     let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
     settings.names_scene |= scene.is_some();
-    let chosen = match last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default()) {
-        Some(name) => last_scene(name, &common)?,
-        None => arguments.scene.choose(scene, &common)?,
+    let resumed = last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default());
+    let (chosen, substitute) = match resumed {
+        Some(name) => resumed_scene(name, &common)?,
+        None => (arguments.scene.choose(scene, &common)?, None),
     };
+    settings.resumed_scene_or = substitute;
     let projection = arguments.projection.projection()?;
     let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
-    if !arguments.new {
-        settings.moved = file.settings().moved(&scene.source.title());
-    }
+    let moved = (!arguments.new).then(|| file.settings().moved(&scene.source.title()));
+    settings.moved = moved.unwrap_or_default();
     let goes_on = songs.is_empty() && !arguments.new && !arguments.once && settings.choices.last_tracks;
-    let last_tracks = file.last_tracks().filter(|_| goes_on);
-    let tracks = match (listen, last_tracks) {
+    let last_tracks = file.last_tracks().filter(|_| goes_on && listen.is_none());
+    let resumed = last_tracks.and_then(|list| go_on(list, &last, repeat, arguments.shuffle));
+    settings.begin_at = resumed.as_ref().map_or(0.0, |(_, begin_at)| *begin_at);
+    let tracks = match (listen, resumed) {
         (Some(_), _) => None,
-        (None, Some(list)) => {
-            if let Some((opened, begin_at)) = go_on(list, &last, repeat, arguments.shuffle) {
-                settings.begin_at = begin_at;
-                Some(opened)
-            } else {
-                tell("the tracks of the last show can no longer be played: the demo track plays instead");
-                Some(open_songs(&songs, repeat, arguments.shuffle)?)
-            }
-        }
+        (None, Some((opened, _))) => Some(opened),
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
@@ -255,10 +252,14 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
 /// played any more.
 fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
     let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
-    let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok()?;
+    let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok();
+    let Some(opened) = opened.filter(|opened| opened.playable) else {
+        tell("the tracks of the last show can no longer be played: the demo track plays instead");
+        return None;
+    };
     let is_same = opened.first.info.entry == last.track && last.seconds.is_finite();
     let begin_at = if is_same { last.seconds.max(0.0) } else { 0.0 };
-    opened.playable.then_some((opened, begin_at))
+    Some((opened, begin_at))
 }
 
 fn list_monitors() -> anyhow::Result<()> {
@@ -279,17 +280,15 @@ fn fits((width, height): (u32, u32)) -> bool {
     sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
 }
 
-/// Returns the scene of the last show. If that scene can no longer be shown, reports this and returns the default.
-fn last_scene(name: &str, common: &CommonArguments) -> anyhow::Result<SceneChoice> {
-    if let Ok(choice) = common.scene(name.as_ref())
-        && choice.source.compile().is_ok_and(|compiled| compiled.scene.is_some())
-    {
-        return Ok(choice);
-    }
-    tell(&format!(
-        "the scene of the last show, {name}, can no longer be shown: {DEFAULT_SCENE} is shown instead"
-    ));
-    common.scene(DEFAULT_SCENE.as_ref())
+/// Returns the scene of the last show, and the scene to show if that one cannot be loaded.
+fn resumed_scene(name: &str, common: &CommonArguments) -> anyhow::Result<(SceneChoice, Option<SceneSource>)> {
+    let default = common.scene(DEFAULT_SCENE.as_ref())?;
+    let substitute = Some(default.source.clone());
+    let resumed = common.scene(name.as_ref()).unwrap_or_else(|error| {
+        tell(&format!("{error:#}; {DEFAULT_SCENE} is shown instead"));
+        default
+    });
+    Ok((resumed, substitute))
 }
 
 fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Result<Opened> {

@@ -4,11 +4,11 @@
 //! | file | content |
 //! |---|---|
 //! | `KEY.program` | a program ([`entry`]) |
-//! | `KEY.attempt` | a mark while a driver works on it ([`attempts`]) |
+//! | `KEY.attempt` | a mark while a driver works on it ([`mariana_files::attempt`]) |
 //! | `KEY.given-up` | the reason why a program is not tried |
 //!
-//! **A program is given up only after two crashes.** A process may die during compilation for reasons that are not the
-//! driver's fault: the user kills it, or the power fails. The run after the first crash skips the program, so that a
+//! **A program is given up only after two crashes.** A process may crash during compilation for reasons that are not the
+//! driver's fault, and one that is killed has not crashed. The run after the first crash skips the program, so that a
 //! driver that does crash cannot prevent the start. A later run tries the program again; if that succeeds, the crash is
 //! forgotten.
 //!
@@ -16,7 +16,6 @@
 //! files in the folder may be deleted at any time. A file that is damaged or has another key is removed, a failed write
 //! is logged, and the least recently used files are deleted first.
 
-mod attempts;
 mod entry;
 
 use std::any::Any;
@@ -30,11 +29,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
-use attempts::Attempt;
-
 use crate::atomic_file::AtomicFile;
+use crate::attempt::{self, Attempt};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits::LIMITS;
+
+const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
 const REASONS: [(GivenUp, &str); 3] =
     [(GivenUp::Refused, "refused"), (GivenUp::DiedOnce, "died once"), (GivenUp::DiedTwice, "died twice")];
@@ -78,7 +78,8 @@ impl ProgramCache {
 
     fn begin(&self, key: ProgramKey, work: Work) -> Option<Attempt> {
         self.make_folder()?;
-        attempts::begin(&self.path(key, ATTEMPT)?, work)
+        let word = WORKS.iter().find(|(known, _)| *known == work).map_or("", |(_, word)| word);
+        attempt::begin(&self.path(key, ATTEMPT)?, word)
     }
 
     fn is_left_out(&self, key: ProgramKey) -> bool {
@@ -148,7 +149,8 @@ impl ProgramStore for ProgramCache {
     }
 
     fn death(&self, key: ProgramKey) -> Option<Work> {
-        attempts::death(&self.path(key, ATTEMPT)?)
+        let death = attempt::death(&self.path(key, ATTEMPT)?).filter(|death| death.crashed)?;
+        WORKS.iter().find(|(_, word)| *word == death.word).map(|(work, _)| *work)
     }
 
     fn note_refused(&self, key: ProgramKey) {

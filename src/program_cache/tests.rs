@@ -100,11 +100,12 @@ fn a_crash_is_reported_once_and_running_or_finished_work_is_no_crash() {
         let attempt = cache.attempt(key, work).unwrap();
         assert_eq!(cache.death(key), None, "the work is still running");
         assert!(cache.attempt(key, work).is_none(), "two attempts at the same time");
-        // As after a crash: the mark exists without a lock.
-        let mark = fs::read(&path).unwrap();
+        let mark = fs::read_to_string(&path).unwrap();
         drop(attempt);
         assert!(!path.exists(), "finished work left its mark");
-        fs::write(&path, mark).unwrap();
+        fs::write(&path, &mark).unwrap();
+        assert_eq!(cache.death(key), None, "a killed process counts as a crash");
+        fs::write(&path, mark + attempt::CRASHED).unwrap();
         assert_eq!((cache.death(key), cache.death(key)), (Some(work), None));
     }
     fs::write(&path, "something else").unwrap();
@@ -135,9 +136,9 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
         assert_eq!(why(&run), None, "the program is not tried");
         let attempt = run.attempt(key, Work::Compiling).unwrap();
         let mark = run.path(key, ATTEMPT).unwrap();
-        let content = fs::read(&mark).unwrap();
+        let content = fs::read_to_string(&mark).unwrap();
         drop(attempt);
-        fs::write(mark, content).unwrap();
+        fs::write(mark, content + attempt::CRASHED).unwrap();
     };
     let find_out = || {
         let run = start();

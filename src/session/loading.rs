@@ -1,76 +1,211 @@
-//! Starts the scene loaders and the frame senders before the window opens.
+//! Starts the scene loaders and the frame senders, before the window opens.
+//!
+//! **No scene can prevent the start.** The window opens while a large scene is still loading. If the process died while
+//! a scene was being loaded, the next run does not load this scene by itself: a mark file tells.
 
-use std::time::Duration;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use super::SessionError;
 use super::frame_senders::Sends;
 use super::scene::{LoadedScene, SceneLoader, SceneLoaders};
 use super::waker::Waker;
-use crate::config::PlaySettings;
+use crate::attempt::{self, Attempt};
+use crate::clock;
+use crate::config::{Folders, PlaySettings};
 use crate::export::painter::SceneChoice;
-use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
+use crate::export::print::tell;
+use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneError, SceneSource, TextureCache};
+
+/// Longest wait for the first scene before the window opens. A mistake found until then ends the program without one.
+const WINDOW_WAIT: Duration = Duration::from_millis(500);
+/// Longest wait for the scene of the last show.
+const RESUMED_WAIT: Duration = Duration::from_secs(10);
 
 pub(crate) struct BackgroundWork {
-    pub(crate) loaders: SceneLoaders,
-    pub(crate) first: LoadedScene,
+    pub(crate) first: FirstScene,
     pub(crate) drafts: Drafts,
     pub(crate) sends: Sends,
 }
 
 impl BackgroundWork {
-    /// Starts the senders and the loaders, and waits for the first scene.
+    /// Starts the senders and the loaders, and waits a moment for the first scene.
     ///
     /// # Errors
     /// Fails if a sender or the scene fails, or the system has no thread left.
     pub(crate) fn start(
         settings: &PlaySettings,
         scene: &SceneChoice,
+        folders: &Folders,
         waker: &Waker,
     ) -> Result<Self, SessionError> {
         // Start the senders first, so that a failing sender ends the program before a window opens.
         let size = settings.send_size.unwrap_or(settings.size);
         let sends = Sends::start(&settings.sends, size, settings.send_fps)?;
         let drafts = Drafts::default();
-        let (loaders, first) = load_first(scene, settings.prepare_ahead, waker, &drafts)?;
-        Ok(Self { loaders, first, drafts, sends })
+        let marks = LoadMarks(folders.cache.as_ref().map(|cache| cache.join("loading")));
+        let starter = LoaderStarter { waker: waker.clone(), drafts: drafts.clone(), marks };
+        let mut first = FirstScene::request(scene, settings, starter)?;
+        first.wait_until(clock::now() + WINDOW_WAIT)?;
+        Ok(Self { first, drafts, sends })
     }
 }
 
-/// Starts loaders for the shown scene and, if `prepares_ahead`, for its neighbours. Waits for the first scene.
-///
-/// # Errors
-/// Fails if the scene cannot be shown, or the system has no thread left.
-fn load_first(
-    scene: &SceneChoice,
+/// The scene that the session begins with.
+pub(crate) struct FirstScene {
+    starter: LoaderStarter,
+    loader: SceneLoader,
+    loaded: Option<LoadedScene>,
+    requested: SceneSource,
+    /// The scene to show if the requested one cannot be shown; `None` if the user has named the scene.
+    substitute: Option<SceneSource>,
+    gives_up: Instant,
     prepares_ahead: bool,
-    waker: &Waker,
-    drafts: &Drafts,
-) -> Result<(SceneLoaders, LoadedScene), SessionError> {
-    let loader = start_loader(waker, drafts)?;
-    loader.request(scene.source.clone());
-    let first = loop {
-        match loader.poll() {
-            Some(loaded) => break LoadedScene { source: loaded.source, scene: loaded.value? },
-            None => std::thread::sleep(Duration::from_millis(1)),
-        }
-    };
-    let ahead = match prepares_ahead {
-        true => Some([start_loader(waker, drafts)?, start_loader(waker, drafts)?]),
-        false => None,
-    };
-    Ok((SceneLoaders { shown: loader, ahead }, first))
+    message: Option<String>,
 }
 
-fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, SessionError> {
-    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
-    let waker = waker.clone();
-    let drafts = drafts.clone();
-    let load = move |source: &SceneSource| {
-        let texts = drafts.texts();
-        let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
-        drafts.tell(Findings::of(source, &texts, &result));
-        (result, files)
-    };
-    Loader::start(load, move || waker.wake())
-        .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
+/// A [`FirstScene`] that has been loaded.
+pub(crate) struct Begun {
+    pub(crate) loaders: SceneLoaders,
+    pub(crate) first: LoadedScene,
+    /// The reason why it is another scene than the last show's.
+    pub(crate) message: Option<String>,
+}
+
+impl FirstScene {
+    fn request(
+        scene: &SceneChoice,
+        settings: &PlaySettings,
+        starter: LoaderStarter,
+    ) -> Result<Self, SessionError> {
+        let requested = scene.source.clone();
+        if settings.resumed_scene_or.is_none() {
+            // The user asks for this scene, whatever happened the last time.
+            let _ = starter.marks.path(&requested).and_then(|path| attempt::death(&path));
+        }
+        let loader = starter.start()?;
+        loader.request(requested.clone());
+        Ok(Self {
+            loader,
+            starter,
+            loaded: None,
+            requested,
+            substitute: settings.resumed_scene_or.clone(),
+            gives_up: clock::now() + RESUMED_WAIT,
+            prepares_ahead: settings.prepare_ahead,
+            message: None,
+        })
+    }
+
+    pub(crate) fn title(&self) -> String {
+        self.requested.title()
+    }
+
+    pub(crate) fn is_loaded(&self) -> bool {
+        self.loaded.is_some()
+    }
+
+    /// Waits for the scene.
+    ///
+    /// # Errors
+    /// Fails if the scene cannot be shown, or the system has no thread left.
+    pub(crate) fn wait(mut self) -> Result<Begun, SessionError> {
+        loop {
+            self.wait_until(clock::now() + WINDOW_WAIT)?;
+            if let Some(first) = self.loaded {
+                let ahead = match self.prepares_ahead {
+                    true => Some([self.starter.start()?, self.starter.start()?]),
+                    false => None,
+                };
+                let loaders = SceneLoaders { shown: self.loader, ahead };
+                return Ok(Begun { loaders, first, message: self.message });
+            }
+        }
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), SessionError> {
+        while self.loaded.is_none() && clock::now() < until {
+            let Some(loaded) = self.loader.poll() else {
+                if clock::now() > self.gives_up && self.substitute.is_some() {
+                    self.substitute_for("it takes too long to load")?;
+                }
+                std::thread::sleep(Duration::from_millis(1));
+                continue;
+            };
+            match loaded.value {
+                Ok(scene) => self.loaded = Some(LoadedScene { source: loaded.source, scene }),
+                Err(error) if self.substitute.is_some() => self.substitute_for(&error.to_string())?,
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Loads the substitute with another loader, because the first may be busy for long.
+    fn substitute_for(&mut self, reason: &str) -> Result<(), SessionError> {
+        let Some(substitute) = self.substitute.take() else { return Ok(()) };
+        let message = format!(
+            "the scene of the last show, {}, is not shown, and {} is shown instead: {reason}",
+            self.requested.title(),
+            substitute.title()
+        );
+        tell(&message);
+        self.message = Some(message);
+        self.loader = self.starter.start()?;
+        self.loader.request(substitute);
+        Ok(())
+    }
+}
+
+struct LoaderStarter {
+    waker: Waker,
+    drafts: Drafts,
+    marks: LoadMarks,
+}
+
+impl LoaderStarter {
+    fn start(&self) -> Result<SceneLoader, SessionError> {
+        let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
+        let (waker, drafts, marks) = (self.waker.clone(), self.drafts.clone(), self.marks.clone());
+        let load = move |source: &SceneSource| {
+            let attempt = match marks.begin(source) {
+                Ok(attempt) => attempt,
+                Err(error) => return (Err(error), Vec::new()),
+            };
+            let texts = drafts.texts();
+            let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
+            drop(attempt);
+            drafts.tell(Findings::of(source, &texts, &result));
+            (result, files)
+        };
+        Loader::start(load, move || waker.wake())
+            .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
+    }
+}
+
+/// The folder with a mark for each scene that is being loaded; `None` without marks.
+#[derive(Clone)]
+struct LoadMarks(Option<PathBuf>);
+
+impl LoadMarks {
+    fn path(&self, source: &SceneSource) -> Option<PathBuf> {
+        let mut hasher = DefaultHasher::new();
+        format!("{source:?}").hash(&mut hasher);
+        Some(self.0.as_ref()?.join(format!("{:016x}", hasher.finish())))
+    }
+
+    /// Marks that a scene is being loaded.
+    ///
+    /// # Errors
+    /// Fails once if an earlier run died while it loaded this scene.
+    fn begin(&self, source: &SceneSource) -> Result<Option<Attempt>, SceneError> {
+        let Some(path) = self.path(source) else { return Ok(None) };
+        if attempt::death(&path).is_some() {
+            return Err(SceneError::EndedTheProgram);
+        }
+        // Without a mark, only the death remains unknown.
+        let _ = path.parent().map(std::fs::create_dir_all);
+        Ok(attempt::begin(&path, ""))
+    }
 }

@@ -76,7 +76,7 @@ impl Offscreen {
             // Sending fails after the end of the session.
             let _ = Channel::send(&wakes, ());
         });
-        let background = BackgroundWork::start(&settings, &scene, &waker)?;
+        let background = BackgroundWork::start(&settings, &scene, &memory.folders, &waker)?;
         let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
         let opening = Opening {
             tracks,

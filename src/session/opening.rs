@@ -10,6 +10,7 @@ use std::time::Instant;
 use image::RgbaImage;
 
 use super::drawing::paint_waiting;
+use super::loading::{Begun, FirstScene};
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use super::ui_state::UiState;
@@ -83,7 +84,7 @@ pub(crate) struct Opening<'a> {
 impl Opening<'_> {
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
         let Self { tracks, settings, scene, memory, background, mut screen, desktop } = self;
-        let BackgroundWork { loaders, first, drafts, sends } = background;
+        let BackgroundWork { first, drafts, sends } = background;
         let choices = settings.choices.clone();
         tracing::info!("choices of this run: {choices:?}");
         // Start the analysis first, so that the song is analysed before its first frame.
@@ -95,16 +96,19 @@ impl Opening<'_> {
         if settings.fullscreen {
             screen.set_fullscreen(true);
         }
+        let Begun { loaders, first, message } = load_first(first, &mut *screen)?;
         let (choice, title) = (scene, first.source.title());
+        let moved = if first.source == choice.source { settings.moved.clone() } else { Default::default() };
         // Request the scene first: the driver compiles its program while everything else is created.
         let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
-        scene.parameters_mut().remember(&title, &settings.moved);
+        scene.parameters_mut().remember(&title, &moved);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         tracing::info!("the window shows the name of the scene being prepared");
         let renderer = renderer(screen.gl(), &choices, choice)?;
         let mut announcer = Announcer::default();
+        message.into_iter().for_each(|message| announcer.say(message));
         let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;
         let position = player.as_ref().map(Player::position);
         let sound = start_sound(player, memory, settings)?;
@@ -178,6 +182,15 @@ fn start_interface(
         folders,
         waker: waker.clone(),
     }
+}
+
+/// Waits for the first scene. Meanwhile the window shows its name.
+fn load_first(first: FirstScene, screen: &mut dyn Screen) -> Result<Begun, SessionError> {
+    if !first.is_loaded() {
+        let mut overlay = Overlay::new(screen.gl(), screen.scale(), || ());
+        paint_waiting(screen, &mut overlay, &first.title(), OverlayContent::default())?;
+    }
+    first.wait()
 }
 
 fn start_scene(

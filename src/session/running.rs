@@ -38,8 +38,9 @@ impl Run {
         Self { settings, scene, waker, started, over: false, renewed_at: None, session }
     }
 
-    /// Runs until the session ends. Replaces a lost OpenGL context.
-    pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
+    /// Runs until the session ends. Replaces a lost OpenGL context. Calls `on_saved` when everything for the next run is
+    /// saved, before a driver that is still compiling delays the return.
+    pub(crate) fn go_on(mut self, on_saved: impl FnOnce()) -> Result<(), SessionError> {
         loop {
             match self.until_the_end() {
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
@@ -50,6 +51,7 @@ impl Run {
                     tracing::info!("{}", self.session.playback.frame_times());
                     tracing::info!("{}", self.session.interface.typing_times());
                     tracing::info!("from message to frame: {}", self.session.playback.message_times());
+                    on_saved();
                     return ended;
                 }
             }

@@ -47,6 +47,8 @@ pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
 #[derive(Debug)]
 pub(crate) enum WindowMessage {
     Ended,
+    /// The show has saved everything and only drops its objects.
+    Saved,
     /// A signal requests the end.
     End,
     Assistance(Assistance),

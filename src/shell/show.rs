@@ -14,7 +14,7 @@ use crate::session::SessionError;
 use crate::session::{BackgroundWork, Opening, Prepared, Run};
 use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::media_controls::MediaControls;
-use crate::shell::messages::{Typing, inbox};
+use crate::shell::messages::{Typing, WindowMessage, inbox};
 use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
 use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
@@ -35,7 +35,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         return Err(SessionError::SongLost(trouble.clone()).into());
     }
     let (waker, messages, inbox) = inbox();
-    let background = BackgroundWork::start(&settings, &scene, &waker)?;
+    let background = BackgroundWork::start(&settings, &scene, &memory.folders, &waker)?;
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -61,6 +61,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     };
     let of_show = waker.clone();
     let (controls, proxy) = (AccessibilityPublisher::new(&event_loop), event_loop.create_proxy());
+    let of_end = event_loop.create_proxy();
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
@@ -87,7 +88,9 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             }),
         };
         let stage = opening.session(&of_show)?;
-        Run::new(stage, settings, scene, of_show.clone(), started).go_on()
+        // Without a window that listens, nothing waits for the message.
+        let saved = || drop(of_end.send_event(WindowMessage::Saved));
+        Run::new(stage, settings, scene, of_show.clone(), started).go_on(saved)
     };
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }

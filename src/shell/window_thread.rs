@@ -25,8 +25,11 @@ use crate::shell::translate::{key_press, modifiers};
 use crate::shell::wallpaper::Layers;
 use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 
-/// Longest wait at the end for a show that a driver blocks. The show waits for its compilers slightly less long.
-const END_WAIT: Duration = Duration::from_secs(6);
+/// Longest wait at the end for a show that a driver blocks.
+const END_WAIT: Duration = Duration::from_secs(3);
+/// Longest wait for a show that has saved everything: only its compilers are still busy. The process then ends without
+/// freeing what they use.
+const SAVED_WAIT: Duration = Duration::from_millis(200);
 
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
@@ -141,7 +144,13 @@ impl Front {
             window.set_visible(false);
         }
         let _ = self.messages.send(Message::End);
-        let until = Instant::now() + END_WAIT;
+        self.end_after(END_WAIT, event_loop);
+    }
+
+    /// Ends the event loop after `wait`, unless it ends before.
+    fn end_after(&mut self, wait: Duration, event_loop: &ActiveEventLoop) {
+        let until = Instant::now() + wait;
+        let until = self.ends_by.map_or(until, |known| known.min(until));
         self.ends_by = Some(until);
         event_loop.set_control_flow(ControlFlow::WaitUntil(until));
     }
@@ -203,6 +212,7 @@ impl ApplicationHandler<WindowMessage> for Front {
                 self.show_ended = true;
                 event_loop.exit();
             }
+            WindowMessage::Saved => self.end_after(SAVED_WAIT, event_loop),
             WindowMessage::End => self.end(event_loop),
             WindowMessage::Assistance(assistance) => {
                 let _ = self.messages.send(Message::Assistance(assistance));

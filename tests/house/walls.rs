@@ -9,6 +9,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     (
         "files",
         &[
+            "crash-handler",
             "ctrlc",
             "directories",
             "rustix",
@@ -59,6 +60,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     (
         "render",
         &[
+            "bytemuck",
             "epaint",
             "fontdb",
             "glam",
@@ -156,6 +158,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("demo_track", &[]),
     // Crates, and modules of crates, by the names under which lib.rs re-exports them.
     ("atomic_file", &[]),
+    ("attempt", &[]),
     ("child", &[]),
     ("clock", &[]),
     ("commands", &[]),
@@ -177,7 +180,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("srgb", &[]),
     ("system_fonts", &[]),
     ("view", &[]),
-    ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
+    ("program_cache", &["atomic_file", "attempt", "gpu", "limits"]),
     ("videos", &["atomic_file", "commands", "config", "ending", "export", "file_names", "limits"]),
     ("song_structures", &["atomic_file", "config", "limits"]),
     ("covers", &["limits", "song_structures"]),
@@ -191,6 +194,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
         "session",
         &[
             "atomic_file",
+            "attempt",
             "clock",
             "commands",
             "config",
@@ -260,7 +264,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "y4m",
         ],
     ),
-    ("config", &["program_cache", "sending", "show"]),
+    ("config", &["program_cache", "scenes", "sending", "show"]),
 ];
 
 /// Packages that only some modules may use. A row also applies to all packages whose names begin with its name: `egui`
@@ -329,6 +333,7 @@ pub(super) const UNSAFE: &[&str] = &[
     "crates/render/examples/",
     "crates/render/src/gpu/",
     "crates/browser/src/",
+    "crates/files/src/attempt.rs",
     "crates/testing/",
     "src/shell/",
     "src/sending/v4l2.rs",

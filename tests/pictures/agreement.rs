@@ -330,12 +330,13 @@ fn every_compound_agrees() {
     let roots: Vec<NodeId> =
         Compound::ALL.iter().map(|compound| compound.nodes(&mut graph, x, y, C)).collect();
     let normals = vec![[0.0; 3]; roots.len()];
+    let frame = frame();
     for every_case in [true, false] {
         let found =
             run(&point_reader, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
-                let right = flushed(compound.value(a, b, C, &frame()));
+                let right = flushed(compound.value(a, b, C, &frame));
                 // A compound may subtract a number as large as an operand's square.
                 let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
                 let mut kinds = 0;

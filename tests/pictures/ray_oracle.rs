@@ -320,7 +320,7 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
         let reach = if world.non_lipschitz { 0.0 } else { rays::hit_fraction(step) * radius };
         while let Some(cell) = regions.cell_at(ray.at(t)).filter(|cell| cell.bound > reach) {
             let bound = if world.non_lipschitz { 0.0 } else { cell.bound };
-            t = (t + bound).max(ray.exit_of(&cell)).max(t + 1e-6);
+            t = (t + bound).max(ray.exit_of(&cell)).max(rays::past(t));
             if t >= end {
                 return Some(false);
             }

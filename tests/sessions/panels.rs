@@ -4,11 +4,13 @@
 use crate::support::apart::apart;
 #[cfg(target_os = "linux")]
 use crate::support::apart::{apart_at_home, home};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Duration;
 
 use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::clock;
+use mariana::scenes::SceneSource;
 
 /// The window has room for every panel.
 const SIZE: &str = "640x360";
@@ -196,6 +198,32 @@ fn a_session_continues_where_the_last_one_ended() {
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
     app.wait_until_reported("the tracks of the last show can no longer be played");
+    app.quit();
+}
+
+#[test]
+fn a_scene_that_ended_the_program_ended_every_start_after_it() {
+    apart!();
+    let place = Place::new(&["one.wav"]);
+    let own = place.inner.save("own.scene", STILL);
+    let named = ["--scene", own.to_str().unwrap()];
+    let is_own = |title: &str| title.contains("own");
+    let app = place.open(&named);
+    app.wait_for_title("the scene", is_own);
+    app.quit();
+    // As after a run that was killed while it loaded the scene.
+    let mut hasher = DefaultHasher::new();
+    format!("{:?}", SceneSource::File(own.clone())).hash(&mut hasher);
+    let mark = place.inner.path(&format!("cache/loading/{:016x}", hasher.finish()));
+    let kill = || std::fs::write(&mark, "").unwrap();
+    kill();
+    let app = place.again(&[]);
+    app.wait_for_title("another scene", |title| title.contains("speakers"));
+    app.wait_until_reported("Mariana ended while it loaded this scene the last time");
+    app.quit();
+    kill();
+    let app = place.again(&named);
+    app.wait_for_title("the scene that the user asks for", is_own);
     app.quit();
 }
 

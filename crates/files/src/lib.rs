@@ -18,6 +18,7 @@
 //! of the user's folders.
 
 pub mod atomic_file;
+pub mod attempt;
 pub mod child;
 pub mod documents;
 pub mod ending;

@@ -27,6 +27,11 @@ pub enum SceneError {
         /// The shipped scenes.
         shipped: String,
     },
+    /// An earlier run died while it loaded the scene.
+    #[error(
+        "Mariana ended while it loaded this scene the last time; choose the scene again to try it once more"
+    )]
+    EndedTheProgram,
     /// The file is a shader.
     #[error("{} is a shader, not a scene: write a scene around it with `mariana import {}`", .0.display(), .0.display())]
     Shader(PathBuf),

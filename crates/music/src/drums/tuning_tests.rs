@@ -158,7 +158,7 @@ fn added(sums: &mut [[usize; 3]; DRUMS], counts: [[usize; 3]; DRUMS]) {
 /// With `MARIANA_FIGURES` set, fits the weights to all tracks, which takes minutes, and prints them with their figures.
 #[test]
 fn fitted_weights_find_the_strokes_of_the_tuning_tracks() {
-    let every = if std::env::var_os("MARIANA_FIGURES").is_some() { 1 } else { 20 };
+    let every = if std::env::var_os("MARIANA_FIGURES").is_some() { 1 } else { 60 };
     let sets = [
         ("tuning", mixes(&Kit::TUNED, &Timbre::TUNED, 1_000, 180 / every)),
         ("held out", mixes(&Kit::HELD_OUT, &Timbre::HELD_OUT, 9_000, 60 / every)),
@@ -174,7 +174,7 @@ fn fitted_weights_find_the_strokes_of_the_tuning_tracks() {
             .collect();
         (name, tracks)
     });
-    let noises = (0..24).map(|seed| rows(&steady_noise(seed, 20.0)));
+    let noises = (0..if every == 1 { 24 } else { 4 }).map(|seed| rows(&steady_noise(seed, 20.0)));
     let all: Vec<Row> =
         sets[0].1.iter().flat_map(|(_, _, rows)| rows.iter().copied()).chain(noises.flatten()).collect();
     let weights: [[f32; NUMBERS]; DRUMS] = std::array::from_fn(|drum| fitted(&all, drum));

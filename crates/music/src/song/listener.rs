@@ -194,3 +194,21 @@ impl SongListener {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_song_beyond_the_limit_is_cut_short() {
+        let second = vec![[0.0; 2]; LIMITS.sample_rate_min as usize];
+        let mut listener = SongListener::new(LIMITS.sample_rate_min);
+        assert_eq!(listener.frames_max as f64, LIMITS.song_seconds_max * second.len() as f64);
+        listener.frames_max = 2 * second.len() as u64;
+        for block in [&second[..], &second[..], &[[1.0; 2]]] {
+            listener.push(block);
+        }
+        let found = listener.finish();
+        assert!(found.cut_short && found.silent && found.seconds == 2.0);
+    }
+}

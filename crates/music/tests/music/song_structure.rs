@@ -6,7 +6,6 @@ use crate::songs::{
     Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
     f_measure, false_returns, labels, pop, structure,
 };
-use mariana_music::limits::LIMITS;
 use mariana_music::{Alignment, Analyzer, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
 
 /// Half the usual sample rate, for speed.
@@ -321,17 +320,4 @@ fn loudness_follows_ebu_r128() {
     assert_eq!(sines(&[(5.0, -90.0)]), None, "below the gate");
     let bad = vec![[f32::NAN, f32::INFINITY]; 96_000];
     assert_eq!(structure(rate, &bad).loudness, None);
-}
-
-#[test]
-fn a_song_beyond_the_limit_is_cut_short() {
-    let rate = LIMITS.sample_rate_min;
-    let block = vec![[0.0; 2]; rate as usize * 60];
-    let mut listener = SongListener::new(rate);
-    for _ in 0..(LIMITS.song_seconds_max / 60.0) as usize {
-        listener.push(&block);
-    }
-    listener.push(&[[1.0; 2]]);
-    let found = listener.finish();
-    assert!(found.cut_short && found.silent && found.seconds == LIMITS.song_seconds_max);
 }

@@ -152,7 +152,7 @@ impl EdgeList {
 
     fn upload<const N: usize>(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; N]]) {
         let (_, format) = index_formats(N);
-        let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
+        let bytes = bytemuck::cast_slice(texels.as_flattened());
         // SAFETY: binds a texture of this list in the current context, and `texels` has as many texels as `size`.
         unsafe {
             self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
@@ -167,7 +167,7 @@ impl EdgeList {
                 size.1.cast_signed(),
                 format,
                 glow::UNSIGNED_SHORT,
-                glow::PixelUnpackData::Slice(Some(&bytes)),
+                glow::PixelUnpackData::Slice(Some(bytes)),
             );
         }
     }

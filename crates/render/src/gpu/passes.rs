@@ -169,12 +169,15 @@ impl Block {
     }
 
     pub(super) fn set(&self, numbers: &[f32]) {
-        let bytes: Vec<u8> = numbers.iter().flat_map(|value| value.to_ne_bytes()).collect();
         let buffer = Some(self.buffer.native());
         // SAFETY: `self` owns the buffer, which belongs to the current context.
         unsafe {
             self.gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
-            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.buffer_data_u8_slice(
+                glow::UNIFORM_BUFFER,
+                bytemuck::cast_slice(numbers),
+                glow::STREAM_DRAW,
+            );
             self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, self.binding, buffer);
         }
     }

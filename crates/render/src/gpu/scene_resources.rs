@@ -18,7 +18,7 @@ use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
 use super::swarm;
-use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
+use super::texel_list::{self, ListTexel, TexelList};
 use super::texture;
 use super::tiles::Costs;
 use crate::frame::Frame;
@@ -365,7 +365,7 @@ impl SceneResources {
             return;
         }
         if !last.is_some_and(|last| Arc::ptr_eq(&last.regions, &built.regions)) {
-            self.on_gpu.regions.replace(&bytes_of(&built.regions.texels));
+            self.on_gpu.regions.replace(bytemuck::cast_slice(&built.regions.texels));
         }
         self.worth.borrow_mut().note(&built.programs);
         *self.uploaded.borrow_mut() = Some(built);
@@ -397,7 +397,7 @@ impl SceneResources {
             let whole = ShortPrograms::default();
             let short = regions.as_ref().map_or(&whole, |built| &built.programs);
             let texels = self.buffers.texels(inputs, if self.shortens.get() { short } else { &whole });
-            self.on_gpu.tape.replace(&bytes_of(&texels));
+            self.on_gpu.tape.replace(bytemuck::cast_slice(&texels));
             self.worth.borrow_mut().pass_frame();
         }
         let (medium, swarm) =
@@ -490,7 +490,7 @@ impl SceneLists {
         Ok(Self {
             tape: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
-            sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
+            sound_tables: TexelList::new(gl, ListTexel::Rgba32F, bytemuck::cast_slice(sound))?,
             shapes: RefCell::new((0, ShapeAtlas::NONE)),
             medium: RefCell::new(None),
             swarm: RefCell::new(None),
@@ -520,17 +520,17 @@ impl SceneLists {
         if are_known && is_same && !hears_tables {
             return;
         }
-        let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
-        bytes.extend(medium.iter().flat_map(|grid| floats_as_bytes(grid.densities.as_chunks::<4>().0)));
+        let mut texels = sound_tables::texels(inputs);
+        texels.extend(medium.iter().flat_map(|grid| grid.densities.as_chunks::<4>().0));
         *self.medium.borrow_mut() = medium;
         if are_known && is_same_swarm && inputs.shapes.rows() > 0 {
-            self.sound_tables.replace_start(&bytes);
+            self.sound_tables.replace_start(bytemuck::cast_slice(&texels));
             return;
         }
-        bytes.extend(floats_as_bytes(&inputs.shapes.texels()));
-        bytes.extend(swarm.iter().flat_map(|texels| floats_as_bytes(texels)));
+        texels.extend(inputs.shapes.texels());
+        texels.extend(swarm.iter().flat_map(|texels| texels.iter()));
         *self.swarm.borrow_mut() = swarm;
-        self.sound_tables.replace(&bytes);
+        self.sound_tables.replace(bytemuck::cast_slice(&texels));
         *self.shapes.borrow_mut() = (first, inputs.shapes.clone());
     }
 
@@ -569,8 +569,4 @@ impl SceneNames {
             texel_list::bind(gl, unit_of(name), list);
         }
     }
-}
-
-fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
-    texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
 }

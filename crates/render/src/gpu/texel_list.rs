@@ -183,11 +183,6 @@ fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(stored_bytes)
 }
 
-/// The bytes of texels of [`ListTexel::Rgba32F`].
-pub(super) fn floats_as_bytes(texels: &[[f32; 4]]) -> Vec<u8> {
-    texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use super::gl::Gl;
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::target::Target;
-use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
+use super::texel_list::{self, ListTexel, TexelList};
 use crate::frame::Frame;
 use crate::frame::projection::ProjectionKind;
 use mariana_field::limits::LAST_LIGHT_MAX;
@@ -90,5 +90,5 @@ pub(super) fn fill_grid(grid: &TexelList, feedback: &Feedback, frame: &Frame) {
     let shape = [f32::from(u8::from(projection.kind == ProjectionKind::Dome)), 0.0, 0.0, 0.0];
     let corners = feedback.warped(&frame.inputs).into_iter().map(|[u, v]| [u, v, 0.0, 0.0]);
     let texels: Vec<[f32; 4]> = [rules, cells, shape].into_iter().chain(corners).collect();
-    grid.replace(&floats_as_bytes(&texels));
+    grid.replace(bytemuck::cast_slice(&texels));
 }
