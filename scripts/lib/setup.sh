@@ -42,6 +42,7 @@ test    cmd:openbox               openbox            openbox              openbo
 test    cmd:wmctrl                wmctrl             wmctrl               wmctrl            wmctrl               -
 test    cmd:weston                weston             weston               weston            weston               -
 test    cmd:sway                  sway               sway                 sway              sway                 -
+test    cmd:swayidle              swayidle           swayidle             swayidle          swayidle             -
 test    cmd:grim                  grim               grim                 grim              grim                 -
 test    cmd:xwd                   x11-apps           xwd                  xorg-xwd          xwd                  -
 test    cmd:import                imagemagick        ImageMagick          imagemagick       ImageMagick          imagemagick

@@ -1,5 +1,6 @@
 //! The command without a subcommand: plays and shows music in a window.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
@@ -110,6 +111,9 @@ pub(super) struct PlayArguments {
     /// Do not continue the last show, and do not save this show; choices from the settings panel still apply
     #[arg(long)]
     new: bool,
+    /// Open a window even if Mariana is running. Without options, the running one opens the files
+    #[arg(long)]
+    new_window: bool,
     /// Print the available OpenGL version, and exit
     #[arg(long)]
     gl_info: bool,
@@ -150,7 +154,24 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     if arguments.frame_options.lists_monitors() {
         return list_monitors();
     }
+    if is_plain() && hands_over(&arguments.files) {
+        tell("the running Mariana opens this; --new-window opens another window");
+        return Ok(());
+    }
     shell::run(prepare(arguments, Folders::of_user())?)
+}
+
+/// True for a start without options, as by a double click on a song.
+fn is_plain() -> bool {
+    let is_option = |argument: OsString| argument.as_encoded_bytes().starts_with(b"-");
+    !std::env::args_os().skip(1).any(is_option) && std::env::var_os("XSCREENSAVER_WINDOW").is_none()
+}
+
+/// Lets a running instance open the files. Returns false without such an instance.
+fn hands_over(files: &[PathBuf]) -> bool {
+    let absolute: Option<Vec<PathBuf>> =
+        files.iter().map(|file| std::path::absolute(file).ok().filter(|file| file.exists())).collect();
+    absolute.is_some_and(|files| shell::hand_over(&files))
 }
 
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {

@@ -243,6 +243,8 @@ impl Session {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);
         }
+        let moves = !self.playback.listening.is_paused() && self.screen.is_seen();
+        self.screen.keep_awake(self.choices.stay_awake && (moves || self.screen.has_output()));
         for complaint in self.playback.listening.take_reported_problems() {
             self.playback.reports.say(complaint);
         }

@@ -353,6 +353,8 @@ impl Screen for OffscreenWindow {
         Ok(())
     }
 
+    fn keep_awake(&mut self, _: bool) {}
+
     fn has_output(&self) -> bool {
         false
     }

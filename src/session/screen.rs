@@ -108,6 +108,9 @@ pub(crate) trait Screen {
 
     fn has_output(&self) -> bool;
 
+    /// Sets whether the screen must neither lock nor go dark.
+    fn keep_awake(&mut self, on: bool);
+
     /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
     fn update(&mut self) -> Vec<String>;
 

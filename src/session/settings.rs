@@ -65,6 +65,8 @@ impl Session {
             Setting::Flip(_) | Setting::Crop(_) | Setting::Corners(_) => {
                 self.screen.lie_differently();
             }
+            // The next look at the status follows it.
+            Setting::StayAwake(_) => {}
             Setting::NextScene(_) => self.screen.request_redraw(),
             Setting::Hints(on) => self.interface.ui_state.clean = !on,
         }

@@ -55,6 +55,8 @@ pub(crate) enum WindowMessage {
     Controls(Box<TreeUpdate>),
     OpenOutput(Monitor),
     CloseOutput,
+    /// The screen must neither lock nor go dark.
+    KeepAwake(bool),
     /// The show has called a window, which may have left events in a queue: see [`SharedWindow`].
     #[cfg_attr(any(windows, target_os = "macos"), expect(dead_code, reason = "only X11 has such a queue"))]
     CallsMade,

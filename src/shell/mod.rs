@@ -5,9 +5,11 @@ mod accessibility;
 #[cfg(windows)]
 mod console;
 pub mod identity;
+mod idle;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;
 mod media_controls;
+pub(crate) use media_controls::hand_over;
 mod messages;
 pub mod monitors;
 mod output;

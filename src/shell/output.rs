@@ -175,7 +175,7 @@ impl Output {
         self.is_stale && self.size().is_some()
     }
 
-    fn ask(&self, reported: WindowMessage) {
+    pub(crate) fn ask(&self, reported: WindowMessage) {
         // After the end of the event loop, requests are dropped.
         let _ = self.proxy.send_event(reported);
     }

@@ -5,6 +5,7 @@
 
 use std::time::Instant;
 
+use winit::event::WindowEvent;
 use winit::event_loop::EventLoop;
 
 use crate::config::PlaySettings;
@@ -14,7 +15,7 @@ use crate::session::SessionError;
 use crate::session::{BackgroundWork, Opening, Prepared, Run};
 use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::media_controls::MediaControls;
-use crate::shell::messages::{Typing, WindowMessage, inbox};
+use crate::shell::messages::{Message, Typing, WindowMessage, inbox};
 use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
 use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
@@ -62,6 +63,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let of_show = waker.clone();
     let (controls, proxy) = (AccessibilityPublisher::new(&event_loop), event_loop.create_proxy());
     let of_end = event_loop.create_proxy();
+    let dropped = messages.clone();
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
@@ -84,7 +86,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             background,
             screen,
             desktop: Box::new(move |position| {
-                Box::new(MediaControls::start(position, Some(handle), move || of_desktop.wake()))
+                let open = move |file| drop(dropped.send(Message::Window(WindowEvent::DroppedFile(file))));
+                Box::new(MediaControls::start(position, Some(handle), move || of_desktop.wake(), open))
             }),
         };
         let stage = opening.session(&of_show)?;

@@ -18,7 +18,8 @@ use crate::session::SessionError;
 use crate::session::lay::Lay;
 use crate::session::screen::{Event, Paint, Screen};
 use crate::shell::accessibility::AccessibilityPublisher;
-use crate::shell::messages::{Message, Typing};
+use crate::shell::idle::StayAwake;
+use crate::shell::messages::{Message, Typing, WindowMessage};
 use crate::shell::monitors::Rect as PlaceOnDesktop;
 use crate::shell::output::Output;
 use crate::shell::shared_window::SharedWindow;
@@ -36,6 +37,7 @@ pub(crate) struct WindowScreen {
     inbox: Receiver<Message>,
     controls: AccessibilityPublisher,
     typing: Typing,
+    stay_awake: StayAwake,
     news: Vec<String>,
     // The last field: dropped after everything that holds OpenGL objects.
     window: GlWindowContext,
@@ -58,7 +60,8 @@ impl WindowScreen {
         let Lines { inbox, controls, typing } = lines;
         let (placed_at, occluded, news) = (None, false, Vec::new());
         let window = window.bind()?;
-        Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, news, window })
+        let stay_awake = StayAwake::start();
+        Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, stay_awake, news, window })
     }
 
     fn note(&mut self, event: &WindowEvent) {
@@ -272,6 +275,13 @@ impl Screen for WindowScreen {
         self.window.gl().clear_window(size, [0.0; 3])?;
         paint(size)?;
         self.window.swap()
+    }
+
+    fn keep_awake(&mut self, on: bool) {
+        // A wallpaper is no reason to stay awake.
+        if self.wallpaper.is_none() && self.stay_awake.set(on) {
+            self.output.ask(WindowMessage::KeepAwake(on));
+        }
     }
 
     fn has_output(&self) -> bool {

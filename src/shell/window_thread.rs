@@ -19,6 +19,8 @@ use crate::export::print::tell;
 use crate::input::Modifiers;
 use crate::session::SessionError;
 use crate::shell::accessibility::Accessibility;
+#[cfg(all(unix, not(target_os = "macos")))]
+use crate::shell::idle::surface::SurfaceInhibitor;
 use crate::shell::messages::{Message, Typing, WindowMessage};
 use crate::shell::monitors::Monitor;
 use crate::shell::translate::{key_press, modifiers};
@@ -89,6 +91,8 @@ struct Front {
 
 struct Running {
     show: JoinHandle<Result<(), SessionError>>,
+    #[cfg(all(unix, not(target_os = "macos")))]
+    inhibitor: Option<SurfaceInhibitor>,
     // Dropped here, after the show's end, on the thread that created them.
     accessibility: Accessibility,
     window: Arc<Window>,
@@ -111,7 +115,15 @@ impl Front {
         };
         let thread = std::thread::Builder::new().name("show".into());
         let show = thread.spawn(show).map_err(|error| SessionError::NoThread(error.to_string()))?;
-        self.running = Some(Running { show, accessibility, window, config, output: None });
+        self.running = Some(Running {
+            show,
+            #[cfg(all(unix, not(target_os = "macos")))]
+            inhibitor: SurfaceInhibitor::of(event_loop, &window),
+            accessibility,
+            window,
+            config,
+            output: None,
+        });
         Ok(())
     }
 
@@ -231,6 +243,17 @@ impl ApplicationHandler<WindowMessage> for Front {
             }
             // Nothing to do: winit has read the queued events before it passes on this message.
             WindowMessage::CallsMade => {}
+            #[cfg_attr(
+                any(windows, target_os = "macos"),
+                expect(unused_variables, reason = "only Wayland asks")
+            )]
+            WindowMessage::KeepAwake(on) => {
+                #[cfg(all(unix, not(target_os = "macos")))]
+                if let Some(inhibitor) = self.running.as_mut().and_then(|running| running.inhibitor.as_mut())
+                {
+                    inhibitor.set(on);
+                }
+            }
             WindowMessage::CloseOutput => {
                 if let Some(running) = &mut self.running {
                     running.output = None;
@@ -258,7 +281,10 @@ impl ApplicationHandler<WindowMessage> for Front {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
-        let Some(Running { show, accessibility, window, output, .. }) = self.running.take() else { return };
+        let Some(mut running) = self.running.take() else { return };
+        #[cfg(all(unix, not(target_os = "macos")))]
+        drop(running.inhibitor.take());
+        let Running { show, accessibility, window, output, .. } = running;
         if !self.show_ended && self.ends_by.is_none() {
             // The window system has ended the event loop, and the show may wait for it forever.
             end_without_display();

@@ -138,7 +138,7 @@ fn one_builder_starts_ffmpeg_and_adds_its_inputs() {
     let builder = "crates/player/src/ffmpeg.rs";
     assert_eq!(
         with("Command::new("),
-        [builder, "crates/scenes/src/thumbnails/drawing.rs", "src/videos/process.rs"],
+        [builder, "crates/scenes/src/thumbnails/drawing.rs", "src/shell/idle.rs", "src/videos/process.rs"],
         "only these files may start programs"
     );
     assert_eq!(with("\"-i\""), [builder], "only the builder may add inputs");

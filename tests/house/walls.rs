@@ -228,6 +228,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     (
         "shell",
         &[
+            "child",
             "commands",
             "config",
             "ending",

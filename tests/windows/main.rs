@@ -3,6 +3,7 @@
 mod hostile;
 mod key_storm;
 mod playlist_window;
+mod stay_awake;
 mod walls;
 mod window;
 mod window_answers;

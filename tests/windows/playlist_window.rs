@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::support::desktop::{App, Desktop};
+use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
 use mariana::shell::identity::APP_ID;
 use mariana_testing::process::wait_until;
 use mariana_testing::session_bus::SessionBus;
@@ -90,6 +90,12 @@ fn the_player_is_controlled_over_d_bus() {
         bus.set_property("Player.Volume", volume);
     }
     wait_for("Player.Volume", "double 1");
+    // A start without options hands its file to the running program.
+    let mut later = command_in(PROGRAM, desktop.folder(), Some(desktop.display()));
+    let later = later.arg(folder.join("2.wav")).output().unwrap();
+    let said = String::from_utf8_lossy(&later.stderr);
+    assert!(later.status.success() && said.contains("the running Mariana opens this"), "{said}");
+    wait_for_track(&mut app, "2.wav", " - Mariana (");
     // A second program registers a second name, and removes that name when it ends.
     let second = desktop.open(&folder, SMALL);
     wait_until("the second player", || bus.players().len() == 2);

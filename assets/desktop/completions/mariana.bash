@@ -113,7 +113,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --projection --stereo --eye-distance --dome-tilt --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --new-window --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --projection --stereo --eye-distance --dome-tilt --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -753,7 +753,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --output --scene --alpha --show --into --blend --ray --controlled --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= projection= stereo= eye-distance= dome-tilt= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new new-window gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= projection= stereo= eye-distance= dome-tilt= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -95,6 +95,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l once -d 'Exit after the
 complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in full screen'
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show only requested panels and errors over the image: no hints, messages or bar'
 complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Do not continue the last show, and do not save this show; choices from the settings panel still apply'
+complete -c mariana -n "__fish_mariana_needs_command" -l new-window -d 'Open a window even if Mariana is running. Without options, the running one opens the files'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print the available OpenGL version, and exit'
 complete -c mariana -n "__fish_mariana_needs_command" -l wallpaper -d 'Be the desktop\'s wallpaper, on X11 or on Wayland with layer shell: below all windows, on all monitors, without input; at most 30 frames a second unless --fps-cap is given. Pauses drawing while covered and on battery. Media keys pause the song'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what the program does; twice for more'
@@ -155,6 +156,7 @@ off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l no-filter -d 'With --light path: leave the noise that is left, instead of smoothing it'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l alpha -d 'Leave out the sky, so that the image can be laid over another: in PNG and WebP, for scenes whose sky has no color'
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l controlled -d 'Draw a thumbnail for a window of Mariana, at the lowest priority, and end when standard input ends'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l for -d 'Use the size, rate and length of a service; other flags override them' -r -f -a "youtube\t'1920x1080 at 60 frames a second'

@@ -305,6 +305,7 @@ mod tests {
             gain: Gain::Off,
             follow_song: FollowChoice::On,
             last_tracks: false,
+            stay_awake: false,
             hints: false,
             next_scene: true,
             stage: DisplayChoices { brightness: 40, flip: Flip::Both, ..DisplayChoices::default() },

@@ -12,6 +12,9 @@ mod system;
 #[cfg(any(windows, target_os = "macos"))]
 use system as service;
 
+pub(crate) use service::hand_over;
+
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -41,6 +44,9 @@ struct Seen {
 
 /// Reads the audible position, in seconds.
 type ReadPosition = Arc<dyn Fn() -> f64 + Send + Sync>;
+
+/// Opens files like files that are dropped into the window, and raises the window.
+type OpenFiles = Box<dyn Fn(Vec<PathBuf>) + Send + Sync>;
 
 impl Seen {
     fn new() -> Self {
@@ -81,23 +87,29 @@ pub(crate) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Starts the service, which calls `wake` for each command. Windows needs the `window`. Without `position`, reports
-    /// the position 0.
+    /// Starts the service, which calls `wake` for each command, and `open` for files that a later instance of the
+    /// program hands over. Windows needs the `window`. Without `position`, reports the position 0.
     pub(crate) fn start(
         position: Option<Position>,
         window: Option<RawWindowHandle>,
         wake: impl Fn() + Send + Sync + 'static,
+        open: impl Fn(PathBuf) + Send + Sync + 'static,
     ) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (sender, commands) = channel();
-        let send = move |command| {
+        let send = Arc::new(move |command| {
             // Commands after the show's end are dropped.
             if sender.send(command).is_ok() {
                 wake();
             }
-        };
-        let changes = service::serve(seen.clone(), position, window, send);
+        });
+        let raise = send.clone();
+        let open = Box::new(move |files: Vec<PathBuf>| {
+            files.into_iter().for_each(&open);
+            raise(Command::Raise);
+        });
+        let changes = service::serve(seen.clone(), position, window, move |command| send(command), open);
         Self { seen, commands, changes }
     }
 }

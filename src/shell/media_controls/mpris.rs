@@ -1,5 +1,10 @@
 //! The MPRIS player on the session's D-Bus.
 
+use std::ffi::OsString;
+use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
+use std::path::PathBuf;
+use std::time::Duration;
+
 use async_channel::{Receiver, Sender};
 use mpris_server::zbus::zvariant::ObjectPath;
 use mpris_server::zbus::{self, fdo};
@@ -10,7 +15,7 @@ use mpris_server::{
 
 use raw_window_handle::RawWindowHandle;
 
-use super::{ReadPosition, Seen, SharedSeen};
+use super::{OpenFiles, ReadPosition, Seen, SharedSeen};
 use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
 use mariana_player::track::{Repeat, TrackInfo};
@@ -20,6 +25,10 @@ const NAME: &str = "mariana";
 /// Maximum number of changes that wait for a slow bus. Further changes are lost.
 const CHANGES_MAX: usize = 64;
 const RATE: f64 = 1.0;
+/// The object that opens files, and its interface.
+const OPENER: (&str, &str) = ("/org/mariana/Mariana", "org.mariana.Mariana1");
+/// Maximum wait for a running instance to take files.
+const HAND_OVER_LIMIT: Duration = Duration::from_secs(2);
 
 enum Change {
     Properties(Vec<Property>),
@@ -59,12 +68,13 @@ pub(super) fn serve(
     position: ReadPosition,
     _: Option<RawWindowHandle>,
     send: impl Fn(Command) + Send + Sync + 'static,
+    open: OpenFiles,
 ) -> Changes {
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
     let player = Offered { seen, position, send: std::sync::Arc::new(send) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
         // A missing bus is no error.
-        if let Err(error) = zbus::block_on(run(player, &inbox)) {
+        if let Err(error) = zbus::block_on(run(player, Opener(open), &inbox)) {
             tracing::info!("no media controls: {error}");
         }
     });
@@ -74,8 +84,12 @@ pub(super) fn serve(
     Changes(changes)
 }
 
-async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
+async fn run(player: Offered, opener: Opener, inbox: &Receiver<Change>) -> zbus::Result<()> {
     let server = Server::new(&format!("{NAME}.instance{}", std::process::id()), player).await?;
+    let bus = zbus::Connection::session().await?;
+    bus.object_server().at(OPENER.0, opener).await?;
+    // Instances queue for the name: when the first ends, the next opens files.
+    bus.request_name_with_flags(APP_ID, Default::default()).await?;
     tracing::info!("media controls as {}", server.bus_name());
     while let Ok(change) = inbox.recv().await {
         match change {
@@ -84,6 +98,33 @@ async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Opens files for later instances of the program.
+struct Opener(OpenFiles);
+
+#[zbus::interface(name = "org.mariana.Mariana1", crate = "mpris_server::zbus")]
+impl Opener {
+    fn open(&self, files: Vec<Vec<u8>>) {
+        (self.0)(files.into_iter().map(|file| OsString::from_vec(file).into()).collect());
+    }
+}
+
+/// Lets a running instance open files, or show its window if there are none. Returns false without such an instance.
+pub(crate) fn hand_over(files: &[PathBuf]) -> bool {
+    let files: Vec<Vec<u8>> = files.iter().map(|file| file.as_os_str().as_bytes().to_vec()).collect();
+    let (path, interface) = OPENER;
+    let ask = move || -> zbus::Result<()> {
+        let bus = zbus::blocking::Connection::session()?;
+        bus.call_method(Some(APP_ID), path, Some(interface), "Open", &(files,)).map(drop)
+    };
+    // A bus or an instance that hangs must not prevent the start.
+    let (done, taken) = std::sync::mpsc::channel();
+    let thread = std::thread::Builder::new().name("hand over".into());
+    let started = thread.spawn(move || {
+        let _ = done.send(ask().is_ok());
+    });
+    started.is_ok() && taken.recv_timeout(HAND_OVER_LIMIT).unwrap_or(false)
 }
 
 #[derive(Clone)]

@@ -9,7 +9,7 @@ use souvlaki::{
     SeekDirection,
 };
 
-use super::{ReadPosition, Seen, SharedSeen};
+use super::{OpenFiles, ReadPosition, Seen, SharedSeen};
 use crate::commands::{Command, SEEK_SECONDS, Switch};
 use crate::shell::identity::APP_ID;
 
@@ -47,6 +47,7 @@ pub(super) fn serve(
     _: ReadPosition,
     window: Option<RawWindowHandle>,
     send: impl Fn(Command) + Send + Sync + 'static,
+    _: OpenFiles,
 ) -> Changes {
     let hwnd = match window {
         Some(RawWindowHandle::Win32(window)) => Some(window.hwnd.get() as *mut std::ffi::c_void),
@@ -66,6 +67,11 @@ pub(super) fn serve(
     });
     let opened = opened.inspect_err(|error| tracing::info!("no media controls: {error}"));
     Changes(RefCell::new(opened.ok()))
+}
+
+/// Each start opens a window of its own.
+pub(crate) fn hand_over(_: &[std::path::PathBuf]) -> bool {
+    false
 }
 
 fn playback(seen: &Seen) -> MediaPlayback {
