@@ -148,7 +148,12 @@ pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
-    parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
+    // Broadcasters write rates as fractions, such as 30000/1001.
+    let Some((frames, seconds)) = text.split_once('/') else {
+        return parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second");
+    };
+    let [frames, seconds] = [frames, seconds].map(|number| number.trim().parse::<f64>().unwrap_or(f64::NAN));
+    within(frames / seconds, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
 }
 
 pub(super) fn parse_fade(text: &str) -> Result<f64, String> {

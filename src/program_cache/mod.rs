@@ -23,7 +23,6 @@ use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -33,6 +32,7 @@ use crate::atomic_file::AtomicFile;
 use crate::attempt::{self, Attempt};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits::LIMITS;
+use crate::reading::read_at_most;
 
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
@@ -93,7 +93,7 @@ impl ProgramCache {
 
     fn noted(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let path = self.path(key, GIVEN_UP)?;
-        let word = read_file(&path, WORD_MAX)?.ok()?;
+        let word = read_at_most(&path, WORD_MAX).ok()??;
         touch(&path);
         let known = REASONS.iter().find(|(_, known)| known.as_bytes() == word);
         Some((known?.0, path))
@@ -122,7 +122,11 @@ impl ProgramCache {
 impl ProgramStore for ProgramCache {
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
-        let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
+        if !path.exists() {
+            return None;
+        }
+        let bytes = read_at_most(&path, LIMITS.kept_program_bytes_max + entry::HEADER);
+        let bytes = bytes.ok().flatten().unwrap_or_default();
         let Some(content) = entry::decode(key, &bytes) else {
             tracing::info!("{} was damaged and has been removed", path.display());
             self.discard(key);
@@ -203,19 +207,6 @@ const BLOCK: u64 = 4096;
 const WORD_MAX: usize = 16;
 
 /// Returns the bytes of a file; an error if there are more than `limit`, `None` if `path` is no regular file.
-fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
-    // Opening a device or a pipe could block forever.
-    if !fs::symlink_metadata(path).ok()?.is_file() {
-        return None;
-    }
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
-    Some(match read {
-        Ok(_) if bytes.len() > limit => Err(io::ErrorKind::FileTooLarge.into()),
-        read => read.map(|_| bytes),
-    })
-}
-
 fn touch(path: &Path) {
     let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }

@@ -281,13 +281,8 @@ pub fn name_of(source: &SceneSource) -> String {
 fn read(path: &Path) -> Result<String, ShowError> {
     let unreadable =
         |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Check this before opening the file, because opening a pipe waits for a writer.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        let reason = "it is no regular file".to_owned();
-        return Err(ShowError::Unreadable { path: path.to_owned(), reason });
-    }
     let max = SHOW_LIMITS.bytes_max;
-    let bytes = crate::scenes::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = crate::reading::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();

@@ -4,11 +4,12 @@
 
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash, Hasher as _};
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::atomic_file::AtomicFile;
+use crate::reading::read_at_most;
 use mariana_player::song::Song;
 
 /// Identifies a file.
@@ -93,13 +94,8 @@ impl CachedFiles {
     }
 
     fn read_file(&self, path: &Path) -> io::Result<Vec<u8>> {
-        // Opening a device or a pipe could block forever.
-        if !fs::symlink_metadata(path)?.is_file() {
-            return Err(io::ErrorKind::InvalidInput.into());
-        }
-        let (limit, mut bytes) = (self.bytes_max + CHECKSUM_LINE, Vec::new());
-        File::open(path)?.take(limit as u64 + 1).read_to_end(&mut bytes)?;
-        if bytes.len() > limit { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(bytes) }
+        let bytes = read_at_most(path, self.bytes_max + CHECKSUM_LINE)?;
+        bytes.ok_or_else(|| io::ErrorKind::FileTooLarge.into())
     }
 
     /// Deletes the least recently used files beyond the limit.

@@ -25,5 +25,6 @@ pub mod ending;
 pub mod file_names;
 mod folders;
 pub mod limits;
+pub mod reading;
 
 pub use folders::Folders;

@@ -1,5 +1,6 @@
 //! The content of a file at one time, to decide if the file has really changed.
 
+use mariana_files::reading::read_at_most;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -8,7 +9,6 @@ use std::time::SystemTime;
 
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
-use super::folder::read_at_most;
 use crate::limits::LIMITS;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,12 +68,8 @@ impl Content {
 }
 
 fn hash(path: &Path) -> io::Result<(u64, u64)> {
-    let metadata = fs::metadata(path)?;
-    if !metadata.is_file() {
-        return Err(io::Error::other("not a regular file"));
-    }
     let max = LIMITS.texture_bytes_max.max(FIELD_LIMITS.scene_bytes_max);
-    let Some(bytes) = read_at_most(path, max)? else { return Ok((metadata.len(), 0)) };
+    let Some(bytes) = read_at_most(path, max)? else { return Ok((fs::metadata(path)?.len(), 0)) };
     let mut hasher = DefaultHasher::new();
     bytes.hash(&mut hasher);
     Ok((bytes.len() as u64, hasher.finish()))

@@ -34,6 +34,7 @@ pub mod thumbnails;
 mod watch;
 mod world;
 
+use mariana_files::reading::read_at_most;
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -43,7 +44,6 @@ pub use blend::{SceneBlend, SeenScene, camera_number};
 pub use draft_texts::DraftTexts;
 pub use drafts::{Drafts, Findings, Mistake};
 pub use error::{FoundMistakes, SceneError};
-pub use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
@@ -275,7 +275,7 @@ fn read(path: &Path) -> Result<String, SceneError> {
         return Err(SceneError::NoFile { path: path.to_owned() });
     }
     let max = FIELD_LIMITS.scene_bytes_max;
-    let bytes = folder::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();

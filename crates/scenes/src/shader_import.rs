@@ -1,5 +1,6 @@
 //! Makes scenes of shaders in a folder of scenes, without replacing any file.
 
+use mariana_files::reading::read_at_most;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
 
-use crate::folder::{ENDING, read_at_most};
+use crate::folder::ENDING;
 
 /// Maximum number of shaders of one name that are compared with an imported one.
 const SAME_NAMES_MAX: usize = 1_000;
@@ -94,10 +95,6 @@ pub fn read_shader(path: &Path) -> Result<String, ShaderError> {
         return Err(ShaderError::NoShader(path.to_owned()));
     }
     let unreadable = |reason| ShaderError::Unreadable { path: path.to_owned(), reason };
-    // Opening a pipe would wait for its other end.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(unreadable(io::Error::other("it is not a file")));
-    }
     let bytes = read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShaderError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {

@@ -2,8 +2,9 @@
 //! writer thread applies it to the file's current contents, so that changes by other windows or by an editor are
 //! kept. A damaged file is renamed before a new one is written.
 
-use std::fs::{File, create_dir_all};
-use std::io::{ErrorKind, Read};
+use mariana_files::reading::read_at_most;
+use std::fs::create_dir_all;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::aside::aside;
@@ -153,19 +154,13 @@ fn refused(path: &Path, doing: &'static str, reason: &dyn std::fmt::Display) -> 
 }
 
 fn read(path: &Path) -> Result<MappingFile, KnobsError> {
-    let file = match File::open(path) {
-        Ok(file) => file,
+    let read = match read_at_most(path, CONTROL_LIMITS.mapping_bytes_max) {
+        Ok(Some(bytes)) => MappingFile::read(&bytes),
+        Ok(None) => Err(MappingsError::TooLarge),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(MappingFile::default()),
         Err(error) => return Err(refused(path, "read", &error)),
     };
-    let mut bytes = Vec::new();
-    let most = CONTROL_LIMITS.mapping_bytes_max as u64 + 1;
-    file.take(most).read_to_end(&mut bytes).map_err(|error| refused(path, "read", &error))?;
-    MappingFile::read(&bytes).map_err(|reason| KnobsError::Damaged {
-        path: path.to_owned(),
-        reason,
-        aside: aside(path),
-    })
+    read.map_err(|reason| KnobsError::Damaged { path: path.to_owned(), reason, aside: aside(path) })
 }
 
 fn write(path: &Path, file: &MappingFile) -> Result<(), KnobsError> {

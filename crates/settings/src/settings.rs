@@ -16,9 +16,10 @@
 //! Mariana continues with the defaults; the next write keeps the unreadable file under another name. Entries of a newer
 //! version are kept in the file.
 
+use mariana_files::reading::read_at_most;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError, create_dir_all};
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -260,17 +261,12 @@ pub(super) fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Di
 }
 
 fn read(path: &Path) -> Result<Found, SettingsError> {
-    let file = match File::open(path) {
-        Ok(file) => file,
+    let bytes = match read_at_most(path, LIMITS.settings_bytes_max) {
+        Ok(Some(bytes)) => bytes,
+        Ok(None) => return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) }),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::default()),
         Err(error) => return Err(refused(path, "read", &error)),
     };
-    let mut bytes = Vec::new();
-    let limit = LIMITS.settings_bytes_max as u64;
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| refused(path, "read", &error))?;
-    if bytes.len() as u64 > limit {
-        return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) });
-    }
     let malformed =
         |reason: String| SettingsError::Malformed { path: path.to_owned(), reason, aside: aside(path) };
     let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
@@ -322,6 +318,15 @@ mod tests {
         create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
         SettingsFile::open(Some(path.to_owned()))
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn settings_that_are_a_pipe_stopped_the_start() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(matches!(SettingsFile::open(Some(path)).1, Some(SettingsError::System { .. })));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -13,6 +13,7 @@ use super::{Bytes, FileEvent, KeptTexts, OnDisk, stem_of};
 use crate::Folders;
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
+use crate::reading::read_at_most;
 
 /// Interval of the checks for changes that other programs make to the files.
 const LOOK: Duration = Duration::from_millis(400);
@@ -282,22 +283,9 @@ fn read(file: &Path) -> OnDisk {
         io::ErrorKind::NotFound => OnDisk::Missing,
         _ => OnDisk::Unreadable(error.to_string()),
     };
-    // Check before opening: opening a pipe blocks until another program writes to it.
-    match fs::metadata(file) {
-        Ok(metadata) if !metadata.is_file() => return OnDisk::Unreadable("it is not a file".to_owned()),
-        Ok(_) => {}
-        Err(error) => return unreadable(error),
-    }
     match read_at_most(file, max) {
         Ok(Some(bytes)) => OnDisk::Bytes(Arc::from(bytes)),
         Ok(None) => OnDisk::Unreadable(format!("it is larger than {max} bytes")),
         Err(error) => unreadable(error),
     }
-}
-
-/// Reads a file; `None` if it has more than `max` bytes.
-pub(super) fn read_at_most(file: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
-    let mut bytes = Vec::new();
-    fs::File::open(file)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
-    Ok((bytes.len() <= max).then_some(bytes))
 }

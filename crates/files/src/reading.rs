@@ -1,0 +1,39 @@
+//! Reads files that may be something else, or larger than expected.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// Reads a file; `None` if it has more than `max` bytes. Never reads more, even if the file reports a smaller size.
+///
+/// # Errors
+/// Fails with the system's error, and if `path` is a folder, a pipe or a device: opening a pipe would wait for its
+/// other end.
+pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok((bytes.len() <= max).then_some(bytes))
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reading_ends_at_the_limit_and_pipes_are_refused() {
+        // The kernel reports that this file is empty.
+        let path = Path::new("/proc/self/status");
+        assert_eq!(read_at_most(path, 9).unwrap(), None);
+        assert!(read_at_most(path, 1 << 20).unwrap().is_some_and(|bytes| bytes.len() > 9));
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for no_file in [&pipe, folder.path(), Path::new("/dev/zero")] {
+            assert_eq!(read_at_most(no_file, 9).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+        }
+    }
+}
