@@ -1,7 +1,7 @@
 //! Byte sources and their demuxers.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,7 +13,8 @@ use symphonia::core::io::{MediaSource, MediaSourceStream, ReadOnlySource};
 use symphonia::core::meta::MetadataOptions;
 
 use super::error::DecodeError;
-use super::gapless::{TrackEdit, track_edits};
+use super::gapless::{Edits, edits};
+use super::mended::Mended;
 use super::{contained, sniff};
 
 #[derive(Debug, Clone, Copy)]
@@ -41,8 +42,7 @@ pub(super) enum Input {
 
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
-    pub(super) edits: Vec<TrackEdit>,
-    pub(super) fragmented: bool,
+    pub(super) edits: Edits,
 }
 
 /// Duplicates the file handle and moves it to the first byte. Both handles share one position, so the old handle must
@@ -55,6 +55,11 @@ fn from_start(file: &File) -> io::Result<File> {
 
 fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// True if the disk or the network failed. A demuxer that seeks before the start of a damaged file gets an error too.
+pub(super) fn is_disk_error(error: &io::Error) -> bool {
+    error.raw_os_error().is_some() && error.kind() != io::ErrorKind::InvalidInput
 }
 
 fn path_error(path: &Path, source: io::Error) -> DecodeError {
@@ -87,6 +92,14 @@ impl Input {
         match self {
             Self::File { path, .. } => file_name(path),
             Self::Bytes { name, .. } => name.clone(),
+        }
+    }
+
+    /// The size in bytes; `None` if the system does not report it.
+    pub(super) fn size(&self) -> Option<u64> {
+        match self {
+            Self::File { file, .. } => file.metadata().ok().map(|about| about.len()),
+            Self::Bytes { bytes, .. } => Some(bytes.len() as u64),
         }
     }
 
@@ -125,9 +138,8 @@ impl Input {
         if let Some(error) = sniff::over_limit(&name, &head) {
             return Err(error);
         }
-        let is_mp4 = head.get(4..8) == Some(b"ftyp");
-        let (edits, fragmented) = if is_mp4 { track_edits(&mut source) } else { Default::default() };
-        source.seek(SeekFrom::Start(0)).map_err(|e| self.read_error(e))?;
+        let edits = edits(&head, &mut source);
+        let source = Mended::new(source).map_err(|e| self.read_error(e))?;
 
         let mut hint = Hint::new();
         if let Some(extension) = Path::new(&name).extension().and_then(|e| e.to_str()) {
@@ -159,7 +171,7 @@ impl Input {
             probed = again.or(probed);
         }
         match probed {
-            Ok(format) => Ok(Opened { format, edits, fragmented }),
+            Ok(format) => Ok(Opened { format, edits }),
             Err(error) => Err(self.probe_error(error, recognised)),
         }
     }
@@ -167,11 +179,7 @@ impl Input {
     fn probe_error(&self, error: Error, recognised: bool) -> DecodeError {
         let name = self.name();
         match error {
-            Error::IoError(source)
-                if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() =>
-            {
-                self.read_error(source)
-            }
+            Error::IoError(source) if is_disk_error(&source) => self.read_error(source),
             _ if !recognised => DecodeError::NotAudio { name, what: "no audio data was found in it".into() },
             Error::Unsupported(what) => {
                 DecodeError::UnsupportedFormat { name, what: format!("a variant of a known format ({what})") }

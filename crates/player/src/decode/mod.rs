@@ -13,6 +13,7 @@ mod ffmpeg;
 mod gapless;
 mod input;
 mod loudness;
+mod mended;
 mod native;
 mod packets;
 mod sniff;

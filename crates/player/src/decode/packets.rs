@@ -24,8 +24,8 @@ use mariana_music::StereoFrame;
 use super::clock::Clock;
 use super::downmix::Downmix;
 use super::error::DecodeError;
-use super::gapless::{TrackEdit, opus_pre_skip, parse_itun_smpb};
-use super::input::Input;
+use super::gapless::{Edits, TrackEdit, opus_head, parse_itun_smpb};
+use super::input::{Input, is_disk_error};
 use super::loudness::Loudness;
 use super::{codecs, contained, sniff};
 
@@ -59,11 +59,12 @@ pub(super) struct PacketReader {
     name: String,
     input: Input,
     format: Box<dyn FormatReader>,
-    edits: Vec<TrackEdit>,
-    fragmented: bool,
+    edits: Edits,
     /// Index of the chosen audio track; `None` for the first that can be decoded.
     track: Option<usize>,
     stream: Stream,
+    /// The packet after the current one, in Matroska files with padding at the end.
+    ahead: Option<Packet>,
     mixer: Mixer,
     mpeg_header: Option<[u8; 3]>,
     empty_in_a_row: u32,
@@ -80,6 +81,12 @@ struct Stream {
     codec: Box<dyn AudioDecoder>,
     clock: Clock,
     announced_delay: Option<u64>,
+    /// The factor for all samples, in the header of Opus.
+    gain: f32,
+    /// The end of the last packet of an Ogg stream, in ticks.
+    end: Option<i64>,
+    /// The size of a frame in the first packet of MPEG audio.
+    bytes_per_frame: Option<f64>,
 }
 
 #[derive(Default)]
@@ -100,7 +107,7 @@ impl PacketReader {
             input: input.clone(),
             format: opened.format,
             edits: opened.edits,
-            fragmented: opened.fragmented,
+            ahead: None,
             mixer: Mixer::default(),
             mpeg_header: None,
             empty_in_a_row: 0,
@@ -114,7 +121,8 @@ impl PacketReader {
     /// Decodes packets until one packet yields frames, and appends the frames to `out`. Returns `None` at the end.
     pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, DecodeError> {
         loop {
-            let Some(packet) = self.next_packet()? else { return Ok(None) };
+            let Some(mut packet) = self.next_packet()? else { return Ok(None) };
+            self.place(&mut packet);
             self.stream.clock.begin(packet.pts.get());
             self.stream.announced_delay.get_or_insert(packet.trim_start.get());
             let before = out.len();
@@ -122,13 +130,17 @@ impl PacketReader {
             match rate {
                 Some(rate) if out.len() > before => {
                     self.empty_in_a_row = 0;
+                    if codecs::is_mpeg_audio(self.stream.params.codec) {
+                        let size = packet.data.len() as f64 / (out.len() - before) as f64;
+                        self.stream.bytes_per_frame.get_or_insert(size);
+                    }
                     let new_link = self.link_begins.then(|| self.delay(rate));
                     self.link_begins = false;
                     return Ok(Some(Block {
                         rate,
                         start: self.stream.clock.raw_frame(packet.pts.get(), rate),
                         exact: self.stream.clock.is_exact(rate),
-                        padding: self.padding(&packet, rate),
+                        padding: self.padding(&packet, rate)?,
                         new_link,
                     }));
                 }
@@ -145,7 +157,29 @@ impl PacketReader {
         }
     }
 
+    /// Corrects the times of an Ogg packet. The demuxer trusts a page without a position (-1), and cuts its packets.
+    fn place(&mut self, packet: &mut Packet) {
+        if self.format.format_info().format != FORMAT_ID_OGG {
+            return;
+        }
+        let whole = packet.dur.saturating_add(packet.trim_start).saturating_add(packet.trim_end);
+        let start = packet.pts.get().max(self.stream.end.unwrap_or(i64::MIN));
+        let end = start.saturating_add_unsigned(whole.get());
+        // The demuxer takes the position of the last page for the number of frames.
+        let beyond = self
+            .stream
+            .track
+            .num_frames
+            .map_or(0, |last| u64::try_from(end).unwrap_or(0).saturating_sub(last));
+        packet.trim_end = Duration::new(beyond).min(whole);
+        packet.pts = Timestamp::new(start);
+        self.stream.end = Some(end);
+    }
+
     fn next_packet(&mut self) -> Result<Option<Packet>, DecodeError> {
+        if let Some(packet) = self.ahead.take() {
+            return Ok(Some(packet));
+        }
         loop {
             let format = &mut self.format;
             match contained(&self.name, || format.next_packet())? {
@@ -163,7 +197,7 @@ impl PacketReader {
                     }
                 }
                 Err(Error::IoError(e)) if e.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
-                Err(Error::IoError(e)) if e.raw_os_error().is_some() => return Err(self.input.read_error(e)),
+                Err(Error::IoError(e)) if is_disk_error(&e) => return Err(self.input.read_error(e)),
                 Err(_) => {
                     self.demuxer_failures += 1;
                     self.skipped += 1;
@@ -202,11 +236,11 @@ impl PacketReader {
             Ok(buffer) => {
                 let rate = buffer.spec().rate();
                 if buffer.frames() > 0 {
-                    self.mixer.mix(&self.name, &buffer, out)?;
+                    self.mixer.mix(&self.name, &buffer, self.stream.gain, out)?;
                 }
                 Ok(Some(rate))
             }
-            Err(Error::IoError(e)) if e.raw_os_error().is_some() => Err(self.input.read_error(e)),
+            Err(Error::IoError(e)) if is_disk_error(&e) => Err(self.input.read_error(e)),
             Err(_) => {
                 self.skipped += 1;
                 Ok(None)
@@ -225,29 +259,38 @@ impl PacketReader {
         Ok(())
     }
 
-    /// The padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length, so
-    /// their padding is 0.
-    fn padding(&self, packet: &Packet, rate: u32) -> usize {
-        if codecs::is_mpeg_audio(self.stream.params.codec) && self.stream.track.delay.is_none() {
-            return 0;
+    /// The padding at the end of a packet, in frames.
+    fn padding(&mut self, packet: &Packet, rate: u32) -> Result<usize, DecodeError> {
+        if self.edits.padding_ns > 0 {
+            self.ahead = self.next_packet()?;
+            let seconds = self.edits.padding_ns as f64 / 1e9;
+            return Ok(if self.ahead.is_none() { (seconds * f64::from(rate)).round() as usize } else { 0 });
+        }
+        let track = &self.stream.track;
+        if codecs::is_mpeg_audio(self.stream.params.codec) {
+            // Without a LAME tag the length is an estimate. Sound after the stated end shows that the length is wrong.
+            let stated = track.padding.filter(|_| track.num_frames != Some(0)).map_or(0, u64::from);
+            if packet.trim_end.get() > stated {
+                return Ok(0);
+            }
         }
         let ticks = i64::try_from(packet.trim_end.get()).unwrap_or(i64::MAX);
-        self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
+        Ok(self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize))
+    }
+
+    fn edit(&self) -> Option<&TrackEdit> {
+        self.edits.tracks.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0)
     }
 
     /// Returns the number of raw frames to cut off at the start. The number is known after the first packet.
     pub(super) fn delay(&self, rate: u32) -> u64 {
-        let edit = self.edits.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0);
         if codecs::is_opus(self.stream.params.codec)
-            && let Some(skip) = self.stream.params.extra_data.as_deref().and_then(opus_pre_skip)
+            && let Some((skip, _)) = self.stream.params.extra_data.as_deref().and_then(opus_head)
         {
             return skip;
         }
-        if let Some(edit) = edit {
-            return u64::try_from(
-                u128::from(edit.media_time) * u128::from(rate) / u128::from(edit.timescale),
-            )
-            .unwrap_or(0);
+        if let Some(edit) = self.edit() {
+            return edit.frames(edit.media_time, rate);
         }
         let lead_in = self.stream.clock.lead_in(rate);
         if self.stream.clock.is_exact(rate) {
@@ -275,7 +318,10 @@ impl PacketReader {
             .and_then(|frames| i64::try_from(frames).ok()?.checked_sub(hidden))
             .and_then(|frames| u64::try_from(frames).ok());
         let exact = match format {
-            FORMAT_ID_ISOMP4 if self.fragmented => None,
+            FORMAT_ID_ISOMP4 if self.edits.is_fragmented => self
+                .edit()
+                .filter(|edit| edit.length > 0)
+                .map(|edit| edit.frames(edit.length, rate).saturating_sub(delay.unsigned_abs())),
             FORMAT_ID_ISOMP4 => match (self.tags().itunes_gapless, counted) {
                 (Some((_, length)), Some(counted)) => Some(length.min(counted)),
                 (_, counted) => counted,
@@ -293,6 +339,11 @@ impl PacketReader {
                 .filter(|&s| s > 0.0)
                 .or_else(|| ticks(media.duration, media.time_base))?;
             Some(whole - seconds(delay as u64))
+        });
+        let claimed = claimed.filter(|s| *s > 0.0).or_else(|| {
+            // The length of an MP3 file whose header counts no frames, if the bit rate is constant.
+            let frames = self.input.size()? as f64 / self.stream.bytes_per_frame?;
+            Some(frames / f64::from(rate))
         });
         (exact, claimed.filter(|s| *s > 0.0 && *s <= LIMITS.claimed_duration_max))
     }
@@ -327,11 +378,8 @@ impl PacketReader {
         // Read the oldest entry first, so that the newest entry is kept.
         loop {
             if let Some(revision) = metadata.current() {
-                revision
-                    .per_track
-                    .iter()
-                    .filter(|per| per.track_id == track)
-                    .for_each(|per| read(&per.metadata));
+                let per_track = revision.per_track.iter().filter(|per| per.track_id == track);
+                per_track.for_each(|per| read(&per.metadata));
                 read(&revision.media);
             }
             if metadata.pop().is_none() {
@@ -351,6 +399,10 @@ impl PacketReader {
             return Ok(false);
         }
         let Some(ticks) = self.stream.clock.ticks_before(early, rate) else { return Ok(false) };
+        if self.edits.is_fragmented {
+            // The demuxer looks for more fragments where it has read the last packet, and finds none.
+            self.format = self.input.open()?.format;
+        }
         let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.stream.track.id };
         let format = &mut self.format;
         if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
@@ -359,6 +411,7 @@ impl PacketReader {
         // Create a new decoder instead of resetting the old one: AAC's noise generator survives a reset, and the same
         // seek must always yield the same samples.
         self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
+        (self.ahead, self.stream.end) = (None, None);
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
         Ok(true)
@@ -407,6 +460,7 @@ impl Mixer {
         &mut self,
         name: &str,
         buffer: &GenericAudioBufferRef<'_>,
+        gain: f32,
         out: &mut Vec<StereoFrame>,
     ) -> Result<(), DecodeError> {
         let (spec, frames) = (buffer.spec(), buffer.frames());
@@ -424,7 +478,9 @@ impl Mixer {
         }
         buffer.copy_to_vecs_planar::<f32>(&mut self.planes);
         if let Some((_, downmix)) = &mut self.downmix {
+            let before = out.len();
             downmix.mix(&self.planes, frames, out);
+            out.iter_mut().skip(before).flatten().for_each(|sample| *sample *= gain);
         }
         Ok(())
     }
@@ -460,7 +516,18 @@ impl Stream {
                 Ok((params, codec)) => {
                     let clock = Clock::new(track.time_base, codecs::grid(params.codec));
                     let (track, params) = (track.clone(), params.clone());
-                    return Ok(Self { track, params, codec, clock, announced_delay: None });
+                    let head = params.extra_data.as_deref().filter(|_| codecs::is_opus(params.codec));
+                    let gain = head.and_then(opus_head).map_or(1.0, |(_, gain)| gain);
+                    return Ok(Self {
+                        track,
+                        params,
+                        codec,
+                        clock,
+                        announced_delay: None,
+                        gain,
+                        end: None,
+                        bytes_per_frame: None,
+                    });
                 }
                 Err(error) => refusal = refusal.or(Some(error)),
             }
