@@ -27,11 +27,14 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
         "player",
         &[
             "alsa",
+            "chardetng",
             "cpal",
+            "encoding_rs",
             "futures-executor",
             "mariana-files",
             "mariana-music",
             "mariana-transforms",
+            "percent-encoding",
             "pulseaudio",
             "rtrb",
             "rustix",
@@ -41,6 +44,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "symphonia-adapter-libopus",
             "thiserror",
             "tracing",
+            "unicode-normalization",
         ],
     ),
     (

@@ -38,6 +38,7 @@ pub mod decode;
 mod device;
 pub mod device_list;
 pub mod devices;
+mod encoding;
 mod error;
 pub mod ffmpeg;
 mod gain_switch;

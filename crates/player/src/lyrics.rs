@@ -12,7 +12,7 @@ use mariana_music::SongMoment;
 
 use crate::decode::DecodeError;
 use crate::limits::LIMITS;
-use crate::playlist::text;
+use crate::playlist::text::Lines;
 use crate::song::{Song, one_line};
 
 /// A line is shown for at most this many seconds.
@@ -107,8 +107,9 @@ impl Lyrics {
         if bytes.len() as u64 > most {
             return Err(LyricsError::TooLarge { path: path.to_owned(), most });
         }
-        let lines = text::lines(&bytes).unwrap_or_default();
-        let lines: Vec<String> = lines.iter().map(|line| text::decode(line)).collect();
+        let text = Lines::of(&bytes);
+        let lines: Vec<String> =
+            text.iter().flat_map(|text| text.lines.iter().map(|line| text.decode(line))).collect();
         let lyrics = Self::parse(&lines.join("\n"));
         if lyrics.lines.is_empty() {
             return Err(LyricsError::NoTimes { path: path.to_owned() });
@@ -165,9 +166,13 @@ impl Lyrics {
     }
 }
 
-/// Reads a time such as `01:23.45`, `1:23` or `01:23:45`.
+/// Reads a time such as `01:23.45`, `1:23` or `01:23:45`, or with hours such as `1:02:03.40`.
 fn seconds(text: &str) -> Option<f64> {
     let (minutes, rest) = text.trim().split_once(':')?;
+    if rest.contains(':') && rest.contains(['.', ',']) {
+        let hours: u32 = minutes.parse().ok()?;
+        return Some(3600.0 * f64::from(hours) + seconds(rest)?);
+    }
     let rest = rest.replace([':', ','], ".");
     let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit());
     if !is_number(minutes) || !is_number(&rest) {
@@ -268,6 +273,14 @@ mod tests {
             (0.0, 0.0, 0.0),
         ];
         assert_eq!(places, wanted);
+    }
+
+    #[test]
+    fn times_with_hours_are_read() {
+        let lyrics = Lyrics::parse("[1:02:03.40]late\n[00:59:50.00]earlier\n[00:14:50]hundredths");
+        assert_eq!(heard(&lyrics, 3723.5), Some("late"));
+        assert_eq!(heard(&lyrics, 3590.0), Some("earlier"));
+        assert_eq!(heard(&lyrics, 14.5), Some("hundredths"));
     }
 
     #[test]

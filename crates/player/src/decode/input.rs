@@ -15,6 +15,7 @@ use symphonia::core::meta::MetadataOptions;
 use super::error::DecodeError;
 use super::gapless::{Edits, edits};
 use super::mended::Mended;
+use super::old_tags::{self, OldTags};
 use super::{contained, sniff};
 
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +44,7 @@ pub(super) enum Input {
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
     pub(super) edits: Edits,
+    pub(super) old_tags: OldTags,
 }
 
 /// Duplicates the file handle and moves it to the first byte. Both handles share one position, so the old handle must
@@ -139,6 +141,7 @@ impl Input {
             return Err(error);
         }
         let edits = edits(&head, &mut source);
+        let old_tags = old_tags::read(&mut source);
         let source = Mended::new(source).map_err(|e| self.read_error(e))?;
 
         let mut hint = Hint::new();
@@ -171,7 +174,7 @@ impl Input {
             probed = again.or(probed);
         }
         match probed {
-            Ok(format) => Ok(Opened { format, edits }),
+            Ok(format) => Ok(Opened { format, edits, old_tags }),
             Err(error) => Err(self.probe_error(error, recognised)),
         }
     }

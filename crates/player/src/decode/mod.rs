@@ -15,6 +15,7 @@ mod input;
 mod loudness;
 mod mended;
 mod native;
+mod old_tags;
 mod packets;
 mod sniff;
 mod tags;

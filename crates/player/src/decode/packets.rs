@@ -12,10 +12,12 @@ use symphonia::core::formats::well_known::{
     FORMAT_ID_MP1, FORMAT_ID_MP2, FORMAT_ID_MP3, FORMAT_ID_OGG, FORMAT_ID_WAVE,
 };
 use symphonia::core::formats::{FormatReader, SeekMode, SeekTo, Track, TrackFlags};
+use symphonia::core::meta::well_known::METADATA_ID_ID3V1;
 use symphonia::core::meta::{MetadataContainer, StandardTag};
 use symphonia::core::packet::Packet;
 use symphonia::core::units::{Duration, Timestamp};
 
+use crate::encoding::decode;
 use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
 use crate::one_line::one_line;
@@ -27,6 +29,7 @@ use super::error::DecodeError;
 use super::gapless::{Edits, TrackEdit, opus_head, parse_itun_smpb};
 use super::input::{Input, is_disk_error};
 use super::loudness::Loudness;
+use super::old_tags::OldTags;
 use super::{codecs, contained, sniff};
 
 /// Number of consecutive failures after which the stream ends, because the demuxer no longer finds packets.
@@ -60,6 +63,7 @@ pub(super) struct PacketReader {
     input: Input,
     format: Box<dyn FormatReader>,
     edits: Edits,
+    old_tags: OldTags,
     /// Index of the chosen audio track; `None` for the first that can be decoded.
     track: Option<usize>,
     stream: Stream,
@@ -107,6 +111,7 @@ impl PacketReader {
             input: input.clone(),
             format: opened.format,
             edits: opened.edits,
+            old_tags: opened.old_tags,
             ahead: None,
             mixer: Mixer::default(),
             mpeg_header: None,
@@ -352,11 +357,16 @@ impl PacketReader {
         let mut tags = Tags::default();
         let track = u64::from(self.stream.track.id);
         let mut metadata = self.format.metadata();
-        let mut read = |container: &MetadataContainer| {
+        let mut read = |container: &MetadataContainer, is_id3v1: bool| {
+            // The demuxer decodes ID3v1 as Latin-1, in which every byte is a character.
+            let text = |text: &str| match text.chars().map(u8::try_from).collect::<Result<Vec<u8>, _>>() {
+                Ok(bytes) if is_id3v1 => one_line(&decode(&bytes)),
+                _ => one_line(text),
+            };
             for tag in &container.tags {
                 match &tag.std {
-                    Some(StandardTag::TrackTitle(title)) => tags.title = Some(one_line(title)),
-                    Some(StandardTag::Artist(artist)) => tags.artist = Some(one_line(artist)),
+                    Some(StandardTag::TrackTitle(title)) => tags.title = Some(text(title)),
+                    Some(StandardTag::Artist(artist)) => tags.artist = Some(text(artist)),
                     Some(StandardTag::Lyrics(text)) if text.len() as u64 <= LIMITS.lyrics_bytes_max => {
                         tags.lyrics = Some(text.to_string());
                     }
@@ -379,13 +389,17 @@ impl PacketReader {
         loop {
             if let Some(revision) = metadata.current() {
                 let per_track = revision.per_track.iter().filter(|per| per.track_id == track);
-                per_track.for_each(|per| read(&per.metadata));
-                read(&revision.media);
+                per_track.for_each(|per| read(&per.metadata, false));
+                read(&revision.media, revision.info.metadata == METADATA_ID_ID3V1);
             }
             if metadata.pop().is_none() {
                 break;
             }
         }
+        let old = &self.old_tags;
+        tags.title = old.title.as_deref().map(one_line).or(tags.title);
+        tags.artist = old.artist.as_deref().map(one_line).or(tags.artist);
+        tags.lyrics = old.lyrics.clone().or(tags.lyrics);
         tags
     }
 

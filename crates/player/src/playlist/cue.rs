@@ -6,37 +6,38 @@
 use std::path::Path;
 
 use super::lists::{Cut, Item};
-use super::text::{decode, resolve};
+use super::text::Lines;
 
 /// Compact disc frames per second.
 pub(super) const DISC_FRAMES: u64 = 75;
 
 const MINUTES_MAX: u64 = 100_000;
 
-pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
+pub(super) fn read(base: &Path, sheet: &Lines) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut file, mut track) = (None, Track::default());
     let mut disc_artist = None;
     let mut within_track = false;
-    for line in lines {
+    for line in &sheet.lines {
         let (word, rest) = split_word(line);
         match word.to_ascii_uppercase().as_slice() {
             b"FILE" => {
                 // The name is the text in quotes, or else everything except the type.
                 let name =
                     quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
-                file = Some(resolve(base, name?.trim_ascii()));
+                file = Some(sheet.resolve(base, name?.trim_ascii()));
             }
             b"TRACK" => {
                 within_track = rest.to_ascii_uppercase().ends_with(b"AUDIO");
                 track = Track::default();
             }
-            b"TITLE" if within_track => track.title = text(rest),
-            b"PERFORMER" if within_track => track.artist = text(rest),
-            b"PERFORMER" if file.is_none() => disc_artist = text(rest),
+            b"TITLE" if within_track => track.title = text(sheet, rest),
+            b"PERFORMER" if within_track => track.artist = text(sheet, rest),
+            b"PERFORMER" if file.is_none() => disc_artist = text(sheet, rest),
             b"INDEX" if within_track => {
                 let (number, time) = split_word(rest);
-                let start = disc_time(time).filter(|_| decode(number).parse() == Ok(1_u32));
+                let start = disc_time(time)
+                    .filter(|_| str::from_utf8(number).is_ok_and(|number| number.parse() == Ok(1_u32)));
                 let (Some(start), Some(reference)) = (start, file.clone()) else { continue };
                 if let Some(before) = items.last_mut().filter(|item| item.reference == reference)
                     && let Some(cut) = before.cut.as_mut()
@@ -75,14 +76,14 @@ fn quoted(text: &[u8]) -> Option<Vec<u8>> {
     Some(rest.get(..end)?.to_vec())
 }
 
-fn text(bytes: &[u8]) -> Option<String> {
-    let text = decode(&quoted(bytes).unwrap_or_else(|| bytes.to_vec()));
+fn text(sheet: &Lines, bytes: &[u8]) -> Option<String> {
+    let text = sheet.decode(&quoted(bytes).unwrap_or_else(|| bytes.to_vec()));
     (!text.is_empty()).then_some(text)
 }
 
 /// Parses `minutes:seconds:frames` to compact disc frames.
 fn disc_time(text: &[u8]) -> Option<u64> {
-    let text = decode(text);
+    let text = str::from_utf8(text).ok()?;
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
@@ -93,7 +94,6 @@ fn disc_time(text: &[u8]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::playlist::text::lines;
 
     #[test]
     fn tracks_follow_each_other_within_their_files() {
@@ -102,7 +102,8 @@ mod tests {
             TRACK 01 AUDIO\nTITLE \"One\"\nINDEX 01 00:00:00\nTRACK 02 AUDIO\nTITLE \"Two\"\n\
             PERFORMER \"Guest\"\nINDEX 00 03:59:00\nINDEX 01 04:01:30\n\
             FILE b.wav WAVE\nTRACK 03 AUDIO\nINDEX 01 99:99:99\nINDEX 01 00:00:01\n";
-        let items = read(Path::new("/m"), &lines(sheet).unwrap()).unwrap();
+        let sheet = Lines::of(sheet).unwrap();
+        let items = read(Path::new("/m"), &sheet).unwrap();
         let reported: Vec<_> = items
             .iter()
             .map(|item| (item.cut.unwrap(), item.title.as_deref(), item.artist.as_deref()))
@@ -116,8 +117,8 @@ mod tests {
                 (Cut { start: 1, end: None }, None, Some("The Band")),
             ]
         );
-        assert_eq!(items[2].reference, resolve(Path::new("/m"), b"b.wav"));
-        assert_eq!(items[0].reference, resolve(Path::new("/m"), b"disc 1.flac"));
+        assert_eq!(items[2].reference, sheet.resolve(Path::new("/m"), b"b.wav"));
+        assert_eq!(items[0].reference, sheet.resolve(Path::new("/m"), b"disc 1.flac"));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::cue::{self, DISC_FRAMES};
 use super::error::{PlaylistError, name_of};
-use super::text::{Reference, decode, lines, resolve};
+use super::text::{Lines, Reference};
 use crate::limits::LIMITS;
 
 /// A part of a file, in compact disc frames (75 per second).
@@ -79,28 +79,28 @@ impl Kind {
     pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
         let name = || name_of(path);
         let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
-        let lines = lines(bytes).ok_or_else(|| malformed("it is not text"))?;
+        let text = Lines::of(bytes).ok_or_else(|| malformed("it is not text"))?;
         let base = path.parent().unwrap_or(Path::new(""));
         let items = match self {
-            Self::M3u if lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
+            Self::M3u if text.lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
                 return Err(PlaylistError::Stream { name: name() });
             }
-            Self::M3u => m3u(base, &lines),
-            Self::Pls => pls(base, &lines).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
-            Self::Cue => cue::read(base, &lines).ok_or_else(|| malformed("it has no line 'FILE'"))?,
+            Self::M3u => m3u(base, &text),
+            Self::Pls => pls(base, &text).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
+            Self::Cue => cue::read(base, &text).ok_or_else(|| malformed("it has no line 'FILE'"))?,
         };
         if items.is_empty() { Err(PlaylistError::Empty { name: name() }) } else { Ok(items) }
     }
 }
 
-fn m3u(base: &Path, lines: &[Vec<u8>]) -> Vec<Item> {
+fn m3u(base: &Path, text: &Lines) -> Vec<Item> {
     let mut items = Vec::new();
     let mut reported = None;
-    for line in lines {
+    for line in &text.lines {
         if let Some(about) = line.strip_prefix(b"#EXTINF:") {
-            reported = Some(decode(about));
+            reported = Some(text.decode(about));
         } else if !line.starts_with(b"#") {
-            let mut item = Item::whole(resolve(base, line));
+            let mut item = Item::whole(text.resolve(base, line));
             if let Some((seconds, title)) =
                 reported.take().as_deref().and_then(|reported| reported.split_once(','))
             {
@@ -117,22 +117,23 @@ fn m3u(base: &Path, lines: &[Vec<u8>]) -> Vec<Item> {
     items
 }
 
-fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
-    if !lines.iter().any(|line| line.eq_ignore_ascii_case(b"[playlist]")) {
+fn pls(base: &Path, text: &Lines) -> Option<Vec<Item>> {
+    if !text.lines.iter().any(|line| line.eq_ignore_ascii_case(b"[playlist]")) {
         return None;
     }
-    let mut numbered: Vec<(u64, Item)> = lines.iter().filter_map(|line| pls_file(base, line)).collect();
+    let mut numbered: Vec<(u64, Item)> =
+        text.lines.iter().filter_map(|line| pls_file(base, text, line)).collect();
     // The sort is stable, so entries without a usable number stay in order, at the end.
     numbered.sort_by_key(|(number, _)| *number);
     Some(numbered.into_iter().map(|(_, item)| item).collect())
 }
 
-fn pls_file(base: &Path, line: &[u8]) -> Option<(u64, Item)> {
+fn pls_file(base: &Path, text: &Lines, line: &[u8]) -> Option<(u64, Item)> {
     let equals = line.iter().position(|byte| *byte == b'=')?;
     let (key, value) = (line.get(..equals)?.trim_ascii(), line.get(equals + 1..)?.trim_ascii());
     let number = key.get(4..).filter(|_| key[..4].eq_ignore_ascii_case(b"file"))?;
     let number = std::str::from_utf8(number).ok().and_then(|digits| digits.parse().ok());
-    (!value.is_empty()).then(|| (number.unwrap_or(u64::MAX), Item::whole(resolve(base, value))))
+    (!value.is_empty()).then(|| (number.unwrap_or(u64::MAX), Item::whole(text.resolve(base, value))))
 }
 
 #[cfg(test)]

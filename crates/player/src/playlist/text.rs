@@ -1,7 +1,13 @@
 //! Splitting of lists and lyrics into lines in any encoding, and resolution of a list's references.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use encoding_rs::Encoding;
+use percent_encoding::percent_decode;
+use unicode_normalization::UnicodeNormalization;
+
+use crate::encoding::{encoding_of, utf16_encoding_of};
 use crate::limits::LIMITS;
 
 /// The target of a list's entry: an address, or a path as written in the list.
@@ -13,54 +19,74 @@ pub enum Reference {
     Address(String),
 }
 
-/// Returns the trimmed lines as bytes, because names in old lists have any encoding; `None` if `bytes` is not text.
-pub(crate) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
-    let utf16 = |from: fn([u8; 2]) -> u16| {
-        let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
-        let units = units.map(|pair| from([pair[0], pair[1]]));
-        char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect::<String>()
-    };
-    let text = match bytes {
-        [0xff, 0xfe, ..] => utf16(u16::from_le_bytes).into_bytes(),
-        [0xfe, 0xff, ..] => utf16(u16::from_be_bytes).into_bytes(),
-        [0xef, 0xbb, 0xbf, rest @ ..] => rest.to_vec(),
-        _ => bytes.to_vec(),
-    };
-    if text.contains(&0) {
-        return None;
-    }
-    let lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
-    let lines = lines.map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
-    Some(lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect())
+/// Lines of a list or of lyrics, trimmed and not empty. They are bytes, because names in old lists have any encoding.
+pub(crate) struct Lines {
+    pub(crate) lines: Vec<Vec<u8>>,
+    /// The encoding of lines that are not UTF-8.
+    encoding: &'static Encoding,
 }
 
-/// Decodes as UTF-8 if valid, otherwise as Latin-1, in which every byte is a character.
-pub(crate) fn decode(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
-    }
-}
-
-/// Resolves an entry of a list in the folder `base`. On systems whose file names are bytes, the list's bytes are tried
-/// first. If no file has this name, backslashes count as separators.
-pub(super) fn resolve(base: &Path, bytes: &[u8]) -> Reference {
-    let text = decode(bytes);
-    if let Some((scheme, rest)) = text.split_once("://")
-        && scheme.len() > 1
-        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
-    {
-        let local = rest.strip_prefix("localhost").unwrap_or(rest);
-        return match scheme.eq_ignore_ascii_case("file") && local.starts_with('/') {
-            true => Reference::Path(path_of(&unescaped(local))),
-            false => Reference::Address(text),
+impl Lines {
+    /// Splits `bytes` into lines; `None` if they are not text.
+    pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
+        let bytes: Cow<'_, [u8]> = match bytes {
+            [0xef, 0xbb, 0xbf, rest @ ..] => rest.into(),
+            _ if bytes.contains(&0) => {
+                let (text, _, is_malformed) = utf16_encoding_of(bytes).decode(bytes);
+                if is_malformed || text.contains(|c: char| c.is_control() && !c.is_whitespace()) {
+                    return None;
+                }
+                text.into_owned().into_bytes().into()
+            }
+            _ => bytes.into(),
         };
+        let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+        let lines = lines.map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+        let lines = lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect();
+        Some(Self { lines, encoding: encoding_of(&bytes) })
     }
-    let as_bytes = base.join(path_of(bytes));
-    let as_text = base.join(&text);
-    let with_slashes = base.join(text.replace('\\', "/"));
-    let there = [&as_bytes, &as_text, &with_slashes].into_iter().find(|path| path.exists());
-    Reference::Path(there.unwrap_or(&as_text).clone())
+
+    /// Decodes a part of a line.
+    pub(crate) fn decode(&self, bytes: &[u8]) -> String {
+        match std::str::from_utf8(bytes) {
+            Ok(text) => text.to_owned(),
+            Err(_) => self.encoding.decode_without_bom_handling(bytes).0.into_owned(),
+        }
+    }
+
+    /// Resolves an entry of a list in the folder `base`. On systems whose file names are bytes, the list's bytes are
+    /// tried first. If no file has this name, backslashes count as separators, and percent signs as the escapes of
+    /// addresses. Accents are tried in both normal forms of Unicode.
+    pub(super) fn resolve(&self, base: &Path, bytes: &[u8]) -> Reference {
+        let text = self.decode(bytes);
+        let unescaped: Vec<u8> = percent_decode(bytes).collect();
+        if let Some((scheme, rest)) = text.split_once("://")
+            && scheme.len() > 1
+            && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+        {
+            let local = rest.strip_prefix("localhost").unwrap_or(rest);
+            if !scheme.eq_ignore_ascii_case("file") || !local.starts_with('/') {
+                return Reference::Address(text);
+            }
+            let local: Vec<u8> = percent_decode(local.as_bytes()).collect();
+            let path = path_of(&local);
+            let spelt = spellings(base, &self.decode(&local)).find(|path| path.exists());
+            return Reference::Path(if path.exists() { path } else { spelt.unwrap_or(path) });
+        }
+        let other_names = [text.replace('\\', "/"), self.decode(&unescaped)];
+        let mut names = [base.join(path_of(bytes))]
+            .into_iter()
+            .chain(spellings(base, &text))
+            .chain(other_names.iter().flat_map(|name| spellings(base, name)));
+        Reference::Path(names.find(|path| path.exists()).unwrap_or_else(|| base.join(&text)))
+    }
+}
+
+/// The paths that `name` may mean in different normal forms of Unicode.
+fn spellings(base: &Path, name: &str) -> impl Iterator<Item = PathBuf> {
+    [name.to_owned(), name.nfc().collect(), name.nfd().collect()]
+        .map(|name: String| base.join(name))
+        .into_iter()
 }
 
 #[cfg(unix)]
@@ -71,25 +97,10 @@ fn path_of(bytes: &[u8]) -> PathBuf {
 
 #[cfg(not(unix))]
 fn path_of(bytes: &[u8]) -> PathBuf {
-    let text = decode(bytes);
+    let text = crate::encoding::decode(bytes);
     // The path "/C:/music" of an address means "C:/music".
     let drive = text.strip_prefix('/').filter(|rest| rest.get(1..2) == Some(":"));
     PathBuf::from(drive.unwrap_or(&text))
-}
-
-fn unescaped(text: &str) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((first, after)) = rest.split_first() {
-        let escaped = after.get(..2).filter(|_| *first == b'%');
-        let value = escaped
-            .and_then(|digits| std::str::from_utf8(digits).ok())
-            .filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))
-            .and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        bytes.push(value.unwrap_or(*first));
-        rest = if value.is_some() { &after[2..] } else { after };
-    }
-    bytes
 }
 
 #[cfg(test)]
@@ -98,7 +109,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn read(bytes: &[u8]) -> Option<Vec<String>> {
-        Some(lines(bytes)?.iter().map(|line| decode(line)).collect())
+        let text = Lines::of(bytes)?;
+        Some(text.lines.iter().map(|line| text.decode(line)).collect())
+    }
+
+    fn resolve(base: &Path, entry: &[u8]) -> Reference {
+        Lines::of(entry).unwrap().resolve(base, entry)
     }
 
     #[test]
@@ -113,6 +129,10 @@ mod tests {
         assert_eq!(read(b"Gr\xf6\xdfe.mp3\r\n\r\nb"), wanted);
         assert_eq!(read(&utf16([0xff, 0xfe], u16::to_le_bytes)), wanted);
         assert_eq!(read(&utf16([0xfe, 0xff], u16::to_be_bytes)), wanted);
+        assert_eq!(read(&utf16([0xff, 0xfe], u16::to_le_bytes)[2..]), wanted);
+        // In Shift-JIS a second byte may be a backslash. Short names need the other lines of the list.
+        let shift_jis = encoding_rs::SHIFT_JIS.encode("表示.mp3\n音楽/テストの歌.mp3").0;
+        assert_eq!(read(&shift_jis), Some(vec!["表示.mp3".to_owned(), "音楽/テストの歌.mp3".to_owned()]));
         assert_eq!(read(b"RIFF\x24\0\0\0WAVE"), None);
     }
 
@@ -150,12 +170,35 @@ mod tests {
         assert_eq!(found(b"gr\xfcn.mp3"), raw);
     }
 
+    #[test]
+    fn escaped_names_and_other_normal_forms_find_their_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let base = folder.path();
+        let decomposed = "Corazo\u{301}n.wav";
+        for name in ["my song #1.wav", "100%25.wav", decomposed] {
+            std::fs::write(base.join(name), b"x").unwrap();
+        }
+        let found = |entry: &str, name: &str| {
+            let Reference::Path(path) = resolve(base, entry.as_bytes()) else {
+                panic!("{entry} is an address")
+            };
+            assert!(path.exists() && path.ends_with(name), "{entry}: {}", path.display());
+        };
+        found("my%20song%20%231.wav", "my song #1.wav");
+        found("100%25.wav", "100%25.wav");
+        found("Coraz\u{f3}n.wav", decomposed);
+        found("Coraz%C3%B3n.wav", decomposed);
+        found(&format!("file://{}/Coraz%C3%B3n.wav", base.display()), decomposed);
+    }
+
     proptest! {
         #[test]
         fn no_input_panics(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-            for line in lines(&bytes).unwrap_or_default() {
-                prop_assert!(!line.contains(&b'\n') && !line.contains(&0));
-                let _ = resolve(Path::new("/nowhere"), &line);
+            if let Some(text) = Lines::of(&bytes) {
+                for line in &text.lines {
+                    prop_assert!(!line.contains(&b'\n') && !line.contains(&0));
+                    let _ = text.resolve(Path::new("/nowhere"), line);
+                }
             }
         }
     }

@@ -13,7 +13,7 @@ use crate::one_line::one_line;
 use mariana_files::atomic_file::AtomicFile;
 
 /// The first line. The number changes when a new version reads other tags from the same file.
-const FIRST_LINE: &str = "Mariana's tags, version 1";
+const FIRST_LINE: &str = "Mariana's tags, version 2";
 
 #[derive(Debug)]
 pub(super) struct TagCache(PathBuf);

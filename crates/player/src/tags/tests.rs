@@ -97,7 +97,7 @@ fn unchanged_files_are_taken_from_the_cache_and_changed_files_are_read_again() {
     assert_eq!(read_all(), ["cached", "a new title"]);
     // Rubbish costs nothing.
     for rubbish in
-        ["", "\0\0\0", "Mariana's tags, version 1\n[1]\n{\n[\"/x\",1,2,null,null,1e999]\n\u{1F3B5}"]
+        ["", "\0\0\0", "Mariana's tags, version 2\n[1]\n{\n[\"/x\",1,2,null,null,1e999]\n\u{1F3B5}"]
     {
         fs::write(&cache, rubbish).unwrap();
         assert_eq!(read_all(), ["one", "a new title"], "{rubbish:?}");
