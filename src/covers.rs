@@ -72,6 +72,8 @@ fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
     let format = match kind {
         CoverKind::Jpeg => ImageFormat::Jpeg,
         CoverKind::Png => ImageFormat::Png,
+        CoverKind::WebP => ImageFormat::WebP,
+        CoverKind::Bmp => ImageFormat::Bmp,
     };
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     // Look at the size first: decoding a huge image takes seconds even if its memory is limited.

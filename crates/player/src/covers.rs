@@ -10,7 +10,7 @@ use super::song::Song;
 
 /// Names of cover files without their extension, the most likely first. Case does not matter.
 const NAMES: &[&str] = &["cover", "folder", "front", "album", "albumart"];
-const EXTENSIONS: &[&str] = &["jpg", "jpeg", "png"];
+const EXTENSIONS: &[&str] = &["jpg", "jpeg", "png", "webp", "bmp"];
 
 /// Returns the cover of a song, still encoded. The image in the song's file has priority. A cover that cannot be read
 /// counts as missing. This reads files, so it may block.

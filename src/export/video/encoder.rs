@@ -183,7 +183,7 @@ fn command_line(
     if let Some((cover, kind)) = cover.as_ref().filter(|_| is_mp4(path)) {
         let demuxer = match kind {
             CoverKind::Jpeg => Demuxer::JPEG,
-            CoverKind::Png => Demuxer::PNG,
+            _ => Demuxer::PNG,
         };
         line = line.input(Source::File(cover), ReadBy::Demuxer(demuxer), [""; 0]);
     }
@@ -199,7 +199,7 @@ fn command_line(
         Some((cover, kind)) => {
             let (mime, name) = match kind {
                 CoverKind::Jpeg => ("mimetype=image/jpeg", "filename=cover.jpg"),
-                CoverKind::Png => ("mimetype=image/png", "filename=cover.png"),
+                _ => ("mimetype=image/png", "filename=cover.png"),
             };
             line = line.options([OsStr::new("-attach"), &file_address(cover)]);
             line = line.options(["-metadata:s:t:0", mime, "-metadata:s:t:0", name]);
@@ -243,24 +243,32 @@ fn song_file(song: &Song, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, Expor
     }
 }
 
-/// Writes the cover to a temporary file, if the song has a cover and the format supports covers (mp4, Matroska).
+/// Writes the cover to a temporary file, if the song has a cover and the format supports covers (mp4, Matroska). Covers
+/// other than JPEG become PNG.
 fn cover_file(
     decoder: &Decoder,
     output: &Path,
     inputs: &mut Vec<Unfinished>,
 ) -> Option<(PathBuf, CoverKind)> {
     let can = is_mp4(output) || output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mkv"));
-    let Cover { kind, bytes } = decoder.cover().ok()?.filter(|_| can)?;
+    let Cover { kind, mut bytes } = decoder.cover().ok()?.filter(|_| can)?;
     let (ending, format) = match kind {
         CoverKind::Jpeg => (".jpg", ImageFormat::Jpeg),
         CoverKind::Png => (".png", ImageFormat::Png),
+        CoverKind::WebP => (".png", ImageFormat::WebP),
+        CoverKind::Bmp => (".png", ImageFormat::Bmp),
     };
     // Decode the cover here first, because ffmpeg fails on a cover that it cannot decode.
     let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(COVER_SIDE_MAX), Some(COVER_SIDE_MAX));
     reader.limits(limits);
-    reader.decode().ok()?;
+    let image = reader.decode().ok()?;
+    if ending == ".png" && format != ImageFormat::Png {
+        let mut png = Cursor::new(Vec::new());
+        image.write_to(&mut png, ImageFormat::Png).ok()?;
+        bytes = png.into_inner();
+    }
     // A missing cover is no error.
     Some((keep(&bytes, ending, inputs).ok()?, kind))
 }

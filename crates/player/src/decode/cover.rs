@@ -22,6 +22,10 @@ pub enum CoverKind {
     Jpeg,
     /// PNG.
     Png,
+    /// WebP.
+    WebP,
+    /// BMP.
+    Bmp,
 }
 
 impl Cover {
@@ -34,6 +38,8 @@ impl Cover {
         let kind = match &bytes[..] {
             [0xff, 0xd8, 0xff, ..] => CoverKind::Jpeg,
             [0x89, b'P', b'N', b'G', ..] => CoverKind::Png,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => CoverKind::WebP,
+            [b'B', b'M', ..] => CoverKind::Bmp,
             _ => return None,
         };
         (bytes.len() <= LIMITS.cover_bytes_max).then_some(Self { kind, bytes })
