@@ -2,8 +2,9 @@
 //!
 //! Mono goes to both sides at full level, and stereo is unchanged. With more channels, each side is a weighted sum
 //! after the down-mix of ITU-R BS.775-3 (annex 4). The weight is 1 for the side's front channel, 1/sqrt(2) (-3 dB) for
-//! the centre and the side's surrounds, 1/2 for a rear or top centre, and 0 for LFE channels. The weights of both sides
-//! are divided by the larger of the two sums, so that the mix never exceeds full scale.
+//! the centre, the side's surrounds and LFE channels, and 1/2 for a rear or top centre. ITU-R BS.775-3 leaves LFE to the
+//! receiver; here a bass that is only in this channel moves the picture. The weights of both sides are divided by the
+//! larger of the two sums, so that the mix never exceeds full scale.
 //!
 //! If the container gives no positions, the order of WAVE files applies: 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R
 //! C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs. With more than eight unknown channels, even channels
@@ -20,7 +21,7 @@ use mariana_music::StereoFrame;
 const SAMPLE_MAX: f32 = 16.0;
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Downmix {
+pub(crate) struct Downmix {
     weights: Vec<[f32; 2]>,
 }
 
@@ -50,8 +51,21 @@ impl Downmix {
         Self { weights }
     }
 
+    /// The down-mix of an input or output with this number of channels in the order of WAVE files.
+    pub(crate) fn of_speakers(count: u16) -> Self {
+        Self::new(&Channels::Discrete(count))
+    }
+
     pub(super) fn channels(&self) -> usize {
         self.weights.len()
+    }
+
+    /// Mixes the samples of one frame.
+    pub(crate) fn mix_frame(&self, samples: impl Iterator<Item = f32>) -> StereoFrame {
+        samples.zip(&self.weights).fold([0.0; 2], |[left, right], (sample, weight)| {
+            let sample = clean(sample);
+            [left + weight[0] * sample, right + weight[1] * sample]
+        })
     }
 
     /// Mixes the planes (one per channel, of equal length) into `out`. Samples that are not finite become silence.
@@ -89,10 +103,8 @@ fn weight(position: Position) -> [f32; 2] {
         [1.0, 0.0]
     } else if position == Position::FRONT_RIGHT {
         [0.0, 1.0]
-    } else if (Position::FRONT_CENTER | Position::BOTTOM_FRONT_CENTER).contains(position) {
+    } else if CENTRE.contains(position) {
         [SIDE, SIDE]
-    } else if (Position::LFE1 | Position::LFE2).contains(position) {
-        [0.0, 0.0]
     } else if LEFT.contains(position) {
         [SIDE, 0.0]
     } else if RIGHT.contains(position) {
@@ -101,6 +113,9 @@ fn weight(position: Position) -> [f32; 2] {
         [0.5, 0.5]
     }
 }
+
+const CENTRE: Position =
+    Position::FRONT_CENTER.union(Position::BOTTOM_FRONT_CENTER).union(Position::LFE1).union(Position::LFE2);
 
 const LEFT: Position = Position::REAR_LEFT
     .union(Position::FRONT_LEFT_CENTER)
@@ -156,7 +171,7 @@ fn alternating(count: usize) -> Vec<[f32; 2]> {
     (0..count).map(|i| if i % 2 == 0 { [fraction, 0.0] } else { [0.0, fraction] }).collect()
 }
 
-/// Scales the weights. Returns `None` if the mix would be silent, as for a file with only LFE channels.
+/// Scales the weights. Returns `None` if the mix would be silent.
 fn normalised(weights: impl Iterator<Item = [f32; 2]>) -> Option<Vec<[f32; 2]>> {
     let mut weights: Vec<[f32; 2]> = weights.collect();
     let sum = weights.iter().fold([0.0f32; 2], |sum, w| [sum[0] + w[0], sum[1] + w[1]]);
@@ -208,18 +223,18 @@ mod tests {
             | Position::REAR_RIGHT;
         let layout = Channels::Positioned(five_one);
         let front = mixed(&layout, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        assert!(front[0] > 0.4 && front[1] == 0.0);
+        assert!(front[0] > 0.3 && front[1] == 0.0);
         let ratio = |i: usize, side: usize| {
             let mut frame = [0.0; 6];
             frame[i] = 1.0;
             mixed(&layout, &frame)[side] / front[0]
         };
-        // The wanted levels are relative to the front: -3 dB for centre and surrounds, silence for LFE.
-        for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)]
-        {
+        // The wanted levels are relative to the front: -3 dB for centre, LFE and surrounds.
+        let centre = [(2, 0, -3.01), (2, 1, -3.01), (3, 0, -3.01), (3, 1, -3.01)];
+        for (i, side, wanted_db) in [(1, 1, 0.0), (4, 0, -3.01), (5, 1, -3.01)].into_iter().chain(centre) {
             assert!((20.0 * ratio(i, side).log10() - wanted_db).abs() < 0.01, "channel {i}");
         }
-        assert_eq!((ratio(3, 0), ratio(3, 1), ratio(4, 1), ratio(5, 0)), (0.0, 0.0, 0.0, 0.0));
+        assert_eq!((ratio(4, 1), ratio(5, 0)), (0.0, 0.0));
     }
 
     #[test]

@@ -30,6 +30,7 @@ use mariana_music::StereoFrame;
 use containment::contained;
 pub use containment::quiet_contained_panics;
 pub use cover::{Cover, CoverKind};
+pub(crate) use downmix::Downmix;
 pub use error::DecodeError;
 use ffmpeg::{FfmpegDecoder, Programs};
 use input::Input;

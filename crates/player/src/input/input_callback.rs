@@ -9,6 +9,7 @@ use std::time::Duration;
 use cpal::{FromSample, Sample};
 use rtrb::{Consumer, Producer, RingBuffer};
 
+use crate::decode::Downmix;
 use mariana_music::StereoFrame;
 
 const CHUNK: usize = 256;
@@ -45,6 +46,8 @@ pub struct InputCallback {
     ring: Producer<StereoFrame>,
     listener: Thread,
     chunk: [StereoFrame; CHUNK],
+    /// The mix of channels with known positions.
+    downmix: Option<Downmix>,
 }
 
 impl InputCallback {
@@ -53,12 +56,18 @@ impl InputCallback {
         let (producer, ring) = RingBuffer::new(((RING * f64::from(rate)) as usize).max(CHUNK));
         let counters = Arc::new(InputCounters::default());
         let link = InputCallbackLink { rate: rate.max(1), counters: counters.clone(), ring };
-        (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
+        (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK], downmix: None }, link)
+    }
+
+    /// Mixes all of `channels` channels, which are in the order of WAVE files.
+    #[must_use]
+    pub(super) fn mixing(self, channels: u16) -> Self {
+        Self { downmix: Some(Downmix::of_speakers(channels)), ..self }
     }
 
     /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of the buffer's first
-    /// frame, if the device reports it. A single channel goes to both sides. Of more than two channels, the first two
-    /// are used. An incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
+    /// frame, if the device reports it. A single channel goes to both sides. Of more than two channels without known
+    /// positions, the first two are used. An incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
     pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,
@@ -67,10 +76,11 @@ impl InputCallback {
         for block in data.chunks(CHUNK * channels) {
             let mut count = 0;
             for (frame, samples) in self.chunk.iter_mut().zip(block.chunks_exact(channels)) {
-                *frame = match samples {
-                    [mono] => [f32::from_sample(*mono); 2],
-                    [left, right, ..] => [f32::from_sample(*left), f32::from_sample(*right)],
-                    [] => [0.0; 2],
+                *frame = match (samples, &self.downmix) {
+                    (_, Some(downmix)) => downmix.mix_frame(samples.iter().map(|s| f32::from_sample(*s))),
+                    ([mono], None) => [f32::from_sample(*mono); 2],
+                    ([left, right, ..], None) => [f32::from_sample(*left), f32::from_sample(*right)],
+                    ([], None) => [0.0; 2],
                 };
                 count += 1;
             }
@@ -117,6 +127,14 @@ mod tests {
         assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
         assert_eq!(link.counters.calls.load(Ordering::Relaxed), 5);
         assert_eq!(link.counters.age_ns.load(Ordering::Relaxed), 3_000_000);
+    }
+
+    #[test]
+    fn a_bass_that_is_only_in_the_lfe_channel_is_heard() {
+        let (tap, mut link) = tap(48_000);
+        tap.mixing(8).take(&[0.0_f32, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 8, None);
+        let [[left, right]] = heard(&mut link)[..] else { panic!("one frame was sent") };
+        assert!(left > 0.05 && left == right, "{left} {right}");
     }
 
     proptest! {

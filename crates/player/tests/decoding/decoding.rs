@@ -437,7 +437,7 @@ pub(super) fn downmix_levels(
 fn surround_is_mixed_by_the_matrix() {
     let folder = tempfile::tempdir().unwrap();
     let h = 0.5f64.sqrt();
-    let five = [[1.0, 0.0], [0.0, 1.0], [h, h], [0.0, 0.0], [h, 0.0], [0.0, h]];
+    let five = [[1.0, 0.0], [0.0, 1.0], [h, h], [h, h], [h, 0.0], [0.0, h]];
     let seven = [five.as_slice(), &[[h, 0.0], [0.0, h]]].concat();
     let four = [[1.0, 0.0], [0.0, 1.0], [h, h], [0.5, 0.5]];
     let five = five.as_slice();
@@ -454,6 +454,10 @@ fn surround_is_mixed_by_the_matrix() {
         let got = downmix_levels(folder.path(), layout, weights.len(), file, args);
         let sum: f64 = weights.iter().map(|w| w[0]).sum();
         for (c, (got, wanted)) in got.iter().zip(weights).enumerate() {
+            // libvorbis leaves out most of the LFE channel's tone.
+            if c == 3 && file.ends_with(".ogg") {
+                continue;
+            }
             for side in 0..2 {
                 let wanted = wanted[side] / sum;
                 assert!(
