@@ -13,9 +13,10 @@ use std::process::Command;
 use mariana_files::ending::apart_from_terminal;
 
 /// Demuxers for songs: audio, and video with sound. They open only their own input.
-const SONG_DEMUXERS: [&str; 34] = [
+const SONG_DEMUXERS: [&str; 46] = [
     "aac",
     "ac3",
+    "adx",
     "aiff",
     "amr",
     "ape",
@@ -29,25 +30,36 @@ const SONG_DEMUXERS: [&str; 34] = [
     "eac3",
     "flac",
     "flv",
+    "gsm",
     "iff",
     "it",
     "libgme",
     "libmodplug",
     "libopenmpt",
     "matroska",
+    "mlp",
     "mov",
     "mp3",
     "mpc",
     "mpc8",
     "mpeg",
+    "mpegts",
+    "mxf",
+    "nut",
     "ogg",
+    "oma",
     "rm",
+    "shn",
+    "sox",
+    "tak",
+    "truehd",
     "tta",
     "voc",
     "w64",
     "wav",
     "webm",
     "wv",
+    "xwma",
 ];
 
 /// Demuxers for videos without sound, and for pictures that move. They open only their own input.
@@ -242,7 +254,7 @@ mod tests {
         let line = CommandLine::of("ffprobe".as_ref());
         let line = words(line.input(Source::StandardInput, ReadBy::AnySongDemuxer, [""; 0]));
         assert!(line.starts_with("-v error -protocol_whitelist pipe -format_whitelist aac,ac3,"), "{line}");
-        assert!(line.ends_with(",wv -i pipe:0"), "{line}");
+        assert!(line.ends_with(",xwma -i pipe:0"), "{line}");
     }
 
     #[test]

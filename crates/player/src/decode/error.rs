@@ -125,6 +125,13 @@ pub enum DecodeError {
 }
 
 impl DecodeError {
+    /// True if ffmpeg may decode the file.
+    pub(super) fn is_for_ffmpeg(&self) -> bool {
+        let is_misread = matches!(self, Self::Damaged { .. } | Self::CodecFailure { .. });
+        let is_unknown = matches!(self, Self::NotAudio { .. } | Self::NoAudioTrack { .. });
+        is_misread || is_unknown || self.is_unsupported()
+    }
+
     pub(super) fn is_unsupported(&self) -> bool {
         matches!(self, Self::UnsupportedFormat { .. } | Self::UnsupportedCodec { .. })
     }

@@ -1,7 +1,7 @@
 //! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content and picks the first audio
 //! track that can be decoded, or a given track. It yields the track's frames, mixed down to stereo ([`downmix`]), at
-//! the rate of the file. [`native`] decodes common formats. Files whose format or codec is not supported by `native` go
-//! to [`ffmpeg`], if it is installed. Damaged files do not go to `ffmpeg`.
+//! the rate of the file. [`native`] decodes common formats. Files that `native` refuses go to [`ffmpeg`], if it is
+//! installed.
 
 mod clock;
 mod codecs;
@@ -97,11 +97,15 @@ impl Decoder {
         let input = Input::file(path)?;
         let name = input.name();
         let refusal = match NativeDecoder::open(input, None) {
-            Err(refusal) if refusal.is_unsupported() => refusal,
+            Err(refusal) if refusal.is_for_ffmpeg() => refusal,
             opened => return Ok(Self(By::Native(Box::new(opened?)))),
         };
-        let decoder = FfmpegDecoder::open(path, &name, &refusal, &Programs::default())?;
-        Ok(Self(By::Ffmpeg(Box::new(decoder))))
+        match FfmpegDecoder::open(path, &name, &refusal, &Programs::default()) {
+            Ok(decoder) => Ok(Self(By::Ffmpeg(Box::new(decoder)))),
+            // If the format is known, the error of ffmpeg explains more.
+            Err(error) if refusal.is_unsupported() => Err(error),
+            Err(_) => Err(refusal),
+        }
     }
 
     /// Opens one of a file's audio tracks, numbered from 0, and decodes its first packet.

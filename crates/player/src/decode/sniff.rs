@@ -67,8 +67,16 @@ fn marked(head: &[u8], marks: &[(usize, &[u8], &'static str)]) -> Option<&'stati
         .map(|(_, _, name)| *name)
 }
 
+/// True if packets of 188 bytes begin with the byte 0x47. In files of cameras a time stamp of 4 bytes precedes each packet.
+fn is_transport_stream(head: &[u8]) -> bool {
+    [(0, 188), (4, 192)]
+        .iter()
+        .any(|(first, step)| (0..4).all(|packet| head.get(first + packet * step) == Some(&0x47)))
+}
+
 pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
-    if let Some(what) = marked(head, FOREIGN_MEDIA) {
+    let transport_stream = is_transport_stream(head).then_some("an MPEG transport stream");
+    if let Some(what) = transport_stream.or_else(|| marked(head, FOREIGN_MEDIA)) {
         return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
     }
     marked(head, OTHER_FILES).map(|what| DecodeError::NotAudio { name: name.into(), what: what.into() })

@@ -189,6 +189,7 @@ fn aac_and_opus_of_six_channels_and_speex_are_heard() {
         ("six.m4a", &["-ac", "6", "-c:a", "aac"]),
         ("a.spx", &["-ac", "1", "-ar", "32000", "-c:a", "libspeex"]),
         ("dolby.avi", &["-c:a", "ac3"]),
+        ("broadcast.ts", &["-c:a", "aac"]),
     ] {
         let path = folder.path().join(file);
         ffmpeg(&[&["-f", "lavfi", "-i", "sine=f=440:d=1:r=48000"], args].concat(), &path);

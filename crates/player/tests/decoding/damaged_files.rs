@@ -71,7 +71,7 @@ fn each_kind_of_bad_input_has_its_error() {
     assert!(matches!(error(&silent), DecodeError::NoAudioTrack { .. }));
 }
 
-/// Decodes any file and seeks once. Returns the frame count and the error that ended the decoding.
+/// Decodes any file without ffmpeg and seeks once. Returns the frame count and the error that ended the decoding.
 fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);
@@ -79,7 +79,7 @@ fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError
     let begun = Instant::now();
     let mut frames = 0;
     let mut out = Vec::new();
-    let result = Decoder::open(&path).and_then(|mut decoder| {
+    let result = Decoder::open_track(&path, 0).and_then(|mut decoder| {
         for round in 0..2 {
             loop {
                 out.clear();

@@ -1,4 +1,4 @@
-//! Decoding with an installed `ffmpeg`, for formats and codecs that [`native`](super::native) lacks. `ffprobe`
+//! Decoding with an installed `ffmpeg`, for files that [`native`](super::native) refuses. `ffprobe`
 //! describes the file; `ffmpeg` writes 32-bit floats with the file's own rate and channels to a pipe. A seek restarts
 //! `ffmpeg` with `-ss`. The seek is exact to the frame in lossless formats, and to some milliseconds in others.
 //!
