@@ -51,7 +51,7 @@ pub(crate) fn hush_sound_library() {
 /// Returns host `id`, reconnected if its server no longer answers. May block as long as the sound system does.
 pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
-        return Ok(Arc::new(cpal::host_from_id(id)?));
+        return Ok(Arc::new(connected(id)?));
     }
     // The lock is not held during the query, so that a hanging server blocks only the caller.
     let kept = lock().clone();
@@ -69,9 +69,17 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
         return Ok(host.clone());
     }
     *slot = None;
-    let host = Arc::new(cpal::host_from_id(id)?);
+    let host = Arc::new(connected(id)?);
     *slot = Some(host.clone());
     Ok(host)
+}
+
+fn connected(id: cpal::HostId) -> Result<cpal::Host, cpal::Error> {
+    #[cfg(target_os = "linux")]
+    if is_server(id) {
+        super::pulse_cookie::provide();
+    }
+    cpal::host_from_id(id)
 }
 
 /// A connection for one stream. Other streams cannot use it while this value exists.
@@ -103,7 +111,7 @@ pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, Playba
     let (host, at_server) = match alive {
         Some(connected) => connected,
         None => {
-            let (host, at_server) = server_connection::opened_by(|| cpal::host_from_id(id.host()))?;
+            let (host, at_server) = server_connection::opened_by(|| connected(id.host()))?;
             (Arc::new(host), at_server)
         }
     };

@@ -53,6 +53,8 @@ pub mod player;
 pub mod playlist;
 pub mod priority;
 #[cfg(target_os = "linux")]
+mod pulse_cookie;
+#[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
 #[cfg(target_os = "linux")]
