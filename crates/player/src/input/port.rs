@@ -23,7 +23,6 @@ use crate::hosts::hush_sound_library;
 /// ms.
 const BUFFER_FRAMES: u32 = 512;
 
-/// Devices with more channels usually have no positions.
 const MIXED_CHANNELS_MAX: u16 = 8;
 
 pub(super) struct InputPort {
@@ -93,15 +92,17 @@ pub(super) fn open(
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
-    // The channels of servers and of recorded outputs have known positions. Servers would leave out LFE in their mix.
-    let is_mixed = (converted || !device.supports_input()) && supported.channels() <= MIXED_CHANNELS_MAX;
-    let channels = supported.channels();
+    // A server mixes down channels with known positions. Devices with more than 8 channels usually have no positions.
+    let is_known = supported.channels() <= MIXED_CHANNELS_MAX;
+    let channels = if converted && is_known { 2 } else { supported.channels() };
+    // A recorded output has the positions of its speakers.
+    let is_mixed_here = !converted && is_known && !device.supports_input();
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };
     let mut last_error = None;
     for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
         let config = StreamConfig { channels, sample_rate: rate, buffer_size };
         let (tap, link) = InputCallback::new(rate, listener.clone());
-        let tap = if is_mixed { tap.mixing(channels) } else { tap };
+        let tap = if is_mixed_here { tap.mixing(channels) } else { tap };
         let glitches = link.counters.clone();
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.lost.fetch_add(1, Ordering::Relaxed);
