@@ -170,13 +170,13 @@ impl PacketReader {
         let whole = packet.dur.saturating_add(packet.trim_start).saturating_add(packet.trim_end);
         let start = packet.pts.get().max(self.stream.end.unwrap_or(i64::MIN));
         let end = start.saturating_add_unsigned(whole.get());
-        // The demuxer takes the position of the last page for the number of frames.
-        let beyond = self
-            .stream
-            .track
-            .num_frames
-            .map_or(0, |last| u64::try_from(end).unwrap_or(0).saturating_sub(last));
-        packet.trim_end = Duration::new(beyond).min(whole);
+        // The demuxer takes the position of the last page for the number of frames. If the last page is missing, packets
+        // that the demuxer cuts whole are those without a position.
+        packet.trim_end = match self.stream.track.num_frames {
+            Some(last) => Duration::new(u64::try_from(end).unwrap_or(0).saturating_sub(last)).min(whole),
+            None if packet.trim_end < whole => packet.trim_end,
+            None => Duration::ZERO,
+        };
         packet.pts = Timestamp::new(start);
         self.stream.end = Some(end);
     }
