@@ -76,6 +76,14 @@ mod tests {
         assert_eq!(cover_of(&song), None, "any image became the cover");
         fs::write(folder.path().join("Folder.PNG"), PNG).unwrap();
         assert_eq!(cover_of(&song).map(|cover| cover.kind), Some(CoverKind::Png));
+        for (name, bytes, kind) in [
+            ("cover.webp", b"RIFF\0\0\0\0WEBPVP8 ".as_slice(), CoverKind::WebP),
+            ("cover.bmp", b"BM......", CoverKind::Bmp),
+        ] {
+            fs::write(folder.path().join(name), bytes).unwrap();
+            assert_eq!(cover_of(&song).map(|cover| cover.kind), Some(kind), "{name}");
+            fs::remove_file(folder.path().join(name)).unwrap();
+        }
         // A file that is no image is skipped, and so is a folder with the name of a cover.
         fs::write(folder.path().join("cover.png"), b"<html>").unwrap();
         fs::create_dir(folder.path().join("cover.jpeg")).unwrap();
