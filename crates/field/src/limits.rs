@@ -66,6 +66,14 @@ pub const FEEDBACK_DECAY_MAX: f32 = 0.9908;
 /// The brightest light that is fed back.
 pub const LAST_LIGHT_MAX: f32 = 16.0;
 
+/// Maximum nesting of operators, brackets and components in one statement of GLSL. naga parses and lowers them
+/// recursively.
+pub const GLSL_NESTING_MAX: usize = 192;
+/// Maximum number of values of a struct in GLSL.
+pub const GLSL_STRUCT_VALUES_MAX: usize = 1 << 12;
+/// Maximum number of parameters of a macro in GLSL.
+pub const GLSL_MACRO_PARAMETERS_MAX: usize = 64;
+
 /// The limits of the program.
 pub const LIMITS: Limits = Limits {
     include_depth_max: 16,

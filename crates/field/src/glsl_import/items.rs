@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::layout::PARTS_MAX;
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
+use crate::limits::{GLSL_NESTING_MAX, GLSL_STRUCT_VALUES_MAX};
 
 #[derive(Debug, Clone)]
 pub(super) enum Item<'a> {
@@ -69,9 +70,6 @@ const QUALIFIERS: [&str; 20] = [
     "readonly",
 ];
 
-/// Maximum nesting of operators and brackets in one statement. naga parses and lowers them recursively.
-const NESTING_MAX: usize = 192;
-
 pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> {
     check_nesting(tokens)?;
     check_sizes(tokens)?;
@@ -88,26 +86,31 @@ pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> 
     Ok(items)
 }
 
-/// Refuses structs with very many values: naga visits each of them.
+/// Refuses structs with very many values, which naga and the import visit for each use, and structs that are nested
+/// deeply.
 fn check_structs(items: &[Item<'_>]) -> Result<(), Problem> {
-    let mut sizes: HashMap<&str, u64> = HashMap::new();
+    let mut known: HashMap<&str, (usize, usize)> = HashMap::new();
     for item in items {
         let Item::Plain(tokens) = item else { continue };
         let [first, name, rest @ ..] = tokens.as_slice() else { continue };
         if !first.is("struct") {
             continue;
         }
-        let mut size = 1_u64;
+        let (mut size, mut depth) = (1_usize, 1);
         for member in rest.split(|token| token.is(";") || token.is("{")) {
-            let of = member.first().and_then(|of| sizes.get(of.text)).copied().unwrap_or(1);
-            let names = 1 + member.iter().filter(|token| token.is(",")).count() as u64;
-            size = size.saturating_add(of.saturating_mul(names));
+            let of = member.first().and_then(|of| known.get(of.text)).copied().unwrap_or((1, 0));
+            let names = 1 + member.iter().filter(|token| token.is(",")).count();
+            size = size.saturating_add(of.0.saturating_mul(names));
+            depth = depth.max(of.1 + 1);
         }
-        if size > u64::from(PARTS_MAX) {
-            let message = format!("the struct `{}` has more than {PARTS_MAX} values", shortened(name.text));
+        if size > GLSL_STRUCT_VALUES_MAX || depth > GLSL_NESTING_MAX {
+            let message = format!(
+                "the struct `{}` has more than {GLSL_STRUCT_VALUES_MAX} values or {GLSL_NESTING_MAX} levels",
+                shortened(name.text)
+            );
             return Err(Problem::over_limit(name.place(), message).hint("nest fewer structs in it"));
         }
-        sizes.insert(name.text, size);
+        known.insert(name.text, (size, depth));
     }
     Ok(())
 }
@@ -301,7 +304,8 @@ pub(super) fn matching(tokens: &[Token<'_>]) -> usize {
     tokens.len()
 }
 
-/// Index of the first token outside brackets for which `stops` holds.
+/// Index of the first token outside brackets for which `stops` holds. The bracket around the tokens ends the search, so
+/// that a search for each statement does not read the rest of the file.
 pub(super) fn closing(tokens: &[Token<'_>], stops: impl Fn(&Token<'_>) -> bool) -> Option<usize> {
     let mut open = 0_usize;
     for (at, token) in tokens.iter().enumerate() {
@@ -310,7 +314,7 @@ pub(super) fn closing(tokens: &[Token<'_>], stops: impl Fn(&Token<'_>) -> bool) 
         }
         match token.text {
             "(" | "[" | "{" => open += 1,
-            ")" | "]" | "}" => open = open.saturating_sub(1),
+            ")" | "]" | "}" => open = open.checked_sub(1)?,
             _ => {}
         }
     }
@@ -341,16 +345,43 @@ fn check_sizes(tokens: &[Token<'_>]) -> Result<(), Problem> {
     Ok(())
 }
 
+/// A bracket of [`check_nesting`], and the depth of the syntax tree of what is in it.
+#[derive(Default)]
+struct Level<'t, 'a> {
+    bracket: Option<&'t Token<'a>>,
+    /// Operators and branches since the last `,` or `;`.
+    operators: usize,
+    /// Depth of the current operand: `a.b[c]` is deeper than `a` and deeper than `c`.
+    operand: usize,
+    /// Depth of the deepest operand since the last `,` or `;`.
+    deepest: usize,
+    /// Depth of everything before the last `,` or `;`.
+    before: usize,
+}
+
+impl Level<'_, '_> {
+    fn depth(&self) -> usize {
+        self.before.max(self.operators + self.deepest)
+    }
+
+    /// Ends an expression, and returns the number of its operators.
+    fn end(&mut self) -> usize {
+        self.before = self.depth();
+        (self.operand, self.deepest) = (0, 0);
+        std::mem::take(&mut self.operators)
+    }
+}
+
 /// Refuses statements that are nested so deeply that a recursive parser might use up its stack, and brackets that do
 /// not match.
 fn check_nesting(tokens: &[Token<'_>]) -> Result<(), Problem> {
-    // For each open bracket: its token, and the operators and branches since the last `,` or `;` in it.
-    let mut open: Vec<(&Token<'_>, usize)> = Vec::new();
-    let (mut outside, mut total) = (0_usize, 0_usize);
+    let (mut open, mut level, mut total) = (Vec::new(), Level::default(), 0_usize);
     for (at, token) in tokens.iter().enumerate() {
+        let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
         match token.text {
             "(" | "[" | "{" => {
-                open.push((token, 0));
+                open.push(std::mem::take(&mut level));
+                level.bracket = Some(token);
                 total += 1;
             }
             ")" | "]" | "}" => {
@@ -359,42 +390,41 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<(), Problem> {
                     "]" => "[",
                     _ => "{",
                 };
-                match open.pop() {
-                    Some((bracket, inside)) if bracket.is(opens) => total -= 1 + inside,
-                    other => {
-                        let message = format!("this `{}` closes nothing", token.text);
-                        let place = other.map_or(token.place(), |_| token.place());
-                        return Err(Problem::malformed(place, message)
-                            .hint("check that every bracket is opened and closed"));
-                    }
-                }
-                let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
-                if token.is("}") && !goes_on {
-                    total -= std::mem::take(open.last_mut().map_or(&mut outside, |last| &mut last.1));
-                }
-            }
-            "," | ";" => {
-                let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
-                if !goes_on {
-                    total -= std::mem::take(open.last_mut().map_or(&mut outside, |last| &mut last.1));
+                let outer = open.pop().filter(|_| level.bracket.is_some_and(|bracket| bracket.is(opens)));
+                let Some(outer) = outer else {
+                    let message = format!("this `{}` closes nothing", token.text);
+                    return Err(Problem::malformed(token.place(), message)
+                        .hint("check that every bracket is opened and closed"));
+                };
+                let inner = std::mem::replace(&mut level, outer);
+                total -= 1 + inner.operators;
+                if !token.is("}") {
+                    level.operand = level.operand.max(inner.depth()) + 1;
+                } else if !goes_on {
+                    total -= level.end();
                 }
             }
+            "," | ";" if goes_on => {}
+            "," | ";" => total -= level.end(),
+            "." => level.operand += 1,
             text => {
-                let nests = (token.kind == Kind::Sign && text != ".")
+                let nests = token.kind == Kind::Sign
                     || matches!(text, "if" | "else" | "for" | "while" | "do" | "switch");
                 if nests {
-                    *open.last_mut().map_or(&mut outside, |last| &mut last.1) += 1;
+                    level.operators += 1;
+                    level.operand = 0;
                     total += 1;
                 }
             }
         }
-        if total > NESTING_MAX {
-            let message = format!("this statement nests more than {NESTING_MAX} operators and brackets");
+        level.deepest = level.deepest.max(level.operand);
+        if total + level.deepest > GLSL_NESTING_MAX {
+            let message = format!("this statement nests more than {GLSL_NESTING_MAX} operators and brackets");
             return Err(Problem::over_limit(token.place(), message).hint("split it into several statements"));
         }
     }
-    match open.last() {
-        Some((bracket, _)) => {
+    match level.bracket {
+        Some(bracket) => {
             Err(Problem::malformed(bracket.place(), format!("this `{}` is never closed", bracket.text))
                 .hint("check that every bracket is opened and closed"))
         }

@@ -240,6 +240,7 @@ impl GlslFile {
     /// Returns the uniforms that have neither a value in the file nor a meaning in a scene: name and number of
     /// components.
     pub fn open_uniforms(&self) -> Vec<(&str, usize)> {
+        let with_values = super::rewrite::with_values(&self.module);
         let uniforms = self.module.global_variables.iter().filter_map(|(_, global)| {
             let name = global.name.as_deref()?;
             let len = match type_of(&self.module, global.ty)? {
@@ -248,7 +249,7 @@ impl GlslFile {
             };
             let is_open = self.outside.get(name) == Some(&Origin::Uniform)
                 && super::outside::is_unknown(name)
-                && !super::rewrite::has_value(&self.module, name);
+                && !with_values.contains(name);
             is_open.then_some((name, len))
         });
         uniforms.collect()

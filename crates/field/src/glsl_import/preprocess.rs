@@ -8,6 +8,7 @@ use std::rc::Rc;
 
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
+use crate::limits::GLSL_MACRO_PARAMETERS_MAX;
 
 #[derive(Debug, Clone)]
 struct Macro<'a> {
@@ -184,7 +185,11 @@ impl<'a> Preprocessor<'a> {
                     .hint("close them on the same line"));
             };
             let names = rest.get(1..close).unwrap_or_default().iter();
-            let names = names.filter(|token| !token.is(",")).map(|token| token.text).collect();
+            let names: Vec<&str> = names.filter(|token| !token.is(",")).map(|token| token.text).collect();
+            if names.len() > GLSL_MACRO_PARAMETERS_MAX {
+                let message = format!("this macro has more than {GLSL_MACRO_PARAMETERS_MAX} parameters");
+                return Err(Problem::over_limit(name.place(), message).hint("make it a function"));
+            }
             (Some(names), rest.get(close + 1..).unwrap_or_default())
         } else {
             (None, rest)

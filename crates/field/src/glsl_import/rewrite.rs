@@ -1,6 +1,6 @@
 //! Writes items as GLSL 4.50 in the form that naga takes, and maps each word to its position in the user's text.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
 use super::items::{Global, Item, Origin, brackets_length, closing, matching};
@@ -376,8 +376,8 @@ fn in_shape<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
             && token.is_word()
             && tokens.get(at - 2).is_some_and(|of| of.is_word() && !of.is("return") && !of.is("else"));
         let rest = tokens.get(at..).unwrap_or_default();
-        let length = brackets_length(rest);
-        if declares && length > 0 {
+        let length = if declares { brackets_length(rest) } else { 0 };
+        if length > 0 {
             let value = rest.get(length..).filter(|after| after.first().is_some_and(|token| token.is("=")));
             out.extend(sizes(rest.get(..length).unwrap_or_default(), value.unwrap_or_default()));
             at += length;
@@ -470,20 +470,19 @@ fn renamed(name: &str, called: bool) -> &str {
     }
 }
 
-/// True if the text gives the global a value.
-pub(super) fn has_value(module: &naga::Module, name: &str) -> bool {
+/// Names of the globals to which the text gives a value.
+pub(super) fn with_values(module: &naga::Module) -> HashSet<&str> {
     let starts = module
         .functions
         .iter()
         .filter(|(_, function)| function.name.as_deref().is_some_and(|name| name.starts_with(START)));
-    starts.into_iter().any(|(_, function)| {
-        function.body.iter().any(|statement| {
-            let naga::Statement::Store { pointer, .. } = statement else { return false };
-            let Ok(naga::Expression::GlobalVariable(global)) = function.expressions.try_get(*pointer) else {
-                return false;
-            };
-            let global = module.global_variables.try_get(*global);
-            global.is_ok_and(|global| global.name.as_deref() == Some(name))
-        })
-    })
+    let stores = starts.flat_map(|(_, function)| function.body.iter().map(move |store| (function, store)));
+    let names = stores.filter_map(|(function, statement)| {
+        let naga::Statement::Store { pointer, .. } = statement else { return None };
+        let Ok(naga::Expression::GlobalVariable(global)) = function.expressions.try_get(*pointer) else {
+            return None;
+        };
+        module.global_variables.try_get(*global).ok()?.name.as_deref()
+    });
+    names.collect()
 }

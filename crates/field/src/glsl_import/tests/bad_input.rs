@@ -108,6 +108,28 @@ fn deep_texts_reach_a_limit_before_the_stack_does() {
 }
 
 #[test]
+fn forty_kilobytes_of_components_used_up_the_stack() {
+    let body = |body: &str| format!("float f(vec3 p) {{ {body} }}");
+    let chain = |link: &str, count: usize| body(&format!("mat4 m; return p{};", link.repeat(count)));
+    refused(&chain(".xyz", 10_000), ProblemKind::OverLimit);
+    refused(&chain("[0]", 60_000), ProblemKind::OverLimit);
+    refused(&chain("[0].x", 20_000), ProblemKind::OverLimit);
+    // Each level has few links, but all levels together are deep.
+    let levels = "p[int(".repeat(50) + "0.0" + &(String::from(")]") + &".x".repeat(90)).repeat(50);
+    refused(&body(&format!("return {levels};")), ProblemKind::OverLimit);
+    let inner: String = (1..2_000).map(|at| format!("struct S{at} {{ S{} a; }};\n", at - 1)).collect();
+    refused(&(String::from("struct S0 { float a; };\n") + &inner), ProblemKind::OverLimit);
+    assert_eq!(first_problem(&body("mat4 m; return p.xyz.zyx.x + m[0][1];")), None);
+}
+
+#[test]
+fn brackets_without_semicolons_were_searched_to_the_end_of_the_file_for_each() {
+    refused(&format!("float f(vec3 p) {{ {} }}", "{a b}".repeat(90_000)), ProblemKind::Malformed);
+    let names: Vec<String> = (0..90_000).map(|at| format!("a{at}")).collect();
+    refused(&format!("#define F({}) 1\n", names.join(",")), ProblemKind::OverLimit);
+}
+
+#[test]
 fn large_files_with_a_mistake_in_each_function_end_soon() {
     let text: String = (0..12_000)
         .map(|index| format!("float f{index}(vec3 p) {{ return p.x + lost{index}; }}\n"))
