@@ -39,6 +39,10 @@ pub struct Limits {
     pub undo_entries_max: usize,
     /// Maximum size of lyrics, in bytes.
     pub lyrics_bytes_max: u64,
+    /// Maximum number of lines of lyrics. A line that is sung several times counts each time; later lines are ignored.
+    pub lyrics_lines_max: usize,
+    /// Maximum number of bytes of one line of lyrics. The rest of a longer line is not shown.
+    pub lyrics_line_bytes_max: usize,
     /// Maximum number of files of a folder that are examined for stems.
     pub stem_files_max: usize,
     /// Maximum time, in seconds, that ffmpeg may take to deliver the next data of a file.
@@ -75,6 +79,8 @@ pub const LIMITS: Limits = Limits {
     undo_steps_max: 50,
     undo_entries_max: 100_000,
     lyrics_bytes_max: 1 << 20,
+    lyrics_lines_max: 20_000,
+    lyrics_line_bytes_max: 1_000,
     stem_files_max: 10_000,
     ffmpeg_wait_seconds: 10.0,
     video_size_max: (1_920, 1_080),

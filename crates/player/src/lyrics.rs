@@ -126,7 +126,8 @@ impl Lyrics {
             let first = sung.len();
             while let Some((inside, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
                 match (seconds(inside), inside.split_once(':')) {
-                    (Some(start), _) => sung.push((start, "")),
+                    (Some(start), _) if sung.len() < LIMITS.lyrics_lines_max => sung.push((start, "")),
+                    (Some(_), _) => {}
                     (None, Some((name, value))) if name.trim().eq_ignore_ascii_case("offset") => {
                         earlier = value.trim().parse().map_or(earlier, |ms: f64| ms / 1000.0);
                     }
@@ -134,7 +135,10 @@ impl Lyrics {
                 }
                 rest = after.trim_start();
             }
-            sung.iter_mut().skip(first).for_each(|(_, words)| *words = rest);
+            // Many times before one line must not multiply its words.
+            let most = LIMITS.lyrics_line_bytes_max;
+            let words = rest.get(..rest.floor_char_boundary(most)).unwrap_or_default();
+            sung.iter_mut().skip(first).for_each(|(_, sung)| *sung = words);
         }
         let earlier = if earlier.is_finite() { earlier } else { 0.0 };
         sung.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -281,6 +285,15 @@ mod tests {
         assert_eq!(heard(&lyrics, 3723.5), Some("late"));
         assert_eq!(heard(&lyrics, 3590.0), Some("earlier"));
         assert_eq!(heard(&lyrics, 14.5), Some("hundredths"));
+    }
+
+    #[test]
+    fn many_times_before_one_line_multiplied_its_words_to_gigabytes() {
+        let lyrics = Lyrics::parse(&("[00:01]".repeat(70_000) + &"wörd ".repeat(80_000)));
+        assert!(lyrics.lines.len() == LIMITS.lyrics_lines_max && lyrics.lines[0].words.len() < 1_001);
+        // Each `<` looked for its `>` in the rest of the file.
+        let lyrics = Lyrics::parse(&(String::from("[00:01]") + &"<".repeat(1 << 20)));
+        assert!(lyrics.line(0).is_some_and(|line| line.words.starts_with("<<<")));
     }
 
     #[test]
