@@ -98,7 +98,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-music",
             "mariana-render",
             "notify",
-            "roxmltree",
+            "quick-xml",
             "skrifa",
             "tempfile",
             "thiserror",

@@ -13,12 +13,14 @@ pub struct TinyFont<'a> {
     /// Side of the first letter's square in units of 1/1000 em. The square of each further letter is 200 units
     /// smaller.
     pub side: i16,
+    /// Number of copies of the next letter of which each letter but the last one is composed; 0 for squares alone.
+    pub parts: u16,
 }
 
 impl<'a> TinyFont<'a> {
     /// A font with an English name.
     pub fn new(name: &'a str, letters: &'a str) -> Self {
-        Self { name, language: 0x409, letters, side: 800 }
+        Self { name, language: 0x409, letters, side: 800, parts: 0 }
     }
 
     /// Returns a TrueType file, according to <https://learn.microsoft.com/typography/opentype/spec/>.
@@ -31,7 +33,12 @@ impl<'a> TinyFont<'a> {
         let mut places = Vec::new();
         for place in 0..count as i16 {
             places.extend((outlines.len() as u32).to_be_bytes());
-            outlines.extend(square(if place == 0 { 300 } else { self.side - 200 * (place - 1) }));
+            let is_composed = self.parts > 0 && (1..count as i16 - 1).contains(&place);
+            outlines.extend(match place {
+                place if is_composed => composed(place.cast_unsigned() + 1, self.parts),
+                0 => square(300),
+                place => square(self.side.wrapping_sub(place.wrapping_sub(1).wrapping_mul(200))),
+            });
         }
         places.extend((outlines.len() as u32).to_be_bytes());
         let widths: Vec<u8> = (0..count).flat_map(|_| words(&[1_000, 0])).collect();
@@ -73,6 +80,17 @@ fn square(side: i16) -> Vec<u8> {
     bytes.extend([1; 4]);
     bytes.extend(words(&[0, side, 0, back]));
     bytes.extend(words(&[0, 0, side, 0]));
+    bytes
+}
+
+/// Returns a glyph that consists of copies of another one.
+fn composed(of: u16, parts: u16) -> Vec<u8> {
+    let mut bytes = words(&[0xFFFF, 0, 0, 900, 900]);
+    for part in 0..parts {
+        // Two bytes are the place; another part follows.
+        let flags = if part + 1 < parts { 0x22 } else { 0x02 };
+        bytes.extend(words(&[flags, of, 0]));
+    }
     bytes
 }
 

@@ -174,14 +174,15 @@ impl Envelope {
 
 #[cfg(test)]
 mod tests {
-    use super::super::outline::Filling;
+    use super::super::outline::{Filling, Steps};
     use super::*;
     use kurbo::{Affine, BezPath, Circle, Rect, Shape};
     use proptest::prelude::*;
 
     fn distances(path: &BezPath, (columns, rows): (usize, usize), per_unit: f32) -> ShapeGrid {
         let pixels = Affine::scale(FINER as f64) * path;
-        let coverage = Coverage::of(&pixels, Filling::Turning, FINER * columns, FINER * rows);
+        let size = (FINER * columns, FINER * rows);
+        let coverage = Coverage::of(&pixels, Filling::Turning, size, &mut Steps(1 << 20)).unwrap();
         grid(&coverage, (columns, rows), per_unit).unwrap()
     }
 

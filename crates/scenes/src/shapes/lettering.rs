@@ -16,14 +16,15 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
+use super::glyphs::{is_affordable, outlines};
+use crate::limits::LIMITS;
+
 /// The program's own fonts. The first one draws texts without a font.
 const OWN: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
 /// The height of capital letters in font sizes, if a font does not tell it.
 const CAPITALS: f32 = 0.7;
 /// Largest distance of a letter's outline from its origin, in heights of capital letters.
 const REACH_MAX: f64 = 12.0;
-/// Maximum number of elements of a text's outline.
-const ELEMENTS_MAX: usize = 1 << 18;
 /// Distance between lines, in heights of capital letters.
 pub(super) const LINE: f64 = 1.7;
 
@@ -49,7 +50,7 @@ impl Font {
 
     fn face(&self) -> Option<FontRef<'_>> {
         let face = FontRef::from_index(&self.data, self.index).ok()?;
-        (face.outline_glyphs().iter().next().is_some()).then_some(face)
+        outlines(&face).is_some().then_some(face)
     }
 
     fn has(&self, letter: char) -> bool {
@@ -145,10 +146,11 @@ impl Line {
         buffer.guess_segment_properties();
         let data = ShaperData::new(&face);
         let shaped = data.shaper(&face).build().shape(buffer, ShapeOptions::default());
-        let outlines = face.outline_glyphs();
+        let Some(outlines) = outlines(&face) else { return };
         for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
             let mut pen = Pen(BezPath::new());
-            let glyph = outlines.get(GlyphId::new(info.glyph_id));
+            let glyph = Some(GlyphId::new(info.glyph_id)).filter(|glyph| is_affordable(&face, *glyph));
+            let glyph = glyph.and_then(|glyph| outlines.get(glyph));
             let drawn = glyph.is_some_and(|glyph| {
                 glyph.draw(DrawSettings::unhinted(unscaled, LocationRef::default()), &mut pen).is_ok()
             });
@@ -156,7 +158,7 @@ impl Line {
             let reach = |rect: Rect| {
                 [rect.x0, rect.y0, rect.x1, rect.y1].into_iter().all(|end| (end * scale).abs() <= REACH_MAX)
             };
-            let room = self.path.elements().len() + pen.0.elements().len() <= ELEMENTS_MAX;
+            let room = self.path.elements().len() + pen.0.elements().len() <= LIMITS.text_parts_max;
             if drawn && room && (pen.0.is_empty() || reach(pen.0.control_box())) {
                 self.path.extend(Affine::translate(at) * (Affine::scale(scale) * pen.0));
             }

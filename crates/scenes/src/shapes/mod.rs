@@ -10,9 +10,11 @@
 //! cached by their sources' content, so that an edit elsewhere in a scene is quick.
 
 mod distance;
+mod glyphs;
 mod lettering;
 mod outline;
 mod svg;
+mod xml;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -30,7 +32,7 @@ use super::folder::Refusal;
 use crate::limits::LIMITS;
 use distance::FINER;
 use lettering::{Font, Fonts, LINE};
-use outline::{Coverage, Filling};
+use outline::{Coverage, Filling, Steps, TooMuchWork};
 use svg::Drawing;
 
 /// Points of a text's grid per height of a capital letter.
@@ -303,21 +305,30 @@ fn text_grid(text: &str, font: &Arc<Font>) -> Result<ShapeGrid, Refused> {
     let bounds = moved.transform_rect_bbox(bounds);
     let half = (bounds.x0.abs().max(bounds.x1.abs()), bounds.y0.abs().max(bounds.y1.abs()));
     let room = (SHAPE_COLUMNS - 1 - 2 * RIM) as f64;
-    let per_unit = TEXT_POINTS.min(room / (2.0 * half.0.max(half.1)));
+    // A font with towers for letters gets no more points than a picture.
+    let per_unit = TEXT_POINTS.min(room / (2.0 * half.0)).min(IMAGE_POINTS / (2.0 * half.1));
     let points = |half: f64| (2.0 * half * per_unit).ceil() as usize + 2 * RIM;
     let size = (points(half.0), points(half.1));
-    let coverage = covered(&(moved * line.path), per_unit, size);
+    let coverage = covered(&(moved * line.path), per_unit, size).map_err(|TooMuchWork| Refused {
+        message: "the letters of this text have too many edges".to_owned(),
+        hint: "use a plainer font, or fewer letters".to_owned(),
+        over_limit: true,
+    })?;
     distance::grid(&coverage, size, per_unit as f32).ok_or_else(|| {
         Refused::new("this text cannot be drawn".to_owned(), "use another font or a shorter text")
     })
 }
 
 /// Returns the coverage of a path whose origin is the middle of a grid and whose y points up.
-fn covered(path: &kurbo::BezPath, per_unit: f64, (columns, rows): (usize, usize)) -> Coverage {
+fn covered(
+    path: &kurbo::BezPath,
+    per_unit: f64,
+    (columns, rows): (usize, usize),
+) -> Result<Coverage, TooMuchWork> {
     let (width, height) = (FINER * columns, FINER * rows);
     let middle = Affine::translate((0.5 * width as f64, 0.5 * height as f64));
     let pixels = middle * Affine::scale(per_unit * FINER as f64) * path;
-    Coverage::of(&pixels, Filling::Turning, width, height)
+    Coverage::of(&pixels, Filling::Turning, (width, height), &mut Steps(LIMITS.layers_max * width * height))
 }
 
 /// Bakes a text of the song, broken into lines that fit. Letters that no font has are left out.
@@ -342,7 +353,7 @@ fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
         let half = (bounds.x0.abs().max(bounds.x1.abs()), bounds.y0.abs().max(bounds.y1.abs()));
         let scale = (0.5 * room / half.0).min(0.5 * tall / half.1).min(1.0);
         let scale = if scale.is_finite() { scale } else { 1.0 };
-        let coverage = covered(&(Affine::scale(scale) * path), SONG_POINTS, SONG_GRID);
+        let coverage = covered(&(Affine::scale(scale) * path), SONG_POINTS, SONG_GRID).ok()?;
         distance::grid(&coverage, SONG_GRID, SONG_POINTS as f32)
     };
     // A damaged font can make its reader panic; its text is then empty.

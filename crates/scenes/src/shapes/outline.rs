@@ -1,12 +1,30 @@
 //! Outlines of letters and drawings, and the fraction of each pixel that they cover.
 //!
 //! A pixel's coverage is exact for straight edges: the signed area to the right of each edge is added up along each row.
-//! Curves become straight edges first ([`FLATNESS`]).
+//! Curves become straight edges first ([`FLATNESS`]). All steps are counted, so that no outline takes long.
 
-use kurbo::{Affine, BezPath, PathEl};
+use kurbo::{Affine, BezPath, CubicBez, ParamCurve, PathEl, Point, QuadBez};
 
 /// Largest distance of a curve from its straight edges, in pixels.
 const FLATNESS: f64 = 0.05;
+
+/// How often a curve is halved at most: a curve of a million times the picture's width is then shorter than a pixel.
+const HALVINGS_MAX: usize = 32;
+
+/// An outline needs more steps than allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TooMuchWork;
+
+/// Steps that are left: pixels that are computed, and pixels through which edges go.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps(pub usize);
+
+impl Steps {
+    pub(super) fn spend(&mut self, steps: usize) -> Result<(), TooMuchWork> {
+        self.0 = self.0.checked_sub(steps).ok_or(TooMuchWork)?;
+        Ok(())
+    }
+}
 
 /// Which regions of an outline are inside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,25 +49,37 @@ impl Coverage {
     }
 
     /// Covers the inside of a path in pixels. Returns the coverage of the path alone.
-    pub(super) fn of(path: &BezPath, filling: Filling, width: usize, height: usize) -> Self {
-        let mut edges = Edges::new(width, height);
-        let (mut at, mut start) = ((0.0, 0.0), (0.0, 0.0));
-        kurbo::flatten(path.iter(), FLATNESS, |element| match element {
-            PathEl::MoveTo(to) => {
-                edges.add(at, start);
-                (at, start) = ((to.x, to.y), (to.x, to.y));
+    ///
+    /// # Errors
+    /// Fails if no steps are left.
+    pub(super) fn of(
+        path: &BezPath,
+        filling: Filling,
+        (width, height): (usize, usize),
+        steps: &mut Steps,
+    ) -> Result<Self, TooMuchWork> {
+        steps.spend(width * height)?;
+        let mut edges = Edges::new(width, height, steps);
+        let (mut at, mut start) = (Point::ORIGIN, Point::ORIGIN);
+        for element in path {
+            let to = match element {
+                PathEl::MoveTo(_) | PathEl::ClosePath => start,
+                PathEl::LineTo(to) | PathEl::QuadTo(_, to) | PathEl::CurveTo(_, _, to) => to,
+            };
+            match element {
+                PathEl::QuadTo(control, _) => edges.add_curve(QuadBez::new(at, control, to).raise(), 0)?,
+                PathEl::CurveTo(first, second, _) => {
+                    edges.add_curve(CubicBez::new(at, first, second, to), 0)?;
+                }
+                _ => edges.add(at, to)?,
             }
-            PathEl::LineTo(to) => {
-                edges.add(at, (to.x, to.y));
-                at = (to.x, to.y);
+            at = to;
+            if let PathEl::MoveTo(to) = element {
+                (at, start) = (to, to);
             }
-            _ => {
-                edges.add(at, start);
-                at = start;
-            }
-        });
-        edges.add(at, start);
-        edges.coverage(filling)
+        }
+        edges.add(at, start)?;
+        Ok(edges.coverage(filling))
     }
 
     /// Mixes `shade` into the pixels under the inside of a path.
@@ -75,49 +105,82 @@ pub(super) struct Part {
 
 impl Part {
     /// Returns the part of a picture of this size that a path covers; `None` if it covers nothing.
-    pub(super) fn of(path: &BezPath, filling: Filling, (width, height): (usize, usize)) -> Option<Self> {
+    ///
+    /// # Errors
+    /// Fails if no steps are left.
+    pub(super) fn of(
+        path: &BezPath,
+        filling: Filling,
+        (width, height): (usize, usize),
+        steps: &mut Steps,
+    ) -> Result<Option<Self>, TooMuchWork> {
         let bounds = path.control_box();
         let side = |low: f64, high: f64, count: usize| {
             let (first, end) = (low.floor().max(0.0), high.ceil().min(count as f64));
             (bounds.is_finite() && first < end).then_some((first as usize, end as usize))
         };
-        let (left, right) = side(bounds.x0, bounds.x1, width)?;
-        let (top, bottom) = side(bounds.y0, bounds.y1, height)?;
+        let (columns, rows) = (side(bounds.x0, bounds.x1, width), side(bounds.y0, bounds.y1, height));
+        let (Some((left, right)), Some((top, bottom))) = (columns, rows) else { return Ok(None) };
         let moved = Affine::translate((-(left as f64), -(top as f64))) * path;
-        Some(Self { left, top, coverage: Coverage::of(&moved, filling, right - left, bottom - top) })
-    }
-
-    pub(super) fn pixels(&self) -> usize {
-        self.coverage.values.len()
+        let coverage = Coverage::of(&moved, filling, (right - left, bottom - top), steps)?;
+        Ok(Some(Self { left, top, coverage }))
     }
 }
 
 /// For each pixel, by how much the winding number's integral changes from the previous pixel. Rows have two more
 /// pixels, for edges to the right of the picture.
-struct Edges {
+struct Edges<'s> {
     width: usize,
     height: usize,
     changes: Vec<f32>,
+    steps: &'s mut Steps,
 }
 
-impl Edges {
-    fn new(width: usize, height: usize) -> Self {
-        Self { width, height, changes: vec![0.0; (width + 2) * height] }
+impl<'s> Edges<'s> {
+    fn new(width: usize, height: usize, steps: &'s mut Steps) -> Self {
+        Self { width, height, changes: vec![0.0; (width + 2) * height], steps }
     }
 
-    fn add(&mut self, from: (f64, f64), to: (f64, f64)) {
-        let ((x0, y0), (x1, y1), sign) = if from.1 <= to.1 { (from, to, 1.0) } else { (to, from, -1.0) };
-        let finite = [x0, y0, x1, y1].iter().all(|end| end.is_finite());
-        let (top, bottom) = (y0.max(0.0), y1.min(self.height as f64));
-        if !finite || top >= bottom {
-            return;
+    /// Adds the straight edges of a curve. A piece that is beyond one side of the picture is one edge: only its ends
+    /// matter to the pixels.
+    fn add_curve(&mut self, curve: CubicBez, halvings: usize) -> Result<(), TooMuchWork> {
+        self.steps.spend(1)?;
+        let CubicBez { p0, p1, p2, p3 } = curve;
+        let beyond = |low: f64, high: f64, size: usize| high <= 0.0 || low >= size as f64;
+        let least = |a: f64, b: f64, c: f64, d: f64| (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let (left, right) = least(p0.x, p1.x, p2.x, p3.x);
+        let (top, bottom) = least(p0.y, p1.y, p2.y, p3.y);
+        // A curve differs from its chord by at most an eighth of its largest second derivative.
+        let bend = (p0.to_vec2() - 2.0 * p1.to_vec2() + p2.to_vec2()).hypot();
+        let bend = bend.max((p1.to_vec2() - 2.0 * p2.to_vec2() + p3.to_vec2()).hypot());
+        let is_edge = beyond(left, right, self.width)
+            || beyond(top, bottom, self.height)
+            || 0.75 * bend <= FLATNESS
+            || halvings >= HALVINGS_MAX;
+        if is_edge {
+            return self.add(p0, p3);
         }
+        let (first, second) = curve.subdivide();
+        self.add_curve(first, halvings + 1)?;
+        self.add_curve(second, halvings + 1)
+    }
+
+    fn add(&mut self, from: Point, to: Point) -> Result<(), TooMuchWork> {
+        let (upper, lower, sign) = if from.y <= to.y { (from, to, 1.0) } else { (to, from, -1.0) };
+        let ((x0, y0), (x1, y1)) = ((upper.x, upper.y), (lower.x, lower.y));
+        let (top, bottom) = (y0.max(0.0), y1.min(self.height as f64));
+        if !(from.is_finite() && to.is_finite()) || top >= bottom {
+            return Ok(());
+        }
+        let column = |x: f64| x.clamp(0.0, self.width as f64);
+        self.steps.spend((bottom - top + (column(x1) - column(x0)).abs()) as usize + 1)?;
         let slope = (x1 - x0) / (y1 - y0);
         let x_at = |y: f64| (x0 + (y - y0) * slope).clamp(x0.min(x1), x0.max(x1));
         for row in top as usize..(bottom.ceil() as usize).min(self.height) {
             let (upper, lower) = (top.max(row as f64), bottom.min((row + 1) as f64));
             self.add_in_row(row, (x_at(upper), x_at(lower)), sign * (lower - upper));
         }
+        Ok(())
     }
 
     /// Adds an edge within a row, which falls by `fall` pixels between its ends.
@@ -184,8 +247,12 @@ mod tests {
         BezPath::from_svg(text).unwrap()
     }
 
+    fn covered(path: &BezPath, filling: Filling, size: (usize, usize)) -> Coverage {
+        Coverage::of(path, filling, size, &mut Steps(1_000)).unwrap()
+    }
+
     fn area(text: &str, filling: Filling) -> f32 {
-        Coverage::of(&path(text), filling, 10, 8).values.iter().sum()
+        covered(&path(text), filling, (10, 8)).values.iter().sum()
     }
 
     #[test]
@@ -211,10 +278,11 @@ mod tests {
 
     #[test]
     fn a_pixel_holds_the_fraction_that_is_covered() {
-        let half = Coverage::of(&path("M0 0 L2 0 L0 2 Z"), Filling::Turning, 2, 2);
+        let half = covered(&path("M0 0 L2 0 L0 2 Z"), Filling::Turning, (2, 2));
         assert_eq!(half.values, [1.0, 0.5, 0.5, 0.0]);
         let mut picture = Coverage::none(4, 3);
-        let part = Part::of(&path("M2 1 L4 1 L2 3 Z"), Filling::Turning, (4, 3)).unwrap();
+        let part = Part::of(&path("M2 1 L4 1 L2 3 Z"), Filling::Turning, (4, 3), &mut Steps(99));
+        let part = part.unwrap().unwrap();
         assert_eq!((part.left, part.top, &part.coverage), (2, 1, &half));
         picture.paint(&part, 1.0);
         picture.paint(&part, 1.0);
@@ -223,6 +291,6 @@ mod tests {
         assert_eq!(picture.values[4..], [0.0, 0.0, 0.0, 0.375, 0.0, 0.0, 0.375, 0.0]);
         let mut wild = path("M1 1 H9 V7 Z");
         wild.line_to((f64::NAN, 1e300));
-        assert!(Coverage::of(&wild, Filling::Odd, 9, 9).values.iter().all(|value| value.is_finite()));
+        assert!(covered(&wild, Filling::Odd, (9, 9)).values.iter().all(|value| value.is_finite()));
     }
 }

@@ -4,25 +4,16 @@
 //! attributes, `style`, and style sheets with simple selectors. Gradients count as opaque. Text, pictures, masks and
 //! filters are left out.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
-use kurbo::{Affine, BezPath, Cap, Ellipse, Join, Point, Rect, RoundedRect, Shape, Stroke, StrokeOpts};
-use roxmltree::{Document, Node, ParsingOptions};
+use kurbo::{
+    Affine, BezPath, Cap, Ellipse, Join, PathSeg, Point, Rect, RoundedRect, Shape, Stroke, StrokeOpts,
+};
 
-use super::outline::{Coverage, Filling, Part};
+use super::outline::{Coverage, Filling, Part, Steps, TooMuchWork};
+use super::xml::{Element, Tree, too_deep};
+use crate::limits::LIMITS;
 
-/// Maximum number of elements of an SVG's text.
-const NODES_MAX: u32 = 100_000;
-/// Maximum number of elements that are visited, after uses of symbols are expanded.
-const VISITED_MAX: usize = 50_000;
-/// Maximum number of painted shapes, after uses of symbols are expanded.
-const PAINTED_MAX: usize = 10_000;
-/// Maximum nesting of groups and uses.
-const DEPTH_MAX: usize = 64;
-/// Maximum number of elements of all paths together.
-const ELEMENTS_MAX: usize = 1 << 19;
-/// How often shapes may cover the whole drawing.
-const LAYERS_MAX: usize = 64;
 /// Largest deviation of a stroke's outline, relative to the size of the drawing.
 const STROKE_PRECISION: f64 = 1e-4;
 
@@ -57,30 +48,13 @@ impl Drawing {
     pub(super) fn of(bytes: &[u8]) -> Result<Self, Refused> {
         let text = std::str::from_utf8(bytes)
             .map_err(|error| (format!("byte {} is not UTF-8", error.valid_up_to()), false))?;
-        let options = ParsingOptions { allow_dtd: true, nodes_limit: NODES_MAX };
-        let document =
-            Document::parse_with_options(text.trim_start_matches('\u{feff}'), options).map_err(|error| {
-                match error {
-                    roxmltree::Error::NodesLimitReached => {
-                        (format!("it has more than {NODES_MAX} elements"), true)
-                    }
-                    error => (error.to_string(), false),
-                }
-            })?;
-        let root = document.root_element();
-        if root.tag_name().name() != "svg" {
-            return Err((format!("its first element is `{}`, not `svg`", root.tag_name().name()), false));
-        }
-        let mut reader = Reader {
-            ids: document.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect(),
-            rules: rules(&document),
-            shapes: Vec::new(),
-            elements: 0,
-            visited: 0,
-            scale: 1.0,
-            has_text: false,
+        let tree = Tree::of(text.trim_start_matches('\u{feff}'))?;
+        let Some(root) = tree.elements.first().filter(|root| root.name == "svg") else {
+            let first = tree.elements.first().map_or("", |root| root.name.as_str());
+            return Err((format!("its first element is `{first}`, not `svg`"), false));
         };
-        let view = root.attribute("viewBox").map(numbers).and_then(|numbers| match numbers[..] {
+        let view = root.attribute("viewBox").map(|text| numbers(text).collect::<Vec<_>>());
+        let view = view.and_then(|numbers| match numbers[..] {
             [x, y, width, height] => Some(Rect::new(x, y, x + width, y + height)),
             _ => None,
         });
@@ -89,12 +63,26 @@ impl Drawing {
             [Some(width), Some(height)] => Some(Rect::new(0.0, 0.0, width, height)),
             _ => None,
         });
-        reader.scale = view.map_or(100.0, |view| view.width().max(view.height()));
+        let is_usable = |view: &Rect| view.width() > 0.0 && view.height() > 0.0;
+        let view = view.filter(is_usable);
+        let mut reader = Reader {
+            tree: &tree,
+            ids: tree
+                .elements
+                .iter()
+                .filter_map(|element| Some((element.attribute("id")?, element)))
+                .collect(),
+            rules: Rules::of(&tree),
+            shapes: Vec::new(),
+            parts_left: LIMITS.drawing_shapes_max.1,
+            visits_left: LIMITS.drawing_visits_max,
+            scale: view.map_or(100.0, |view| view.width().max(view.height())),
+            has_text: false,
+        };
         reader.children(root, &Style::default(), Affine::IDENTITY, 0)?;
         let Reader { shapes, has_text, .. } = reader;
         let around = || shapes.iter().map(|one| one.path.bounding_box()).reduce(|a, b| a.union(b));
-        let view = view.filter(|view| view.is_finite() && view.width() > 0.0 && view.height() > 0.0);
-        let view = view.or_else(around).filter(|view| view.width() > 0.0 && view.height() > 0.0);
+        let view = view.or_else(around).filter(is_usable);
         match view {
             Some(view) if !shapes.is_empty() => Ok(Self { shapes, view }),
             _ if has_text => Err(("it paints only texts: convert them to paths".to_owned(), false)),
@@ -110,14 +98,15 @@ impl Drawing {
     pub(super) fn coverage(&self, place: Affine, width: usize, height: usize) -> Result<Coverage, Refused> {
         let mut opacity = Coverage::none(width, height);
         let mut brightness = Coverage::none(width, height);
-        let mut left = LAYERS_MAX * width * height;
+        let layers = LIMITS.layers_max;
+        let mut steps = Steps(layers * width * height);
         for shape in &self.shapes {
             let path = place * shape.path.clone();
-            let Some(part) = Part::of(&path, shape.filling, (width, height)) else { continue };
-            let Some(rest) = left.checked_sub(part.pixels()) else {
-                return Err((format!("its shapes cover it more than {LAYERS_MAX} times"), true));
-            };
-            left = rest;
+            let part = Part::of(&path, shape.filling, (width, height), &mut steps);
+            let part = part.map_err(|TooMuchWork| {
+                (format!("its shapes and their edges cover it more than {layers} times"), true)
+            })?;
+            let Some(part) = part else { continue };
             opacity.paint(&part, 1.0);
             brightness.paint(&part, shape.brightness);
         }
@@ -131,11 +120,14 @@ impl Drawing {
 }
 
 struct Reader<'d> {
-    ids: HashMap<&'d str, Node<'d, 'd>>,
-    rules: Vec<(String, Vec<(String, String)>)>,
+    tree: &'d Tree,
+    ids: HashMap<&'d str, &'d Element>,
+    rules: Rules<'d>,
     shapes: Vec<Painted>,
-    elements: usize,
-    visited: usize,
+    /// Parts of paths that may still be painted.
+    parts_left: usize,
+    /// Elements that may still be visited, and bytes of their properties.
+    visits_left: (usize, usize),
     scale: f64,
     has_text: bool,
 }
@@ -162,65 +154,58 @@ impl Default for Style {
 impl<'d> Reader<'d> {
     fn children(
         &mut self,
-        of: Node<'d, 'd>,
+        of: &'d Element,
         style: &Style,
         place: Affine,
         depth: usize,
     ) -> Result<(), Refused> {
-        if depth > DEPTH_MAX {
-            return Err((format!("its groups and uses are nested more than {DEPTH_MAX} deep"), true));
-        }
-        of.children().filter(Node::is_element).try_for_each(|node| self.node(node, style, place, depth))
+        let tree = self.tree;
+        let mut children = of.children.iter().filter_map(|child| tree.elements.get(*child));
+        children.try_for_each(|child| self.element(child, style, place, depth))
     }
 
-    fn node(
+    fn element(
         &mut self,
-        node: Node<'d, 'd>,
+        element: &'d Element,
         style: &Style,
         place: Affine,
         depth: usize,
     ) -> Result<(), Refused> {
-        self.visited += 1;
-        if self.visited > VISITED_MAX {
-            return Err((format!("its uses repeat more than {VISITED_MAX} elements"), true));
+        if depth > LIMITS.drawing_nesting_max {
+            return Err(too_deep());
         }
         let mut style = style.clone();
         let mut hidden = false;
-        let mut own = place * node.attribute("transform").map_or(Affine::IDENTITY, transformation);
-        for (name, value) in self.properties(node) {
-            match (name.as_str(), value.trim()) {
+        let transform = element.attribute("transform");
+        let mut own = place * transform.map_or(Affine::IDENTITY, transformation);
+        for (name, value) in self.properties(element)? {
+            match (name, value.trim()) {
                 ("display", "none") | ("visibility", "hidden" | "collapse") => hidden = true,
-                ("transform", value) if node.attribute("transform").is_none() => {
-                    own *= transformation(value);
-                }
+                ("transform", value) if transform.is_none() => own *= transformation(value),
                 (name, value) => style.set(name, value),
             }
         }
         if hidden {
             return Ok(());
         }
-        match node.tag_name().name() {
-            "g" | "a" | "svg" | "switch" => self.children(node, &style, own, depth + 1),
+        match element.name.as_str() {
+            "g" | "a" | "svg" | "switch" => self.children(element, &style, own, depth + 1),
             "use" => {
-                let at = ["x", "y"].map(|name| node.attribute(name).and_then(length).unwrap_or(0.0));
-                let link = node.attributes().find(|attribute| attribute.name() == "href");
-                let target =
-                    link.and_then(|link| self.ids.get(link.value().trim_start_matches('#')).copied());
+                let at = ["x", "y"].map(|name| element.attribute(name).and_then(length).unwrap_or(0.0));
+                let link = element.attribute("href");
+                let target = link.and_then(|link| self.ids.get(link.trim_start_matches('#')).copied());
                 let Some(target) = target else { return Ok(()) };
                 let own = own * Affine::translate((at[0], at[1]));
-                if target.tag_name().name() == "symbol" {
+                if target.name == "symbol" {
                     return self.children(target, &style, own, depth + 1);
                 }
-                if depth > DEPTH_MAX {
-                    return Err((format!("its groups and uses are nested more than {DEPTH_MAX} deep"), true));
-                }
-                self.node(target, &style, own, depth + 1)
+                self.element(target, &style, own, depth + 1)
             }
             "text" => {
                 self.has_text = true;
                 Ok(())
             }
-            _ => match path_of(node) {
+            _ => match path_of(element)? {
                 Some(path) => self.paint(&path, &style, own),
                 None => Ok(()),
             },
@@ -229,52 +214,81 @@ impl<'d> Reader<'d> {
 
     fn paint(&mut self, path: &BezPath, style: &Style, place: Affine) -> Result<(), Refused> {
         let [all, fill, stroke] = style.opacity;
-        let mut parts = Vec::new();
         if let Some(brightness) = style.fill.filter(|_| all * fill >= 0.5) {
+            self.count(path.elements().len())?;
             let filling = if style.odd { Filling::Odd } else { Filling::Turning };
-            parts.push(Painted { path: place * path.clone(), filling, brightness });
+            self.add(Painted { path: place * path, filling, brightness })?;
         }
-        let is_stroked = style.width > 0.0 && style.width.is_finite() && all * stroke >= 0.5;
+        let is_stroked = style.width > 0.0 && all * stroke >= 0.5;
         if let Some(brightness) = style.stroke.filter(|_| is_stroked) {
-            let stroke = Stroke::new(style.width).with_caps(style.cap).with_join(style.join);
             let precision = STROKE_PRECISION * self.scale;
+            self.count(stroke_parts(path, style.width, precision, self.parts_left))?;
+            let stroke = Stroke::new(style.width).with_caps(style.cap).with_join(style.join);
             let outline = kurbo::stroke(path.iter(), &stroke, &StrokeOpts::default(), precision);
-            parts.push(Painted { path: place * outline, filling: Filling::Turning, brightness });
-        }
-        for part in parts {
-            self.elements += part.path.elements().len();
-            if self.shapes.len() >= PAINTED_MAX || self.elements > ELEMENTS_MAX {
-                let most =
-                    format!("it paints more than {PAINTED_MAX} shapes or {ELEMENTS_MAX} parts of paths");
-                return Err((most, true));
-            }
-            if part.path.is_finite() {
-                self.shapes.push(part);
-            }
+            self.add(Painted { path: place * outline, filling: Filling::Turning, brightness })?;
         }
         Ok(())
     }
 
+    /// Counts a shape and the parts of its path, before the path is made.
+    fn count(&mut self, parts: usize) -> Result<(), Refused> {
+        let (shapes_max, parts_max) = LIMITS.drawing_shapes_max;
+        let left = self.parts_left.checked_sub(parts).filter(|_| self.shapes.len() < shapes_max);
+        let most =
+            || (format!("it paints more than {shapes_max} shapes or {parts_max} parts of paths"), true);
+        self.parts_left = left.ok_or_else(most)?;
+        Ok(())
+    }
+
+    fn add(&mut self, shape: Painted) -> Result<(), Refused> {
+        let bounds = shape.path.control_box();
+        let most = LIMITS.drawing_reach_max;
+        if !bounds.is_finite()
+            || [bounds.x0, bounds.y0, bounds.x1, bounds.y1].iter().any(|end| end.abs() > most)
+        {
+            return Err((format!("a shape reaches farther than {most:e} units"), true));
+        }
+        self.shapes.push(shape);
+        Ok(())
+    }
+
     /// Attributes, rules of style sheets, and the attribute `style`: later ones win.
-    fn properties(&self, node: Node<'d, 'd>) -> Vec<(String, String)> {
-        let mut found: Vec<(String, String)> = node
-            .attributes()
-            .map(|attribute| (attribute.name().to_owned(), attribute.value().to_owned()))
-            .collect();
-        let classes: Vec<&str> = node.attribute("class").unwrap_or_default().split_whitespace().collect();
-        for (selector, properties) in &self.rules {
-            let fits = match selector.split_at_checked(1) {
-                Some((".", class)) => classes.contains(&class),
-                Some(("#", id)) => node.attribute("id") == Some(id),
-                _ => selector == "*" || selector == node.tag_name().name(),
-            };
-            if fits {
-                found.extend(properties.iter().cloned());
+    fn properties(&mut self, element: &'d Element) -> Result<Vec<(&'d str, &'d str)>, Refused> {
+        let (elements_max, bytes_max) = LIMITS.drawing_visits_max;
+        let rules = self.rules.for_element(element);
+        let own = element.attributes.iter().map(|(name, value)| name.len() + value.len());
+        let bytes = own.chain(rules.iter().map(|rule| rule.0)).sum();
+        let left = self.visits_left.0.checked_sub(1).zip(self.visits_left.1.checked_sub(bytes));
+        self.visits_left = left.ok_or_else(|| {
+            let most =
+                format!("its uses and styles repeat more than {elements_max} elements or {bytes_max} bytes");
+            (most, true)
+        })?;
+        let own = element.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+        let of_rules = rules.iter().flat_map(|rule| rule.1.iter().copied());
+        let of_style = element.attribute("style").into_iter().flat_map(declarations);
+        Ok(own.chain(of_rules).chain(of_style).collect())
+    }
+}
+
+/// Returns about how many parts the outline of a stroke has, and stops soon after `most`. kurbo divides a curve into as
+/// many as 512 parts, so each curve is tried.
+fn stroke_parts(path: &BezPath, width: f64, precision: f64, most: usize) -> usize {
+    let (mut parts, mut side) = (0, BezPath::new());
+    for segment in path.segments() {
+        // The two sides, and a join or caps.
+        parts += 4;
+        if !matches!(segment, PathSeg::Line(_)) {
+            for distance in [-0.5 * width, 0.5 * width] {
+                kurbo::offset::offset_cubic(segment.to_cubic(), distance, precision, &mut side);
+                parts += side.elements().len();
             }
         }
-        found.extend(node.attribute("style").into_iter().flat_map(declarations));
-        found
+        if parts > most {
+            break;
+        }
     }
+    parts
 }
 
 impl Style {
@@ -337,21 +351,27 @@ fn paint(value: &str, inherited: Option<f32>) -> Option<f32> {
         return Some(luminance(color));
     }
     if let Some(inner) = lower.strip_prefix("rgb").and_then(|rest| rest.split_once('('))
-        && let [r, g, b, ..] = numbers(inner.1.trim_end_matches(')'))[..]
+        && let [r, g, b, ..] = numbers(inner.1.trim_end_matches(')')).collect::<Vec<_>>()[..]
     {
         return Some(luminance([r as f32, g as f32, b as f32]).clamp(0.0, 1.0));
     }
     Some(0.5)
 }
 
-fn path_of(node: Node<'_, '_>) -> Option<BezPath> {
-    let number = |name: &str| node.attribute(name).and_then(length);
+/// The path of an element; `None` if the element is no shape.
+fn path_of(element: &Element) -> Result<Option<BezPath>, Refused> {
+    let number = |name: &str| element.attribute(name).and_then(length);
     let of = |name: &str| number(name).unwrap_or(0.0);
     const PRECISION: f64 = 1e-3;
-    Some(match node.tag_name().name() {
+    Ok(Some(match element.name.as_str() {
         "path" => {
-            // A path with a mistake is drawn up to the mistake.
-            let text = node.attribute("d")?;
+            let text = element.attribute("d").unwrap_or_default();
+            let most = LIMITS.drawing_number_max;
+            // kurbo divides arcs of huge radii without end.
+            if numbers(text).any(|number| number.abs() >= most) {
+                return Err((format!("a path has a number of {most:e} or more"), true));
+            }
+            // A path with a mistake is left out.
             BezPath::from_svg(text).unwrap_or_default()
         }
         "rect" => {
@@ -376,45 +396,48 @@ fn path_of(node: Node<'_, '_>) -> Option<BezPath> {
         }
         kind @ ("polyline" | "polygon") => {
             let mut path = BezPath::new();
-            for (number, at) in numbers(node.attribute("points")?).as_chunks::<2>().0.iter().enumerate() {
+            let points: Vec<f64> = numbers(element.attribute("points").unwrap_or_default()).collect();
+            for at in points.as_chunks::<2>().0 {
                 let at = (at[0], at[1]);
-                if number == 0 { path.move_to(at) } else { path.line_to(at) }
+                if path.is_empty() { path.move_to(at) } else { path.line_to(at) }
             }
             if kind == "polygon" && !path.is_empty() {
                 path.close_path();
             }
             path
         }
-        _ => return None,
-    })
+        _ => return Ok(None),
+    }))
 }
 
-/// Returns the numbers in a text, whatever is between them.
-fn numbers(text: &str) -> Vec<f64> {
-    let mut found = Vec::new();
+/// Returns the numbers in a text, whatever is between them, clamped to [`crate::limits::Limits::drawing_number_max`].
+fn numbers(text: &str) -> impl Iterator<Item = f64> {
     let mut rest = text;
-    while let Some(start) = rest.find(|letter: char| letter.is_ascii_digit() || "+-.".contains(letter)) {
-        rest = rest.get(start..).unwrap_or_default();
-        let mut seen = (false, false);
-        let end = rest.char_indices().find(|(at, letter)| {
-            let before = rest.get(..*at).and_then(|text| text.chars().last());
-            let is_sign_of_exponent = "+-".contains(*letter) && matches!(before, Some('e' | 'E'));
-            let continues = match letter {
-                '0'..='9' => true,
-                '.' => !std::mem::replace(&mut seen.0, true) && !seen.1,
-                'e' | 'E' => !std::mem::replace(&mut seen.1, true) && *at > 0,
-                '+' | '-' => *at == 0 || is_sign_of_exponent,
-                _ => false,
-            };
-            !continues
-        });
-        let (number, after) = rest.split_at(end.map_or(rest.len(), |(at, _)| at.max(1)));
-        found.extend(
-            number.trim_end_matches(['e', 'E']).parse::<f64>().ok().filter(|number| number.is_finite()),
-        );
-        rest = after;
-    }
-    found
+    std::iter::from_fn(move || {
+        loop {
+            let start = rest.find(|letter: char| letter.is_ascii_digit() || "+-.".contains(letter))?;
+            rest = rest.get(start..).unwrap_or_default();
+            let mut seen = (false, false);
+            let end = rest.char_indices().find(|(at, letter)| {
+                let before = rest.get(..*at).and_then(|text| text.chars().last());
+                let is_sign_of_exponent = "+-".contains(*letter) && matches!(before, Some('e' | 'E'));
+                let continues = match letter {
+                    '0'..='9' => true,
+                    '.' => !std::mem::replace(&mut seen.0, true) && !seen.1,
+                    'e' | 'E' => !std::mem::replace(&mut seen.1, true) && *at > 0,
+                    '+' | '-' => *at == 0 || is_sign_of_exponent,
+                    _ => false,
+                };
+                !continues
+            });
+            let (number, after) = rest.split_at(end.map_or(rest.len(), |(at, _)| at.max(1)));
+            rest = after;
+            let most = LIMITS.drawing_number_max;
+            if let Ok(number) = number.trim_end_matches(['e', 'E']).parse::<f64>() {
+                return Some(number.clamp(-most, most));
+            }
+        }
+    })
 }
 
 /// A length in pixels. Percentages have no value.
@@ -430,7 +453,7 @@ fn length(text: &str) -> Option<f64> {
         Some("pc") => 16.0,
         _ => 1.0,
     };
-    numbers(text).first().map(|number| number * unit)
+    numbers(text).next().map(|number| number * unit)
 }
 
 fn transformation(text: &str) -> Affine {
@@ -439,7 +462,7 @@ fn transformation(text: &str) -> Affine {
         let Some((name, arguments)) = part.split_once('(') else { continue };
         whole *= match (
             name.trim_matches(|letter: char| !letter.is_ascii_alphabetic()),
-            &numbers(arguments)[..],
+            &numbers(arguments).collect::<Vec<_>>()[..],
         ) {
             ("matrix", [a, b, c, d, e, f]) => Affine::new([*a, *b, *c, *d, *e, *f]),
             ("translate", [x]) => Affine::translate((*x, 0.0)),
@@ -456,23 +479,48 @@ fn transformation(text: &str) -> Affine {
     whole
 }
 
-fn declarations(text: &str) -> Vec<(String, String)> {
+fn declarations(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let pairs = text.split(';').filter_map(|pair| pair.split_once(':'));
-    pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned())).collect()
+    pairs.map(|(name, value)| (name.trim(), value.trim()))
 }
 
-/// The rules of style sheets, one for each selector.
-fn rules(document: &Document<'_>) -> Vec<(String, Vec<(String, String)>)> {
-    let mut rules = Vec::new();
-    for sheet in document.descendants().filter(|node| node.tag_name().name() == "style") {
-        let text: String = sheet.descendants().filter(Node::is_text).filter_map(|node| node.text()).collect();
-        for rule in text.split('}') {
+/// The size of a rule's text, and its properties.
+type Rule<'d> = (usize, Vec<(&'d str, &'d str)>);
+
+/// The rules of style sheets.
+struct Rules<'d> {
+    rules: Vec<Rule<'d>>,
+    /// For each selector, its rules.
+    by_selector: HashMap<&'d str, Vec<usize>>,
+}
+
+impl<'d> Rules<'d> {
+    fn of(tree: &'d Tree) -> Self {
+        let mut of = Self { rules: Vec::new(), by_selector: HashMap::new() };
+        for rule in tree.elements.iter().flat_map(|sheet| sheet.text.split('}')) {
             let Some((selectors, body)) = rule.split_once('{') else { continue };
-            let properties = declarations(body);
             for selector in selectors.split(',') {
-                rules.push((selector.trim().to_owned(), properties.clone()));
+                let rules = of.by_selector.entry(selector.trim()).or_default();
+                if rules.last() != Some(&of.rules.len()) {
+                    rules.push(of.rules.len());
+                }
             }
+            of.rules.push((rule.len(), declarations(body).collect()));
         }
+        of
     }
-    rules
+
+    /// The rules for an element, in the order of the text.
+    fn for_element(&self, element: &Element) -> Vec<&Rule<'d>> {
+        if self.rules.is_empty() {
+            return Vec::new();
+        }
+        let classes = element.attribute("class").unwrap_or_default().split_whitespace();
+        let names = classes.map(|class| format!(".{class}"));
+        let names = names.chain(element.attribute("id").map(|id| format!("#{id}")));
+        let names: BTreeSet<String> = names.chain(["*".to_owned(), element.name.clone()]).collect();
+        let found = names.iter().filter_map(|name| self.by_selector.get(name.as_str())).flatten();
+        let found: BTreeSet<usize> = found.copied().collect();
+        found.into_iter().filter_map(|rule| self.rules.get(rule)).collect()
+    }
 }

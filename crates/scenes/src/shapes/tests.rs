@@ -232,6 +232,48 @@ fn refusals_say_what_where_and_what_to_do() {
 }
 
 #[test]
+fn a_drawing_of_115_bytes_asked_for_terabytes() {
+    let many = |one: &str, count: usize| one.repeat(count);
+    let stroked = |path: &str| format!("<path d='{path}' fill='none' stroke='red'/>");
+    let spread = |links: &str| format!("<g id='a'>{links}</g>");
+    let refused = [
+        stroked("M0 0 S 1e30 1e30 0 0"),
+        stroked("M0 0 A 1e300 1e300 0 0 1 9 9"),
+        stroked("M0 0 L 1e999 0"),
+        format!("<path d='M0 0 {}'/>", many("L0 99 99 0 ", 40_000)),
+        "<g transform='matrix(1e308 1e308 1e308 1e308 1e308 1e308)'><circle r='1e300'/></g>".to_owned(),
+        many("<g>", 16_000) + &many("</g>", 16_000),
+        format!("<rect class='{}'/>", many("x", 1 << 22)),
+        format!("<path id='a' d='{}'/>{}", many("z", 1 << 16), many("<use href='#a'/>", 1_000)),
+        format!("<style>{}</style>{}", many("*{fill:red}", 9_000), many("<path/>", 9_000)),
+        spread(&many("<use href='#a'/>", 9)),
+    ];
+    let drawn = [
+        stroked("M0 0 C 50 50 50 50 100 0' stroke-width='1e30"),
+        "<circle r='1e18'/>".to_owned(),
+        "<rect width='9' height='9' rx='1e-300'/>".to_owned(),
+        stroked("M0 0 C 1e8 9 1e-8 9 1 1' stroke-linejoin='round' stroke-linecap='round"),
+    ];
+    let drawing = |body: &str, view: &str| {
+        let text = format!("<svg viewBox='0 0 {view}'>{body}</svg>");
+        Drawing::of(text.as_bytes())?.coverage(Affine::scale(4.0), 400, 400).map(|_| ())
+    };
+    for body in refused {
+        let found = drawing(&body, "100 100");
+        assert!(matches!(&found, Err((_, true))), "{}: {found:?}", &body[..body.len().min(70)]);
+    }
+    for body in drawn {
+        for view in ["100 100", "1e-300 1e-300", "1e300 1e300", "1e-9 1e9"] {
+            let found = drawing(&body, view);
+            assert!(found.is_ok(), "{body} {view}: {:?}", found.err());
+        }
+    }
+    let entities = many("&a;", 1 << 17);
+    let text = format!("<!DOCTYPE svg [<!ENTITY a '{}'>]><svg class='{entities}'/>", many("b", 1 << 17));
+    assert!(matches!(Drawing::of(text.as_bytes()), Err((_, true))));
+}
+
+#[test]
 fn damaged_fonts_and_drawings_never_panic() {
     let whole = TinyFont::new("Whole", "ab").bytes();
     let svg = "<svg viewBox='0 0 9 9'><g transform='rotate(20 3 4) scale(2)'><path d='M1 1 C2 3 4 5 6 1 A3 3 0 0 1 2 2 Z' \
