@@ -125,17 +125,20 @@ pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>, 
     Ok(tokens)
 }
 
+/// Length of the number at the start. A second point ends it: naga reads `0.5.x.x` as a number and components, whose
+/// nesting is limited.
 fn number_length(bytes: &[u8]) -> usize {
-    let hexadecimal = matches!(bytes, [b'0', b'x' | b'X', ..]);
-    let mut length = 0;
-    while let Some(byte) = bytes.get(length) {
-        let after_exponent = !hexadecimal && length > 0 && matches!(bytes.get(length - 1), Some(b'e' | b'E'));
-        let belongs =
-            byte.is_ascii_alphanumeric() || *byte == b'.' || (matches!(byte, b'+' | b'-') && after_exponent);
-        if !belongs {
-            break;
-        }
+    let count = |from: usize, belongs: fn(&u8) -> bool| {
+        bytes.iter().skip(from).take_while(|byte| belongs(byte)).count()
+    };
+    let mut length = count(0, u8::is_ascii_digit);
+    if bytes.get(length) == Some(&b'.') {
         length += 1;
+        length += count(length, u8::is_ascii_digit);
     }
-    length
+    if let Some(b'e' | b'E') = bytes.get(length) {
+        let sign = usize::from(matches!(bytes.get(length + 1), Some(b'+' | b'-')));
+        length += 1 + sign;
+    }
+    length + count(length, u8::is_ascii_alphanumeric)
 }

@@ -114,6 +114,7 @@ fn forty_kilobytes_of_components_used_up_the_stack() {
     refused(&chain(".xyz", 10_000), ProblemKind::OverLimit);
     refused(&chain("[0]", 60_000), ProblemKind::OverLimit);
     refused(&chain("[0].x", 20_000), ProblemKind::OverLimit);
+    refused(&body(&format!("return 0.{};", ".x".repeat(10_000))), ProblemKind::OverLimit);
     // Each level has few links, but all levels together are deep.
     let levels = "p[int(".repeat(50) + "0.0" + &(String::from(")]") + &".x".repeat(90)).repeat(50);
     refused(&body(&format!("return {levels};")), ProblemKind::OverLimit);
