@@ -69,5 +69,5 @@ macro_rules! targets {
 
 targets! {
     syntax SYNTAX scene SCENE glsl GLSL regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
-    phones PHONES shows SHOWS
+    phones PHONES shows SHOWS drawings DRAWINGS fonts FONTS lyrics LYRICS
 }

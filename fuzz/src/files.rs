@@ -31,7 +31,7 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
 });
 
 /// Writes a file with these bytes. Tests run in parallel, so each kind of input has its own folder.
-fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
+pub(super) fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
     let folder = FOLDER.path().join(folder);
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);
@@ -40,7 +40,7 @@ fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// Replaces libFuzzer's panic hook, which would abort before a codec's panic becomes an error.
-fn contain_panics() {
+pub(super) fn contain_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(quiet_contained_panics);
 }

@@ -5,6 +5,7 @@
 
 mod bytes;
 mod control;
+mod drawn;
 mod expression;
 mod files;
 mod phones;
@@ -72,7 +73,16 @@ pub(crate) const MIDI: Target =
 pub(crate) const SHOWS: Target =
     Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
 
-pub(crate) const TARGETS: [&Target; 13] = [
+/// Drawings (SVG) as shapes.
+pub(crate) const DRAWINGS: Target =
+    Target { name: "drawings", run: drawn::drawings, seeds: seeds::drawings, speaks: false, changes: 60 };
+/// Fonts of letters as shapes.
+pub(crate) const FONTS: Target =
+    Target { name: "fonts", run: drawn::fonts, seeds: seeds::fonts, speaks: false, changes: 60 };
+pub(crate) const LYRICS: Target =
+    Target { name: "lyrics", run: drawn::lyrics, seeds: seeds::lyrics, speaks: false, changes: 4_000 };
+
+pub(crate) const TARGETS: [&Target; 16] = [
     &SYNTAX,
     &SCENE,
     &GLSL,
@@ -86,6 +96,9 @@ pub(crate) const TARGETS: [&Target; 13] = [
     &MIDI,
     &PHONES,
     &SHOWS,
+    &DRAWINGS,
+    &FONTS,
+    &LYRICS,
 ];
 
 /// Initializes a libFuzzer program. If `MARIANA_FUZZ_SEEDS` names a folder, writes seeds and dictionary to that

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use mariana_field::lang;
+use mariana_testing::tiny_font::TinyFont;
 
 use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;
@@ -85,6 +86,10 @@ const SHADERS: &[(&str, &str)] = &[
         "float de(vec3 z) {\n  float s = 1.0, w[3] = float[3](0.5, 0.3, 0.2);\n  int i = 0;\n  while (i < 8) {\n\
          \x20   z = clamp(z, -1.0, 1.0) * 2.0 - z;\n    if (dot(z, z) > 16.0) break;\n    s *= 2.0; ++i;\n  }\n\
          \x20 return length(z) * w[1] / s;\n}\n",
+    ),
+    (
+        "components",
+        "float map(vec3 p) { mat4 m = mat4(1.0); return p.xyz.zyx.xyz.x + m[0][1] + p[int(p.xy.yx[0])]; }\n",
     ),
     (
         "mistake",
@@ -364,6 +369,70 @@ pub(crate) fn settings() -> Vec<Seed> {
         seed("cut", "[latency_ms"),
         seed("deep", "a = [[[[[[[[{b.c.d.e.f = 1979-05-27T07:32:00Z}]]]]]]]]"),
         seed("no-text", b"\xff\xfe\0".to_vec()),
+    ]
+}
+
+/// Returns drawings with every kind of element and property that is read.
+pub(crate) fn drawings() -> Vec<Seed> {
+    let texts = [
+        (
+            "path",
+            "<path d='M1 1 C2 3 4 5 6 1 S 9 9 5 5 Q 1 2 3 4 T 9 1 A3 3 0 0 1 2 2 h3 v-2 l1 1 Z' fill-rule='evenodd'/>",
+        ),
+        (
+            "stroke",
+            "<g transform='rotate(20 3 4) scale(2)' style='fill:none;stroke:#123;stroke-width:.5e0'><path d='M1 1 C 9 9 1 9 9 1'/></g>",
+        ),
+        (
+            "joins",
+            "<path d='M1 1 L9 9 1 9' fill='none' stroke='red' stroke-width='3' stroke-linejoin='round' stroke-linecap='square'/>",
+        ),
+        (
+            "shapes",
+            "<rect width='9' height='5' rx='2'/><circle cx='5' cy='5' r='4'/><ellipse rx='3' ry='1'/><polygon points='1,2 3-4,5.5.5'/>",
+        ),
+        (
+            "styles",
+            "<style>.no{fill:none} path,rect{fill:#fff;stroke:rgb(9,9,9)} #a{opacity:.9}</style><rect id='a' width='9' height='9'/>",
+        ),
+        (
+            "uses",
+            "<defs><symbol id='b'><circle r='3'/></symbol><g id='a'><use href='#b' x='3'/><use href='#b' y='4'/></g></defs><use href='#a'/>",
+        ),
+        (
+            "huge",
+            "<g transform='matrix(1e30 0 0 1e-30 5 5)'><path d='M0 0 S 1e8 1e8 0 0' stroke='black' stroke-width='1e30'/></g>",
+        ),
+    ];
+    let of = |(name, body): (&str, &str)| seed(name, format!("<svg viewBox='0 0 10 10'>{body}</svg>"));
+    let entity = "<!DOCTYPE svg [<!ENTITY s 'fill:red'>]><svg width='9mm' height='1cm'><rect width='9' height='9' style='&s;'/></svg>";
+    texts.into_iter().map(of).chain([seed("entity", entity)]).collect()
+}
+
+/// Returns fonts whose letters are squares, or composed of each other.
+pub(crate) fn fonts() -> Vec<Seed> {
+    let of = |parts, letters: &str| {
+        let font = TinyFont { parts, ..TinyFont::new("Seed", letters) };
+        seed(format!("{parts}-parts-of-{}", letters.len()), font.bytes())
+    };
+    [(0, "ab"), (0, "a"), (1, "abc"), (2, "abcdefgh"), (9, "abcdefghijklm"), (99, "abc")]
+        .into_iter()
+        .map(|(parts, letters)| of(parts, letters))
+        .collect()
+}
+
+/// Returns lyrics with times of lines and of words.
+pub(crate) fn lyrics() -> Vec<Seed> {
+    vec![
+        seed(
+            "lines",
+            "[ar: Nobody]\n[00:10.50][00:30]Again\n[00:12.00]<00:12.10>two <00:12.90>words\n[00:14:50]\n",
+        ),
+        seed("words", "[00:02.00]<00:02.50>Tell <00:03.00>me now\n[00:04.00]aa bb\n[00:08.00]"),
+        seed("offset", "[offset:+500]\n[00:02.00]a\n[offset:-1e9]\n[00:03.00]b"),
+        seed("unsorted", "[9:59.99]c\n[00:01]a\n[00:01]b\n[4294967295:1e300]d"),
+        seed("signs", "[00:01]<<<<a>>>\n[[00:02]]b\n[00:03\n<00:04>c"),
+        seed("none", "just words\n"),
     ]
 }
 
