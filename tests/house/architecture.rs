@@ -44,6 +44,7 @@ const TOP_LEVEL: &[&str] = &[
     "shaders",
     "src",
     "tests",
+    "tools",
 ];
 
 pub(super) fn root() -> &'static Path {

@@ -162,6 +162,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("demo_track", &[]),
     // Crates, and modules of crates, by the names under which lib.rs re-exports them.
     ("atomic_file", &[]),
+    ("reading", &[]),
     ("attempt", &[]),
     ("child", &[]),
     ("clock", &[]),
@@ -184,16 +185,16 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("srgb", &[]),
     ("system_fonts", &[]),
     ("view", &[]),
-    ("program_cache", &["atomic_file", "attempt", "gpu", "limits"]),
+    ("program_cache", &["atomic_file", "attempt", "gpu", "limits", "reading"]),
     ("videos", &["atomic_file", "commands", "config", "ending", "export", "file_names", "limits"]),
-    ("song_structures", &["atomic_file", "config", "limits"]),
+    ("song_structures", &["atomic_file", "config", "limits", "reading"]),
     ("covers", &["limits", "song_structures"]),
     ("moving_textures", &["clock", "frame", "scenes"]),
     ("song_shapes", &["frame", "scenes"]),
     ("stems", &["config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
-    ("show", &["scenes"]),
+    ("show", &["reading", "scenes"]),
     (
         "session",
         &[

@@ -5,7 +5,6 @@
 mod animation;
 #[cfg(unix)]
 mod controllers;
-mod demo_track;
 mod desktop;
 mod gallery;
 mod gpu;
@@ -13,7 +12,6 @@ mod grammars;
 mod language_page;
 mod melt;
 mod root;
-mod textures;
 mod thumbnails;
 #[cfg(unix)]
 mod typing;
@@ -29,7 +27,6 @@ const TOOLS: &[Tool] = &[
         "measures in a window how fast MIDI and OSC messages take effect, and the effect of message floods",
         controllers::run,
     ),
-    ("demo-track", "OUT.wav", "renders the demo track", demo_track::run),
     ("desktop", "[FOLDER]", "writes manual pages, completions and the icon to assets/desktop", desktop::run),
     (
         "gallery",
@@ -52,7 +49,6 @@ const TOOLS: &[Tool] = &[
     ("grammars", "[FOLDER]", "writes the grammars for editors to editors", grammars::run),
     ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
     ("melt", "PROGRAM", "draws docs/images/melt.webp, the moving image of the README", melt::run),
-    ("textures", "[FOLDER]", "generates assets/textures", textures::run),
     (
         "thumbnails",
         "[SCENE ...]",

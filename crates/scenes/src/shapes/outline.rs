@@ -111,7 +111,7 @@ impl Part {
     pub(super) fn of(
         path: &BezPath,
         filling: Filling,
-        (width, height): (usize, usize),
+        size: (usize, usize),
         steps: &mut Steps,
     ) -> Result<Option<Self>, TooMuchWork> {
         let bounds = path.control_box();
@@ -119,7 +119,7 @@ impl Part {
             let (first, end) = (low.floor().max(0.0), high.ceil().min(count as f64));
             (bounds.is_finite() && first < end).then_some((first as usize, end as usize))
         };
-        let (columns, rows) = (side(bounds.x0, bounds.x1, width), side(bounds.y0, bounds.y1, height));
+        let (columns, rows) = (side(bounds.x0, bounds.x1, size.0), side(bounds.y0, bounds.y1, size.1));
         let (Some((left, right)), Some((top, bottom))) = (columns, rows) else { return Ok(None) };
         let moved = Affine::translate((-(left as f64), -(top as f64))) * path;
         let coverage = Coverage::of(&moved, filling, (right - left, bottom - top), steps)?;

@@ -7,8 +7,6 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use mariana::shell::identity::APP_ID;
 
-use crate::textures::canvas::{rgb, to_srgb};
-
 /// Sides of the PNGs in pixels, as required by the hicolor theme.
 const SIDES: [u32; 9] = [16, 22, 24, 32, 48, 64, 128, 256, 512];
 /// Side of the icon in layer units.
@@ -121,4 +119,16 @@ fn pixel(scale: f32, x: f32, y: f32) -> [u8; 4] {
     let [red, green, blue, alpha] = sum;
     let [red, green, blue] = [red, green, blue].map(|light| to_srgb(light / alpha.max(1e-6)));
     [red, green, blue, (alpha * 255.0).round() as u8]
+}
+
+/// Converts a colour such as 0xFF8000 to linear components.
+fn rgb(hex: u32) -> [f32; 3] {
+    [16, 8, 0].map(|shift| mariana::srgb::linear((hex >> shift & 0xFF) as f32 / 255.0))
+}
+
+/// Converts a linear component to an sRGB byte.
+fn to_srgb(x: f32) -> u8 {
+    let x = x.clamp(0.0, 1.0);
+    let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    (s * 255.0).round() as u8
 }

@@ -1,7 +1,7 @@
 //! Composes and synthesises the built-in demo track, "Hadal Lanterns": 40 bars, 85.3 s, 48 kHz stereo.
 //!
 //! ```sh
-//! cargo xtask demo-track demo.wav
+//! cargo run --manifest-path tools/Cargo.toml -- demo-track demo.wav
 //! ffmpeg -i demo.wav -map_metadata -1 -metadata title="Hadal Lanterns" -metadata artist="Mariana" \
 //!     -c:a libvorbis -q:a 3.5 -fflags +bitexact -flags:a +bitexact -y assets/demo.ogg
 //! ```

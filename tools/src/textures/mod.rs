@@ -1,7 +1,7 @@
 //! Generates the shipped textures `wood.png` and `mallard.png`.
 //!
 //! ```text
-//! cargo xtask textures [FOLDER]
+//! cargo run --manifest-path tools/Cargo.toml -- textures [FOLDER]
 //! ```
 //!
 //! `FOLDER` defaults to `assets/textures`. Both images are computed. Their only randomness is an integer hash, so
@@ -22,7 +22,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
-        arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/textures"), PathBuf::from);
+        arguments.first().map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/textures"), PathBuf::from);
     std::fs::create_dir_all(&folder)?;
     let side = wood::SIDE as u32;
     write_png(&folder.join("wood.png"), &wood::paint(), side, ExtendedColorType::Rgb8)?;

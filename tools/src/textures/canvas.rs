@@ -11,7 +11,8 @@ pub type Color = [f32; 3];
 
 /// Converts an sRGB colour 0xRRGGBB to a linear colour.
 pub fn rgb(hex: u32) -> Color {
-    [16, 8, 0].map(|shift| mariana::srgb::linear((hex >> shift & 0xFF) as f32 / 255.0))
+    let linear = |s: f32| if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+    [16, 8, 0].map(|shift| linear((hex >> shift & 0xFF) as f32 / 255.0))
 }
 
 /// Converts a linear component to an sRGB byte.
