@@ -206,7 +206,6 @@ const BLOCK: u64 = 4096;
 /// More bytes than the longest of [`REASONS`].
 const WORD_MAX: usize = 16;
 
-/// Returns the bytes of a file; an error if there are more than `limit`, `None` if `path` is no regular file.
 fn touch(path: &Path) {
     let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }

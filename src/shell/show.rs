@@ -63,7 +63,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let of_show = waker.clone();
     let (controls, proxy) = (AccessibilityPublisher::new(&event_loop), event_loop.create_proxy());
     let of_end = event_loop.create_proxy();
-    let dropped = messages.clone();
+    // A wallpaper opens no files.
+    let dropped = ground.is_none().then(|| messages.clone());
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
@@ -86,7 +87,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             background,
             screen,
             desktop: Box::new(move |position| {
-                let open = move |file| drop(dropped.send(Message::Window(WindowEvent::DroppedFile(file))));
+                let open = dropped
+                    .map(|show| move |file| drop(show.send(Message::Window(WindowEvent::DroppedFile(file)))));
                 Box::new(MediaControls::start(position, Some(handle), move || of_desktop.wake(), open))
             }),
         };

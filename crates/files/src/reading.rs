@@ -11,7 +11,7 @@ use std::path::Path;
 /// other end.
 pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file"));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a file"));
     }
     let mut bytes = Vec::new();
     File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;

@@ -51,15 +51,15 @@ macro_rules! with_settings {
                 last_tracks: bool = true, LastTracks
                     { "Resume tracks", "The next start resumes these tracks where they stop; off forgets them", Window };
 
-                /// True to keep the screen from locking and going dark while the image moves.
-                #[serde(with = "by_name", skip_serializing_if = "is_on")]
-                stay_awake: bool = true, StayAwake
-                    { "Keep the screen on", "The screen neither locks nor goes dark while the image moves", Window };
-
                 /// True to show hints over the image. Errors and requested panels always appear.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 hints: bool = true, Hints
                     { "Hints", "Title, messages and the bar; without them, key G still opens this panel", Window };
+
+                /// True to keep the screen from locking and going dark while the image moves.
+                #[serde(with = "by_name", skip_serializing_if = "is_on")]
+                stay_awake: bool = true, StayAwake
+                    { "Keep the screen on", "The screen neither locks nor goes dark while the image moves", Window };
 
                 /// True to show a preview of the next scene even without a second monitor.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]

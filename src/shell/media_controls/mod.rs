@@ -88,12 +88,13 @@ pub(crate) struct MediaControls {
 
 impl MediaControls {
     /// Starts the service, which calls `wake` for each command, and `open` for files that a later instance of the
-    /// program hands over. Windows needs the `window`. Without `position`, reports the position 0.
+    /// program hands over; without `open`, those start themselves. Windows needs the `window`. Without `position`,
+    /// reports the position 0.
     pub(crate) fn start(
         position: Option<Position>,
         window: Option<RawWindowHandle>,
         wake: impl Fn() + Send + Sync + 'static,
-        open: impl Fn(PathBuf) + Send + Sync + 'static,
+        open: Option<impl Fn(PathBuf) + Send + Sync + 'static>,
     ) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
@@ -105,9 +106,11 @@ impl MediaControls {
             }
         });
         let raise = send.clone();
-        let open = Box::new(move |files: Vec<PathBuf>| {
-            files.into_iter().for_each(&open);
-            raise(Command::Raise);
+        let open = open.map(|open| -> OpenFiles {
+            Box::new(move |files: Vec<PathBuf>| {
+                files.into_iter().for_each(&open);
+                raise(Command::Raise);
+            })
         });
         let changes = service::serve(seen.clone(), position, window, move |command| send(command), open);
         Self { seen, commands, changes }

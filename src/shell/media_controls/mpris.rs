@@ -68,13 +68,13 @@ pub(super) fn serve(
     position: ReadPosition,
     _: Option<RawWindowHandle>,
     send: impl Fn(Command) + Send + Sync + 'static,
-    open: OpenFiles,
+    open: Option<OpenFiles>,
 ) -> Changes {
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
     let player = Offered { seen, position, send: std::sync::Arc::new(send) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
         // A missing bus is no error.
-        if let Err(error) = zbus::block_on(run(player, Opener(open), &inbox)) {
+        if let Err(error) = zbus::block_on(run(player, open, &inbox)) {
             tracing::info!("no media controls: {error}");
         }
     });
@@ -84,12 +84,14 @@ pub(super) fn serve(
     Changes(changes)
 }
 
-async fn run(player: Offered, opener: Opener, inbox: &Receiver<Change>) -> zbus::Result<()> {
+async fn run(player: Offered, open: Option<OpenFiles>, inbox: &Receiver<Change>) -> zbus::Result<()> {
     let server = Server::new(&format!("{NAME}.instance{}", std::process::id()), player).await?;
     let bus = zbus::Connection::session().await?;
-    bus.object_server().at(OPENER.0, opener).await?;
-    // Instances queue for the name: when the first ends, the next opens files.
-    bus.request_name_with_flags(APP_ID, Default::default()).await?;
+    if let Some(open) = open {
+        bus.object_server().at(OPENER.0, Opener(open)).await?;
+        // Instances queue for the name: when the first ends, the next opens files.
+        bus.request_name_with_flags(APP_ID, Default::default()).await?;
+    }
     tracing::info!("media controls as {}", server.bus_name());
     while let Ok(change) = inbox.recv().await {
         match change {

@@ -47,7 +47,7 @@ pub(super) fn serve(
     _: ReadPosition,
     window: Option<RawWindowHandle>,
     send: impl Fn(Command) + Send + Sync + 'static,
-    _: OpenFiles,
+    _: Option<OpenFiles>,
 ) -> Changes {
     let hwnd = match window {
         Some(RawWindowHandle::Win32(window)) => Some(window.hwnd.get() as *mut std::ffi::c_void),
