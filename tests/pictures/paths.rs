@@ -252,8 +252,7 @@ fn the_filter_draws_no_halos_around_dark_things_that_shine() {
     ] {
         let [exact, noisy, smooth] = filtered(&in_front_of_a_camera(&shining), 512, 64);
         let [before, after] = [&noisy, &smooth].map(|light| difference(light, &exact));
-        eprintln!("XXX {before} {after}");
-        assert!(after < 0.5, "{shining}: {after}");
+        assert!(after < 0.75 * before, "{shining}: {after} {before}");
     }
 }
 

@@ -191,12 +191,9 @@ fn streaks_before_a_rough_mirror_are_not_taken_for_its_noise() {
         picture { exposure = 1  bloom = 0  vignette = 0 }
         light dark { position = vec3(0, 90, 0)  color = 0 }
         camera { position = vec3(0, 1.5, -5)  target = vec3(0, -1, 0)  fov = 30 }";
-    let sampled = |text: &str| {
-        let mut renderer = renderer(text, Mode::Compiled);
-        renderer.picture(0.0, silence(), (320, 180));
-        renderer.renderer.edge_pixels() / (320.0 * 180.0)
-    };
-    let [rain, dry] = [wet.to_owned(), wet.replace("count = 400", "count = 0")].map(|text| sampled(&text));
-    eprintln!("XXX {rain} {dry}");
-    assert!(rain < dry + 0.2, "{rain} of the pixels get more samples, {dry} without rain");
+    let mut renderer = renderer(wet, Mode::Compiled);
+    renderer.picture(0.0, silence(), (320, 180));
+    let part = renderer.renderer.edge_pixels() / (320.0 * 180.0);
+    // The edges of the streaks alone are 0.30.
+    assert!(part < 0.33, "{part} of the pixels get more samples");
 }
