@@ -281,9 +281,9 @@ impl ApplicationHandler<WindowMessage> for Front {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
-        let Some(mut running) = self.running.take() else { return };
+        let Some(running) = self.running.take() else { return };
         #[cfg(all(unix, not(target_os = "macos")))]
-        drop(running.inhibitor.take());
+        drop(running.inhibitor);
         let Running { show, accessibility, window, output, .. } = running;
         if !self.show_ended && self.ends_by.is_none() {
             // The window system has ended the event loop, and the show may wait for it forever.
