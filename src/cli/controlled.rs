@@ -1,4 +1,4 @@
-//! `--controlled`: a video or a thumbnail that a window draws in a process of its own.
+//! `--controlled`: a video or a thumbnail that a window draws in a separate process.
 
 use std::io::BufRead;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};

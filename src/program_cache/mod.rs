@@ -23,6 +23,7 @@ use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -122,11 +123,12 @@ impl ProgramCache {
 impl ProgramStore for ProgramCache {
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
-        if !path.exists() {
-            return None;
-        }
-        let bytes = read_at_most(&path, LIMITS.kept_program_bytes_max + entry::HEADER);
-        let bytes = bytes.ok().flatten().unwrap_or_default();
+        let bytes = match read_at_most(&path, LIMITS.kept_program_bytes_max + entry::HEADER) {
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidInput) => {
+                return None;
+            }
+            read => read.ok().flatten().unwrap_or_default(),
+        };
         let Some(content) = entry::decode(key, &bytes) else {
             tracing::info!("{} was damaged and has been removed", path.display());
             self.discard(key);

@@ -81,7 +81,7 @@ impl FirstScene {
     ) -> Result<Self, SessionError> {
         let requested = scene.source.clone();
         if settings.resumed_scene_or.is_none() {
-            // The user asks for this scene, whatever happened the last time.
+            // The user asks for this scene, so an earlier death does not count.
             let _ = starter.marks.path(&requested).and_then(|path| attempt::death(&path));
         }
         let loader = starter.start()?;
@@ -128,7 +128,7 @@ impl FirstScene {
         while self.loaded.is_none() && clock::now() < until {
             let Some(loaded) = self.loader.poll() else {
                 if clock::now() > self.gives_up && self.substitute.is_some() {
-                    self.substitute_for("it takes too long to load")?;
+                    self.substitute_for("loading it takes more than 10 s")?;
                 }
                 std::thread::sleep(Duration::from_millis(1));
                 continue;

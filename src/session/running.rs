@@ -45,13 +45,14 @@ impl Run {
             match self.until_the_end() {
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
                 ended => {
-                    if ended.is_ok() {
-                        self.finish();
-                    }
                     tracing::info!("{}", self.session.playback.frame_times());
                     tracing::info!("{}", self.session.interface.typing_times());
                     tracing::info!("from message to frame: {}", self.session.playback.message_times());
-                    on_saved();
+                    // After an error nothing is saved, and the window's thread waits for the error.
+                    if ended.is_ok() {
+                        self.finish();
+                        on_saved();
+                    }
                     return ended;
                 }
             }

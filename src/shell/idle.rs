@@ -12,7 +12,7 @@ use windows as system;
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Asks the desktop on a thread of its own, because the desktop may answer late or never.
+/// Asks the desktop on a separate thread, because the desktop may answer late or never.
 pub(crate) struct StayAwake {
     requests: Sender<bool>,
     is_on: bool,

@@ -1,9 +1,9 @@
 //! Marks of work during which the process may die: a mark file exists while the work lasts, and a left-over mark tells
 //! the next run about the death.
 //!
-//! A live process holds a lock on its marks, so a mark that can be locked is from a dead process. A process that a fault
-//! ends writes that into its marks ([`CRASHED`]); one that is killed from outside cannot. A crash marks the work of all
-//! threads, so work may be wrongly suspected.
+//! A live process holds a lock on its marks, so a mark that can be locked is from a dead process. A crashing process
+//! writes [`CRASHED`] into its marks; a killed process cannot. A crash marks the work of all threads, so work may be
+//! wrongly suspected.
 
 #![expect(unsafe_code, reason = "code that runs during a crash must not allocate")]
 

@@ -1,8 +1,9 @@
 //! The cover image of a song: from the song's file, or from an image file in the song's folder.
 
-use std::fs::{self, File};
-use std::io::Read as _;
+use std::fs;
 use std::path::{Path, PathBuf};
+
+use mariana_files::reading::read_at_most;
 
 use super::decode::{Cover, embedded_cover};
 use super::limits::LIMITS;
@@ -44,13 +45,7 @@ fn rank(name: &str) -> Option<usize> {
 }
 
 fn read(path: &Path) -> Option<Cover> {
-    // Check the kind before opening, because opening a pipe waits for its writer.
-    if !fs::metadata(path).ok()?.is_file() {
-        return None;
-    }
-    let (limit, mut bytes) = (LIMITS.cover_bytes_max as u64, Vec::new());
-    File::open(path).ok()?.take(limit + 1).read_to_end(&mut bytes).ok()?;
-    Cover::from_bytes(bytes)
+    Cover::from_bytes(read_at_most(path, LIMITS.cover_bytes_max).ok()??)
 }
 
 #[cfg(test)]

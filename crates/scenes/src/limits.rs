@@ -9,7 +9,7 @@ pub struct Limits {
     pub texture_side_max: u32,
     /// Maximum number of texels in a texture. 16 Mi texels need 64 MiB, and a third more with mip levels.
     pub texture_pixels_max: u64,
-    /// Maximum size of a drawing (SVG), in bytes, and of the text that its entities stand for.
+    /// Maximum size of a drawing (SVG), in bytes, and of the text to which its entities expand.
     pub drawing_bytes_max: usize,
     /// Maximum number of elements in a drawing's text.
     pub drawing_elements_max: usize,
@@ -23,7 +23,7 @@ pub struct Limits {
     pub layers_max: usize,
     /// Largest number in a drawing's text. Numbers of paths must be smaller; others are clamped.
     pub drawing_number_max: f64,
-    /// Farthest place of a shape, in units of the drawing. Farther places have too few digits to tell pixels apart.
+    /// Largest coordinate of a shape, in units of the drawing. Farther places have too few digits to tell pixels apart.
     pub drawing_reach_max: f64,
     /// Maximum size of a font's file, in bytes.
     pub font_bytes_max: usize,

@@ -49,7 +49,7 @@ impl SurfaceInhibitor {
     }
 }
 
-/// Nothing but the registry sends events.
+/// Receives the events, which only the registry sends.
 struct Ignored;
 
 impl Dispatch<WlRegistry, GlobalListContents> for Ignored {

@@ -112,7 +112,7 @@ impl Opener {
     }
 }
 
-/// Lets a running instance open files, or show its window if there are none. Returns false without such an instance.
+/// Lets a running instance open `files`, or only show its window if the list is empty. Returns false without such an instance.
 pub(crate) fn hand_over(files: &[PathBuf]) -> bool {
     let files: Vec<Vec<u8>> = files.iter().map(|file| file.as_os_str().as_bytes().to_vec()).collect();
     let (path, interface) = OPENER;

@@ -345,7 +345,7 @@ fn check_sizes(tokens: &[Token<'_>]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// A bracket of [`check_nesting`], and the depth of the syntax tree of what is in it.
+/// An open bracket in [`check_nesting`], and the depth of its content's syntax tree.
 #[derive(Default)]
 struct Level<'t, 'a> {
     bracket: Option<&'t Token<'a>>,

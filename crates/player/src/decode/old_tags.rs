@@ -1,6 +1,8 @@
-//! Titles, artists and lyrics in tags with text of unknown encoding: ID3v2.2 to 2.4, and `INFO` lists of WAVE files. Old taggers wrote the system's encoding where the specification wants Latin-1, and UTF-16 without a mark. The
-//! demuxers replace such bytes, so this module reads the tags from the file. Source: id3.org, "ID3 tag version 2.4.0",
-//! "2.3.0" and "2.2.0".
+//! Titles, artists and lyrics in tags with text of unknown encoding: ID3v2.2 to 2.4, and `INFO` lists of WAVE files.
+//!
+//! Old taggers wrote the system's encoding where the specification wants Latin-1, and UTF-16 without a mark. The demuxers
+//! replace such bytes, so this module reads the tags from the file. Source: id3.org, "ID3 tag version 2.4.0", "2.3.0" and
+//! "2.2.0".
 
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 
@@ -28,7 +30,7 @@ enum Field {
     Lyrics,
 }
 
-/// A text as stored, with its encoding if the file states one that is right.
+/// A text as stored, with its encoding if the file states the right encoding.
 type Stored = (Field, Vec<u8>, Option<&'static Encoding>);
 
 /// Reads the tags. Errors end the reading; the fields read before them are valid.

@@ -71,7 +71,7 @@ fn has_few_calls(font: &CffFontRef<'_>, top: &[u8], is_cff2: bool, glyph: GlyphI
         programs: (font.data(), font.charstrings(), font.global_subrs(), &local),
         left: Cell::new(LIMITS.glyph_program_bytes_max.saturating_sub(program.len())),
     };
-    // skrifa refuses a program with an error, too.
+    // skrifa also refuses a program with an error.
     cs::evaluate(&calls, blend(font, variation), program, &mut Nothing).is_ok() && calls.left.get() > 0
 }
 

@@ -1,7 +1,7 @@
 //! Outlines of letters and drawings, and the fraction of each pixel that they cover.
 //!
 //! A pixel's coverage is exact for straight edges: the signed area to the right of each edge is added up along each row.
-//! Curves become straight edges first ([`FLATNESS`]). All steps are counted, so that no outline takes long.
+//! Curves become straight edges first ([`FLATNESS`]). All steps are counted, which limits the time for an outline.
 
 use kurbo::{Affine, BezPath, CubicBez, ParamCurve, PathEl, Point, QuadBez};
 

@@ -410,7 +410,7 @@ fn path_of(element: &Element) -> Result<Option<BezPath>, Refused> {
     }))
 }
 
-/// Returns the numbers in a text, whatever is between them, clamped to [`crate::limits::Limits::drawing_number_max`].
+/// Returns the numbers in a text, separated by any other characters, clamped to [`crate::limits::Limits::drawing_number_max`].
 fn numbers(text: &str) -> impl Iterator<Item = f64> {
     let mut rest = text;
     std::iter::from_fn(move || {

@@ -1,5 +1,5 @@
-//! XML as a tree. Reading it takes no recursion, and its work is linear in the size of the text: entities of the
-//! document's type stand for plain text, and limits are checked before an element is kept.
+//! XML as a tree. It is read without recursion, in time that is linear in the size of the text: entities that the
+//! document declares are replaced by plain text, and limits are checked before an element is kept.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -93,7 +93,7 @@ impl Tree {
             let value = unescape_with(&value, |name| entities.text(name)).map(|value| value.into_owned());
             if entities.left.get() == 0 {
                 let most = LIMITS.drawing_bytes_max;
-                return Err((format!("its entities stand for more than {most} bytes"), true));
+                return Err((format!("its entities expand to more than {most} bytes"), true));
             }
             let value = value.map_err(|error| (error.to_string(), false))?;
             element.attributes.push((name(attribute.key.local_name().as_ref()), value));
@@ -121,7 +121,7 @@ pub(super) fn too_deep() -> Refused {
 /// The entities that the document's type declares.
 struct Entities {
     known: HashMap<String, String>,
-    /// Bytes that entities may still stand for; 0 if they stood for too many.
+    /// Bytes to which entities may still expand; 0 if they expanded to too many.
     left: Cell<usize>,
 }
 
