@@ -35,7 +35,8 @@ impl Playback {
         // An input gets an empty structure, because its sections are unknown in advance.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
-        match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {
+        let (current, scenes) = (scene.library().wanted(), || scene.library().all_sources());
+        match self.direction.update(track, playing, song.clone(), current, scenes) {
             Some(ShowNotice::PreparedShow(prepared_show)) => {
                 if prepared_show.is_some() {
                     tracing::info!("the scenes follow the song");

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::config::FollowChoice;
 use crate::scenes::{Loader, SceneSource};
-use crate::show::{PreparedShow, ShowError, ShowSource};
+use crate::show::{PreparedShow, ShowError, ShowSource, name_of};
 use mariana_music::SongStructure;
 
 /// Id of the playing track; `None` for an input.
@@ -25,6 +25,8 @@ struct Asked {
     track: OfTrack,
     song: Arc<SongStructure>,
     scenes: Vec<SceneSource>,
+    /// Names of the scenes that earlier tracks have shown.
+    recent: Vec<String>,
 }
 
 struct Made {
@@ -40,6 +42,9 @@ pub(crate) enum Playing {
     Demo,
 }
 
+/// How many scenes the director remembers.
+const REMEMBERED: usize = 100;
+
 pub(crate) struct Direction {
     loader: Loader<Made>,
     asked: Arc<Mutex<Asked>>,
@@ -48,6 +53,10 @@ pub(crate) struct Direction {
     /// True if the command line names a scene, which then stays.
     names_scene: bool,
     of: Option<(ShowSource, OfTrack)>,
+    /// The scenes of this run, at most [`REMEMBERED`], the current one at the end.
+    seen: Vec<SceneSource>,
+    /// The last track that has asked for a show, and the scenes before it.
+    before: (OfTrack, Vec<String>),
 }
 
 impl Direction {
@@ -60,19 +69,32 @@ impl Direction {
         let asked = Arc::new(Mutex::new(Asked::default()));
         let of_thread = asked.clone();
         let load = move |source: &SceneSource| {
-            let (track, song, scenes) = {
+            let (track, song, scenes, recent) = {
                 let asked = of_thread.lock().unwrap_or_else(PoisonError::into_inner);
-                (asked.track, asked.song.clone(), asked.scenes.clone())
+                (asked.track, asked.song.clone(), asked.scenes.clone(), asked.recent.clone())
             };
             let (show, files) = match source {
                 SceneSource::File(path) => (ShowSource::File(path.clone()), vec![path.clone()]),
                 SceneSource::Shipped(_) => (ShowSource::Demo, Vec::new()),
                 _ => (ShowSource::Auto, Vec::new()),
             };
-            (Made { track, show: PreparedShow::of_song(&show, &song, &scenes) }, files)
+            let show = match show {
+                ShowSource::Auto => PreparedShow::directed(&song, &scenes, &recent).map(|show| (show, None)),
+                named => PreparedShow::of_song(&named, &song, &scenes),
+            };
+            (Made { track, show }, files)
         };
         let loader = Loader::start(load, wake)?;
-        Ok(Self { loader, asked, named, follow, names_scene, of: None })
+        Ok(Self {
+            loader,
+            asked,
+            named,
+            follow,
+            names_scene,
+            of: None,
+            seen: Vec::new(),
+            before: (None, Vec::new()),
+        })
     }
 
     pub(crate) fn set_follow(&mut self, follow: FollowChoice) {
@@ -101,14 +123,21 @@ impl Direction {
         (self.named.is_some() || auto).then(|| self.show_of(playing))
     }
 
-    /// Updates the track and its song structure. The director chooses among `scenes`. Returns news about the show.
+    /// Updates the track and its song structure. The director chooses among `scenes`, preferably scenes that were not
+    /// shown lately. `current` is the scene now. Returns news about the show.
     pub(crate) fn update(
         &mut self,
         track: OfTrack,
         playing: Playing,
         song: Option<Arc<SongStructure>>,
+        current: &SceneSource,
         scenes: impl FnOnce() -> Vec<SceneSource>,
     ) -> Option<ShowNotice> {
+        if self.seen.last() != Some(current) {
+            let surplus = (self.seen.len() + 1).saturating_sub(REMEMBERED);
+            self.seen.drain(..surplus);
+            self.seen.push(current.clone());
+        }
         let wanted = self.source(playing).map(|source| (source, track));
         let is_the_same = self.of == wanted;
         match wanted {
@@ -124,7 +153,11 @@ impl Direction {
                     ShowSource::Auto => SceneSource::Formula(String::new()),
                 };
                 if let Some(song) = song {
-                    let asked = Asked { track, song, scenes: scenes() };
+                    // A track whose show is made once more gets the same show.
+                    if self.before.0 != track {
+                        self.before = (track, self.seen.iter().map(name_of).collect());
+                    }
+                    let asked = Asked { track, song, scenes: scenes(), recent: self.before.1.clone() };
                     *self.asked.lock().unwrap_or_else(PoisonError::into_inner) = asked;
                     self.of = Some((source, track));
                     self.loader.request(key);
@@ -141,9 +174,11 @@ impl Direction {
         }
         match made.show {
             Ok((prepared_show, None)) => {
-                // Ignore a show with one clip: without sections in a song, the director has no reason to change scenes.
-                let is_live = made.track.is_none();
-                let says_something = is_live || self.named.is_some() || prepared_show.clips().len() > 1;
+                // Ignore the first song's show if it has one clip: without sections in the song, the director has no
+                // reason to change scenes.
+                let is_first = self.before.1.len() < 2;
+                let says_something =
+                    made.track.is_none() || self.named.is_some() || prepared_show.clips().len() > 1 || !is_first;
                 says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
             Ok((prepared_show, Some(text))) => {

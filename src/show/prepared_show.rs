@@ -157,7 +157,7 @@ impl PreparedShow {
         scenes: &[SceneSource],
     ) -> Result<(Self, Option<String>), ShowError> {
         match source {
-            ShowSource::Auto => Ok((Self::directed(song, scenes)?, None)),
+            ShowSource::Auto => Ok((Self::directed(song, scenes, &[])?, None)),
             ShowSource::Demo => {
                 let (prepared_show, reported) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
                 Ok((Self { chosen_by: ChosenBy::Demo, ..prepared_show }, reported))
@@ -169,7 +169,16 @@ impl PreparedShow {
         }
     }
 
-    fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Result<Self, ShowError> {
+    /// Returns the director's show of a song from those `scenes` that have no mistakes. `recent` are the names of the
+    /// scenes that earlier songs have shown, the last one at the end.
+    ///
+    /// # Errors
+    /// [`ShowError::NoScenes`]
+    pub fn directed(
+        song: &SongStructure,
+        scenes: &[SceneSource],
+        recent: &[String],
+    ) -> Result<Self, ShowError> {
         let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
         for source in scenes {
             match facts_of(source) {
@@ -180,7 +189,7 @@ impl PreparedShow {
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let show = Show::directed(song, &known).ok_or(ShowError::NoScenes)?;
+        let show = Show::directed(song, &known, recent).ok_or(ShowError::NoScenes)?;
         Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
     }
 

@@ -6,9 +6,10 @@
 //! The column `a minute` counts the changes of scene and camera; `close` is the largest number of changes in a minute
 //! that are at no border of a section and at no drop. `moods` is the fraction of the moods that fit the words, of those
 //! that fit the words or are against them, weighted by the time. `scenes` is the fraction of the time in which the
-//! scene fits: at least one mood fits a word, and no mood is against a word.
+//! scene fits: at least one mood fits a word, and no mood is against a word. The songs of a set play one after the
+//! other, as in a playlist.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::path::Path;
 
@@ -59,6 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [scenes, songs, words] = &arguments[..] else { return Err("give SCENES SONGS WORDS".into()) };
     let scenes = scenes_in(Path::new(scenes))?;
     let mut sums: BTreeMap<String, [f64; 5]> = BTreeMap::new();
+    let mut seen: BTreeMap<String, Vec<String>> = BTreeMap::new();
     println!("a minute  close  moods  scenes  song");
     for line in std::fs::read_to_string(words)?.lines() {
         let mut parts = line.split_whitespace();
@@ -66,8 +68,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let words: Vec<&str> = parts.collect();
         let text = std::fs::read_to_string(Path::new(songs).join(format!("{name}.json")))?;
         let song: SongStructure = serde_json::from_str(&text)?;
-        let show = Show::directed(&song, &scenes).ok_or("there is no scene")?;
+        let recent = seen.entry(set.to_owned()).or_default();
+        let show = Show::directed(&song, &scenes, recent).ok_or("there is no scene")?;
         let clips = show.clips();
+        recent.extend(clips.iter().map(|clip| clip.scene.clone()));
+        recent.dedup();
         let reasons: Vec<f64> =
             song.sections.iter().map(|section| section.start).chain(song.drops.iter().copied()).collect();
         let has_reason =
@@ -103,8 +108,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         sum.iter_mut().zip([1.0, rate, fitting, fitted, is_usual]).for_each(|(sum, value)| *sum += value);
     }
     for (set, [count, rate, fitting, fitted, usual]) in sums {
+        let shown = seen.get(&set).map_or(0, |seen| seen.iter().collect::<BTreeSet<_>>().len());
         println!(
-            "== {set}: {count} songs; mean changes a minute {:.2}, {usual} songs between 1 and 4; mean fit of \
+            "== {set}: {count} songs with {shown} scenes; mean changes a minute {:.2}, {usual} songs between 1 and 4; mean fit of \
              moods {:.2}, of scenes {:.2}",
             rate / count,
             fitting / count,

@@ -4,7 +4,7 @@
 //!   changes once all its cameras were shown. Nothing changes during a build.
 //! - When a section is repeated, its scene returns, with another camera if the scene has several.
 //! - The choice depends on the character of the music, the contrast to the previous scene, and the time since a scene
-//!   was last shown.
+//!   was last shown, in this song or in an earlier one.
 //! - Calm music gets melts and long fades, and loud music gets portals and short fades. Only a drop gets a cut, unless
 //!   a scene asks for one, and the camera springs back.
 //! - During a build, a parameter of the scene or the camera's zoom moves.
@@ -58,16 +58,22 @@ mod points {
     pub(super) const SAME_MOOD: f32 = -0.3;
     /// Points for a scene that was shown before, divided by the number of scene changes since then.
     pub(super) const SEEN: f32 = -2.0;
+    /// Points for the scene that an earlier song showed last. They fall to 0 for scenes that were shown as many scene
+    /// changes ago as there are scenes.
+    pub(super) const EARLIER_SONG: f32 = -5.0;
     /// Points for a scene that belongs to another section.
     pub(super) const TAKEN: f32 = -1.0;
     /// Maximum random bonus.
     pub(super) const CHANCE: f32 = 0.6;
 }
 
-/// Creates a cue list for a song from these scenes. The list is empty if there are no scenes.
-pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
+/// Creates a cue list for a song from these scenes. Prefers scenes that are not among the scenes `recent`, which earlier
+/// songs have shown, the last one at the end. The list is empty if there are no scenes.
+pub fn direct(song: &SongStructure, cards: &[SceneCard], recent: &[String], seed: u64) -> CueList {
     let lines = BarLines::of(song);
-    let mut director = Director::new(cards, seed);
+    let place = |scene: &String| cards.iter().position(|card| card.scene == *scene);
+    let earlier = recent.iter().rev().filter_map(place).collect();
+    let mut director = Director { earlier, ..Director::new(cards, seed) };
     let mut cue_list = CueList::default();
     let mut shown: Vec<Shown<'_>> = Vec::new();
     for (index, change) in changes(song, &lines).iter().enumerate() {
@@ -130,6 +136,8 @@ struct Director<'a> {
     of_letter: HashMap<&'a str, usize>,
     /// The scenes in the order of their appearance. The last scene is the current scene.
     seen: Vec<usize>,
+    /// The scenes of earlier songs, from the last one back.
+    earlier: Vec<usize>,
     /// The letter for which the current scene was chosen; `None` if the scene changed within a section.
     letter: Option<&'a str>,
     /// How many changes of camera the current scene has had.
@@ -141,7 +149,16 @@ struct Director<'a> {
 impl<'a> Director<'a> {
     fn new(cards: &'a [SceneCard], seed: u64) -> Self {
         let visits = vec![0; cards.len()];
-        Self { cards, seed, of_letter: HashMap::new(), seen: Vec::new(), letter: None, turns: 0, visits }
+        Self {
+            cards,
+            seed,
+            of_letter: HashMap::new(),
+            seen: Vec::new(),
+            earlier: Vec::new(),
+            letter: None,
+            turns: 0,
+            visits,
+        }
     }
 
     /// Chooses the scene from a change on. If the current scene stays, another camera shows it.
@@ -189,6 +206,8 @@ impl<'a> Director<'a> {
             card.about.moods.iter().filter(|mood| before.about.moods.contains(mood)).count()
         });
         let ago = self.seen.iter().rev().position(|seen| *seen == scene);
+        let changes_since = self.earlier.iter().position(|seen| *seen == scene).map(|ago| ago + self.seen.len());
+        let forgotten = changes_since.map_or(1.0, |ago| ago as f32 / self.cards.len() as f32);
         let taken = self.of_letter.values().any(|other| *other == scene);
         points::OUTSIDE * outside
             + points::OFF_MIDDLE * off_middle
@@ -196,6 +215,7 @@ impl<'a> Director<'a> {
             + points::FOLLOWS * moods::moves(&card.about, &change.music)
             + points::SAME_MOOD * shared as f32
             + ago.map_or(0.0, |ago| points::SEEN / (ago + 1) as f32)
+            + points::EARLIER_SONG * (1.0 - forgotten).max(0.0)
             + if taken { points::TAKEN } else { 0.0 }
             + points::CHANCE * chance(self.seed, index, scene)
     }

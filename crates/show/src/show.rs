@@ -62,10 +62,15 @@ pub struct Cue {
 }
 
 impl Show {
-    /// Lets the director create a show of the given scenes; returns `None` if there are no scenes.
-    pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
+    /// Lets the director create a show of the given scenes; returns `None` if there are no scenes. `recent` are the scenes
+    /// that earlier songs have shown, the last one at the end.
+    pub fn directed(
+        song: &SongStructure,
+        scenes: &BTreeMap<String, SceneFacts>,
+        recent: &[String],
+    ) -> Option<Self> {
         let (styles, cards) = (ways_of(scenes), for_shows(cards_of(scenes)));
-        let cue_list = direct(song, &cards, seed_of(song));
+        let cue_list = direct(song, &cards, recent, seed_of(song));
         let timeline = Some(resolved(&cue_list, song, &[], &styles).0?);
         Some(Self { timeline, cue_list, styles, cards })
     }

@@ -27,7 +27,7 @@ fn cards() -> Vec<SceneCard> {
 
 #[test]
 fn a_show_follows_the_song() {
-    let cue_list = direct(&song(), &cards(), 7);
+    let cue_list = direct(&song(), &cards(), &[], 7);
     let text = print(&cue_list, &[]);
     let (timeline, left_out) = resolve(&cue_list, &song(), &[], |_, _| None);
     let timeline = timeline.unwrap();
@@ -96,7 +96,7 @@ fn each_camera_is_shown_once_before_the_scene_changes() {
         card("lake", (0.0, 1.0), "wet", &["near", "far"]),
     ];
     let song = song_of(90, &[(0.5, SectionSound::default())]);
-    let cue_list = direct(&song, &cards, 1);
+    let cue_list = direct(&song, &cards, &[], 1);
     let timeline = resolve(&cue_list, &song, &[], |_, _| None).0.unwrap();
     let seen: Vec<_> = timeline.clips().iter().map(|clip| (&*clip.scene, clip.camera.as_deref())).collect();
     let of = |scene| [(scene, None), (scene, Some("near")), (scene, Some("far"))];
@@ -121,7 +121,7 @@ fn moods_follow_density_tempo_and_mode() {
         cards.iter().filter(|card| names.contains(&card.scene.as_str())).cloned().collect()
     };
     for seed in 0..20 {
-        let first = |song: &SongStructure, names| direct(song, &only(names), seed).entries[0].scene.clone();
+        let first = |song: &SongStructure, names| direct(song, &only(names), &[], seed).entries[0].scene.clone();
         let sparse = song_of(8, &[(0.5, SPARSE)]);
         let mut dense = song_of(8, &[(0.5, DENSE)]);
         assert_eq!(first(&sparse, ["race", "garden"]), "garden");
@@ -136,7 +136,7 @@ fn moods_follow_density_tempo_and_mode() {
 #[test]
 fn a_calm_song_without_contrast_holds_its_scenes_longer() {
     let cards: Vec<SceneCard> = (0..9).map(|n| card(&format!("scene{n}"), (0.0, 1.0), "any", &[])).collect();
-    let changes = |song: &SongStructure| direct(song, &cards, 1).entries.len() - 1;
+    let changes = |song: &SongStructure| direct(song, &cards, &[], 1).entries.len() - 1;
     let minutes = |song: &SongStructure| song.seconds / 60.0;
     let even = song_of(120, &[(0.9, SPARSE)]);
     let uneven = song_of(30, &[(0.5, SPARSE), (0.95, DENSE), (0.5, SPARSE), (0.95, DENSE)]);
@@ -151,7 +151,7 @@ fn a_parameter_rises_during_a_build_and_falls_back() {
     let mut cards: Vec<SceneCard> =
         ["one", "two", "three"].map(|scene| card(scene, (0.0, 1.0), "any", &[])).to_vec();
     let moved = |cards: &[SceneCard], time: f64| {
-        let timeline = resolve(&direct(&song(), cards, 3), &song(), &[], |_, _| None).0.unwrap();
+        let timeline = resolve(&direct(&song(), cards, &[], 3), &song(), &[], |_, _| None).0.unwrap();
         let clip = timeline.clips().iter().rfind(|clip| clip.start < 32.4).unwrap();
         clip.params_at(time).first().map(|(name, value)| ((*name).to_owned(), *value))
     };
@@ -180,16 +180,33 @@ fn lessons_and_signs_are_shown_only_if_there_are_no_others() {
 #[test]
 fn another_seed_makes_another_show_and_the_same_seed_the_same() {
     let cards: Vec<SceneCard> = (0..9).map(|n| card(&format!("scene{n}"), (0.0, 1.0), "any", &[])).collect();
-    let show = |seed| print(&direct(&song(), &cards, seed), &[]);
+    let show = |seed| print(&direct(&song(), &cards, &[], seed), &[]);
     assert_eq!(show(3), show(3));
     assert!((0..9).any(|seed| show(seed) != show(3)));
 }
 
 #[test]
+fn the_songs_of_an_album_do_not_show_the_same_scenes_again_and_again() {
+    let cards: Vec<SceneCard> = (0..12).map(|n| card(&format!("scene{n}"), (0.0, 1.0), "any", &[])).collect();
+    let mut recent: Vec<String> = Vec::new();
+    for seed in 0..12 {
+        let last: Vec<String> = recent.clone();
+        let show = direct(&song(), &cards, &recent, seed);
+        let shown: Vec<&String> = show.entries.iter().map(|entry| &entry.scene).collect();
+        let count = shown.iter().collect::<std::collections::BTreeSet<_>>().len();
+        // While enough other scenes are left, no scene of the previous song returns.
+        let previous = last.iter().rev().take(cards.len() - count);
+        assert!(previous.clone().all(|scene| !shown.contains(&scene)), "{shown:?} after {last:?}");
+        recent.extend(shown.into_iter().cloned());
+        recent.dedup();
+    }
+}
+
+#[test]
 fn a_song_without_structure_has_a_show_of_one_scene() {
-    let cue_list = direct(&SongStructure::default(), &cards(), 5);
+    let cue_list = direct(&SongStructure::default(), &cards(), &[], 5);
     assert_eq!(cue_list.entries.len(), 1);
-    assert!(direct(&song(), &[], 5).entries.is_empty());
+    assert!(direct(&song(), &[], &[], 5).entries.is_empty());
 }
 
 proptest! {
@@ -224,7 +241,7 @@ proptest! {
         song.builds = song.drops.iter().map(|drop| mariana_music::Stretch {
             start: (drop - bar * build as f64).max(0.0), end: *drop,
         }).collect();
-        let cue_list = direct(&song, &cards(), seed);
+        let cue_list = direct(&song, &cards(), &[], seed);
         let text = print(&cue_list, &[]);
         let (timeline, left_out) = resolve(&cue_list, &song, &[], |_, _| None);
         let timeline = timeline.unwrap();
