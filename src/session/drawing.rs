@@ -12,13 +12,16 @@ use crate::session::SessionError;
 use crate::session::drawing_pace::Verdict;
 use crate::session::dynamic_resolution::Level;
 use crate::session::lay::Lay;
-use crate::session::scene::{Drawn, Shown, WantedPicture};
+use crate::session::listening::Listening;
+use crate::session::scene::{Drawn, SceneSession, Shown, WantedPicture};
 use crate::session::screen::Screen;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
 
-/// Interval at which a window without a frame is repainted, because another window may have covered it.
-const WAITING_AGAIN: Duration = Duration::from_millis(250);
+/// Interval at which a window without a frame is repainted. Its bars follow the sound.
+const WAITING_AGAIN: Duration = Duration::from_millis(33);
+/// The longest that the song waits for the first frame.
+const SONG_WAIT: Duration = Duration::from_millis(500);
 
 impl Session {
     /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, which starts the song.
@@ -156,19 +159,22 @@ impl Session {
         Ok(first)
     }
 
-    /// While the window has no frame, shows the name of the scene being prepared: an empty window looks broken.
+    /// While the window has no frame, shows the name of the scene being prepared, and the sound.
     fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = clock::now();
-        let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
+        let is_stale = |(at, shown): (Instant, _)| now - at >= WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
-            let title = self.playback.scene.library().wanted().title();
-            let content = content_of(&mut self.playback.scene, None, PanelSwitches::default());
-            let painted = paint_waiting(&mut *self.screen, &mut self.interface.overlay, &title, content)?;
-            self.interface.take_painted(&mut *self.screen, painted);
+            let mut waiting = Waiting {
+                since: self.waits_since,
+                screen: &mut *self.screen,
+                overlay: &mut self.interface.overlay,
+            };
+            let painted = waiting.paint(&mut self.playback.scene, &mut self.playback.listening)?;
             if is_first {
-                self.playback.warm_up()?;
+                self.playback.warm_up(&mut waiting)?;
             }
+            self.interface.take_painted(&mut *self.screen, painted);
         }
         Ok(())
     }
@@ -253,17 +259,22 @@ impl Playback {
     }
 
     /// Compiles the programs shared by all scenes while the first scene's program is compiled.
-    fn warm_up(&mut self) -> Result<(), SessionError> {
+    fn warm_up(&mut self, waiting: &mut Waiting<'_>) -> Result<(), SessionError> {
         let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
-        let (scene, mut updated) = (&mut self.scene, Ok(()));
+        let (scene, listening) = (&mut self.scene, &mut self.listening);
+        let mut updated = Ok(());
         let mut is_wanted = || {
-            updated = scene.update();
-            updated.is_ok() && !scene.scenes().is_any_shown()
+            updated = scene.update().map_err(SessionError::from);
+            let is_wanted = updated.is_ok() && !scene.scenes().is_any_shown();
+            if is_wanted {
+                updated = waiting.paint(scene, listening).map(|_| ());
+            }
+            is_wanted && updated.is_ok()
         };
         if let Err(error) = self.renderer.warm_up(&picture, &mut is_wanted) {
             tracing::debug!("warming up: {error}");
         }
-        Ok(updated?)
+        updated
     }
 
     /// Reads the parts of the song while scenes need them.
@@ -428,6 +439,35 @@ impl Interface {
     }
 }
 
+/// A window without a frame.
+struct Waiting<'a> {
+    since: Instant,
+    screen: &'a mut dyn Screen,
+    overlay: &'a mut Overlay,
+}
+
+impl Waiting<'_> {
+    /// Paints the name of the scene being prepared and the bands of the sound. Starts the song if the first frame takes
+    /// long.
+    fn paint(
+        &mut self,
+        scene: &mut SceneSession,
+        listening: &mut Listening,
+    ) -> Result<Painted, SessionError> {
+        let is_late = clock::since(self.since) >= SONG_WAIT;
+        if is_late && self.screen.is_awaited() && !listening.has_started() {
+            tracing::info!("the song starts before the first frame");
+            listening.follow_request();
+        }
+        let bands = listening.now().filter(|_| listening.has_started()).map(|now| now.features.bands);
+        let title = scene.library().wanted().title();
+        let bands = bands.as_ref().map_or(&[][..], |bands| bands);
+        let content = OverlayContent { bands, ..content_of(scene, None, PanelSwitches::default()) };
+        paint_waiting(self.screen, self.overlay, &title, content)
+    }
+}
+
+/// Paints a calm window with the name of the scene being prepared, because an empty window looks broken.
 pub(super) fn paint_waiting(
     screen: &mut dyn Screen,
     overlay: &mut Overlay,

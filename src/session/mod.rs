@@ -109,6 +109,8 @@ pub(crate) struct Session {
     /// True if the command line names the audio output of songs.
     names_output: bool,
     chose_output: bool,
+    /// When the window appeared.
+    waits_since: Instant,
     /// When text was last shown while no frame of a scene was ready, and the size of the window then.
     waited: Option<(Instant, (u32, u32))>,
     legacy: leaving::Legacy,

@@ -322,6 +322,10 @@ impl Screen for OffscreenWindow {
         true
     }
 
+    fn is_awaited(&self) -> bool {
+        false
+    }
+
     fn is_stale(&self) -> bool {
         false
     }

@@ -105,6 +105,7 @@ impl Opening<'_> {
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
+        let waits_since = clock::now();
         tracing::info!("the window shows the name of the scene being prepared");
         let renderer = renderer(screen.gl(), &choices, choice)?;
         let mut announcer = Announcer::default();
@@ -149,6 +150,7 @@ impl Opening<'_> {
             choices,
             names_output: settings.device.is_some() || settings.silent,
             chose_output: false,
+            waits_since,
             waited: None,
             legacy: Default::default(),
             snapshots: Default::default(),

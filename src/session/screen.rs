@@ -88,6 +88,9 @@ pub(crate) trait Screen {
     /// True if texts over the frame would be visible.
     fn shows_words(&self) -> bool;
 
+    /// True if somebody may be waiting for the first frame: then the song starts without it.
+    fn is_awaited(&self) -> bool;
+
     /// True if something other than the window must be redrawn, even with an unchanged frame.
     fn is_stale(&self) -> bool;
 

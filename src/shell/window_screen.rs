@@ -220,6 +220,10 @@ impl Screen for WindowScreen {
         self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words)
     }
 
+    fn is_awaited(&self) -> bool {
+        !self.hides_window()
+    }
+
     fn is_stale(&self) -> bool {
         self.output.is_stale() || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
     }

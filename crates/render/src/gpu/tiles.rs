@@ -6,10 +6,13 @@
 //! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
 //! image stays visible. A frame that would take far too long is started again with fewer pixels. If the region tree or
 //! first frame of a new scene takes more than `picture_seconds_max`, the show refuses the scene and reports why it is
-//! expensive.
+//! expensive. With a software renderer this judgement counts processor time, so that no scene is refused because other
+//! programs are busy.
 
 use std::cell::Cell;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+use cpu_time::ProcessTime;
 
 use super::program::Program;
 use crate::faults::{self, Fault};
@@ -50,6 +53,36 @@ impl Part {
 
     pub(super) fn pixels(self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+/// How long a draw took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DrawTime {
+    passed: Duration,
+    /// The time without waiting for other programs; at most `passed`.
+    own: Duration,
+}
+
+/// Measures the time of a draw.
+pub(super) struct DrawTimer {
+    begun: Instant,
+    /// `None` if a GPU draws: the GPU's load is unknown.
+    processor: Option<ProcessTime>,
+}
+
+impl DrawTimer {
+    /// Starts to measure. `software` is true if the processor draws.
+    pub(super) fn start(software: bool) -> Self {
+        Self { begun: Instant::now(), processor: software.then(ProcessTime::now) }
+    }
+
+    pub(super) fn stop(&self) -> DrawTime {
+        let passed = self.begun.elapsed();
+        // A software renderer draws on all processors.
+        let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
+        let own = self.processor.map_or(passed, |processor| processor.elapsed() / threads);
+        DrawTime { passed, own: own.min(passed) }
     }
 }
 
@@ -150,6 +183,7 @@ pub(super) struct Parts {
 struct Measured {
     count: u32,
     pixels: u64,
+    /// Without waiting for other programs.
     seconds: f64,
 }
 
@@ -235,19 +269,22 @@ impl Parts {
         Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
+    pub(super) fn note(&mut self, part: Part, mut time: DrawTime, cost: &mut PixelCost) {
         if self.warming_up {
             return;
         }
-        let time =
-            if faults::lasts(Fault::DearPixels) { Duration::from_micros(100 * part.pixels()) } else { time };
-        cost.note(part.pixels(), time);
+        if faults::lasts(Fault::DearPixels) {
+            let all = Duration::from_micros(100 * part.pixels());
+            time = DrawTime { passed: all, own: all };
+        }
+        cost.note(part.pixels(), time.passed);
         self.probed.count += u32::from(self.probing);
         self.probed.pixels += part.pixels();
-        self.probed.seconds += (time.as_secs_f64() - OVERHEAD).max(0.0);
+        self.probed.seconds += (time.own.as_secs_f64() - OVERHEAD).max(0.0);
     }
 
-    /// Estimated total time in seconds, without the driver's compilation; `None` until enough is known.
+    /// Estimated total time in seconds, without the driver's compilation and other programs; `None` until enough is
+    /// known.
     pub(super) fn seconds(&self) -> Option<f64> {
         let known = self.probed;
         let tells = known.count >= TELLING || (self.probes == 0 && known.pixels > 0);
@@ -259,6 +296,11 @@ impl Parts {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A draw on an idle machine.
+    fn undisturbed(time: Duration) -> DrawTime {
+        DrawTime { passed: time, own: time }
+    }
 
     /// Draws all parts, with each pixel taking `cost` seconds, and counts how often each pixel is drawn.
     fn drawn(areas: Vec<Part>, size: (u32, u32), cost: impl Fn(u32, u32) -> f64) -> (Vec<u32>, f64) {
@@ -276,7 +318,7 @@ mod tests {
                 }
             }
             longest = longest.max(seconds);
-            parts.note(part, Duration::from_secs_f64(seconds), &mut known);
+            parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut known);
         }
         (seen, longest)
     }
@@ -338,10 +380,38 @@ mod tests {
         assert_eq!(parts.seconds(), None);
         for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
-            parts.note(part, Duration::from_secs_f64(part.pixels() as f64 * 2e-3), &mut cost);
+            parts.note(part, undisturbed(Duration::from_secs_f64(part.pixels() as f64 * 2e-3)), &mut cost);
         }
         let foretold = parts.seconds().unwrap();
         assert!((100.0..120.0).contains(&foretold), "{foretold}");
+    }
+
+    #[test]
+    fn a_scene_is_not_too_expensive_because_other_programs_are_busy() {
+        let size = (320, 180);
+        let mut cost = PixelCost::default();
+        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        for _ in 0..=TELLING {
+            let part = parts.next(cost).unwrap();
+            let own = OVERHEAD + part.pixels() as f64 * 2e-5;
+            let time = DrawTime {
+                passed: Duration::from_secs_f64(20.0 * own),
+                own: Duration::from_secs_f64(own),
+            };
+            parts.note(part, time, &mut cost);
+        }
+        let foretold = parts.seconds().unwrap();
+        assert!((1.0..1.3).contains(&foretold), "{foretold}");
+        // Parts stay short all the same.
+        assert!(cost.seconds(parts.next(cost).unwrap().pixels()) < 2.0 * PART_SECONDS);
+    }
+
+    #[test]
+    fn a_draw_of_the_processor_takes_no_longer_than_its_processor_time() {
+        let [software, hardware] = [true, false].map(DrawTimer::start);
+        std::thread::sleep(Duration::from_millis(30));
+        let [software, hardware] = [software.stop(), hardware.stop()];
+        assert!(software.own <= software.passed && hardware.own == hardware.passed);
     }
 
     #[test]
@@ -350,10 +420,11 @@ mod tests {
             let mut cost = PixelCost::default();
             let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
             let first = parts.next(cost).unwrap();
-            parts.note(first, Duration::from_secs(5), &mut cost);
+            parts.note(first, undisturbed(Duration::from_secs(5)), &mut cost);
             let mut drawn = 0;
             while let Some(part) = parts.next(cost) {
-                parts.note(part, Duration::from_secs_f64(part.pixels() as f64 * 1e-5 + OVERHEAD), &mut cost);
+                let seconds = part.pixels() as f64 * 1e-5 + OVERHEAD;
+                parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
                 assert!(parts.seconds().is_none_or(|seconds| seconds < 0.5), "{:?}", parts.seconds());
                 drawn += u64::from(!parts.probing) * part.pixels();
             }
@@ -371,7 +442,7 @@ mod tests {
             draws += 1;
             let interrupted = if draws == 5 { 0.1 } else { 0.0 };
             let seconds = OVERHEAD + 1e-6 * part.pixels() as f64 + interrupted;
-            parts.note(part, Duration::from_secs_f64(seconds), &mut cost);
+            parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
         }
         assert!(draws < 100, "{draws} draws");
     }

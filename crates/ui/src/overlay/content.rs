@@ -74,6 +74,8 @@ pub struct OverlayContent<'a> {
     pub ray: Option<&'a RayView>,
     /// Fills the window with a calm background, while there is no frame.
     pub calm: bool,
+    /// Heights of the sound's bands on the calm background, 0..1.
+    pub bands: &'a [f32],
     /// True if the pointer is hidden over the frame.
     pub hides_pointer: bool,
 }

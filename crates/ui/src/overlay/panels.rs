@@ -146,7 +146,7 @@ fn show(
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     if content.calm {
-        calm::draw(&back, screen);
+        calm::draw(&back, screen, content.bands);
     }
     if let Some(view) = content.ray {
         ray::draw(&back, screen, view);

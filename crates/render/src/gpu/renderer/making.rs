@@ -16,7 +16,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
-use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
+use crate::gpu::tiles::{DrawTimer, PART_SECONDS, Part, Parts, PixelCost};
 use crate::gpu::trails::TrailSource;
 
 /// The progress of a frame.
@@ -142,13 +142,13 @@ impl Making {
         let gl = sampling.gl();
         // If the GPU measures a pass of a single draw, do not measure it here: measuring would wait for the draw.
         let is_measured = !gl.info().has_timers() || !self.parts.were_one();
-        let begun = Instant::now();
+        let timer = DrawTimer::start(gl.info().software);
         self.draw_part(sampling, targets, program, part);
         self.draws = (self.draws.0 + 1, self.draws.1.max(part.pixels()));
         if is_measured {
             gl.finish();
             self.held_back = 0.0;
-            self.parts.note(part, begun.elapsed(), cost);
+            self.parts.note(part, timer.stop(), cost);
         } else {
             // A watchdog measures the time since the last flush, which may contain several passes.
             self.held_back += cost.seconds(part.pixels());

@@ -17,7 +17,7 @@ use crate::gpu::path_state::PathState;
 use crate::gpu::program::{LazyProgram, Program, unit_of};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::{Target, Texel};
-use crate::gpu::tiles::{Part, Parts, PixelCost};
+use crate::gpu::tiles::{DrawTimer, Part, Parts, PixelCost};
 
 /// The shaders that compute an image from paths, and their defines. Tests compile all of them.
 pub const PATH_RESULT_SHADERS: [(&str, &[&str]); 4] = [
@@ -247,7 +247,7 @@ impl PathArea<'_> {
             run.queue.take().unwrap_or_else(|| Parts::of(run.parts.clone(), run.state.size(), *cost));
         let mut is_finished = true;
         while let Some(part) = queue.next(*cost) {
-            let drawing = Instant::now();
+            let timer = DrawTimer::start(gl.info().software);
             let [x, y, width, height] = [part.x, part.y, part.width, part.height].map(u32::cast_signed);
             // SAFETY: sets state of the current context.
             unsafe {
@@ -256,7 +256,7 @@ impl PathArea<'_> {
             }
             self.sampling.draw_paths(numbers);
             gl.finish();
-            queue.note(part, drawing.elapsed(), cost);
+            queue.note(part, timer.stop(), cost);
             if begun.elapsed() >= patience {
                 is_finished = false;
                 break;
