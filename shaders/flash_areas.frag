@@ -1,11 +1,10 @@
-// Computes the limited cells of each row: the marked cells in crowded fields.
+// Computes the cells of each row that crowded fields cover.
 
 #include "flash_rows.glsl"
 
-uniform sampler2D marked_rows;      // output of flash_rows.frag
 uniform sampler2D covered_rows;     // output of flash_fields.frag
 
-layout(location = 0) out vec4 limited;  // xy for light, zw for red
+layout(location = 0) out vec4 crowded;  // xy for light, zw for red
 
 void main() {
     int own = int(gl_FragCoord.y);
@@ -17,6 +16,5 @@ void main() {
         light |= row_of(covered.xy);
         red |= row_of(covered.zw);
     }
-    vec4 marked = texelFetch(marked_rows, ivec2(0, own), 0);
-    limited = vec4(light & row_of(marked.xy), red & row_of(marked.zw));
+    crowded = vec4(light, red);
 }

@@ -1,12 +1,9 @@
 // Computes the ceilings of brightness and the fractions of grey of cells (crates/render/src/flash/limiter.rs).
 
 #include "flash_swing.glsl"
-#include "flash_rows.glsl"
+#include "flash_limited.glsl"
 
 uniform sampler2D cells;            // mean colours
-uniform sampler2D light_swings;     // output of flash_follow.frag for this frame
-uniform sampler2D red_swings;
-uniform sampler2D limited_rows;     // output of flash_areas.frag
 uniform sampler2D shown_swings;     // output of flash_note.frag for the last frame
 uniform sampler2D shown_rest;
 uniform sampler2D shown_lows;
@@ -17,14 +14,14 @@ layout(location = 0) out vec4 own;  // x ceiling, y highest luminance while a ri
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
-    vec4 limited = texelFetch(limited_rows, ivec2(0, cell.y), 0);
-    bool of_light = has_bit(row_of(limited.xy), cell.x);
-    bool of_red = has_bit(row_of(limited.zw), cell.x);
+    vec4 lows = remembered(texelFetch(shown_lows, cell, 0), vec4(NEVER, NEVER, 0.0, 0.0));
+    bvec2 limited = are_limited(cell, lows.zw);
+    bool of_light = limited.x;
+    bool of_red = limited.y;
     bool holds_light = of_light && !is_put_off(texelFetch(light_swings, cell, 0).w);
     bool holds_red = of_red && !is_put_off(texelFetch(red_swings, cell, 0).w);
     vec3 color = texelFetch(cells, cell, 0).rgb;
     float came = luminance(color);
-    vec2 lows = remembered(texelFetch(shown_lows, cell, 0), vec4(NEVER)).xy;
     vec4 state = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
     vec4 rest = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER, NEVER, 0.0, NEVER));
     Ages ages = aged(vec4(NEVER), rest.xy);

@@ -32,7 +32,7 @@ void main() {
     vec4 state = remembered(texelFetch(light_swings, cell, 0), vec4(NO_SWING, 0.0));
     Ages ages = aged(remembered(texelFetch(light_ages, cell, 0), vec4(NEVER)), rest.xy);
     float change = light_change(state.xyz, light);
-    float hold = state.w - flash_step.x;
+    float hold = left_of(state.w);
     hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : hold;
     note_change(ages, change, false);
     // Mark the cell if its allowed colour after the limiter would rise once too often.
@@ -40,19 +40,19 @@ void main() {
     vec4 shown_ages = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER));
     bool rises = light_change(shown.xyz, min(light, shown.w + RELEASE * flash_step.x)) > 0.0;
     hold = max(hold, rises ? hold_after(aged(vec4(NEVER), shown_ages.xy)) : 0.0);
-    light_swing = vec4(state.xyz, max(hold, 0.0));
+    light_swing = vec4(state.xyz, hold);
     light_newest = ages.newest;
     light_others = vec4(ages.oldest, 0.0, 0.0);
 
     state = remembered(texelFetch(red_swings, cell, 0), vec4(NO_RED_SWING, 0.0));
     ages = aged(remembered(texelFetch(red_ages, cell, 0), vec4(NEVER)), remembered(texelFetch(red_rest, cell, 0), vec4(NEVER)).xy);
     change = red_change(state.xyz, color);
-    hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : state.w - flash_step.x;
+    hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : left_of(state.w);
     note_change(ages, change, false);
     shown = remembered(texelFetch(shown_red_swings, cell, 0), vec4(NO_RED_SWING, NEVER));
     rises = red_change(shown.xyz, color) > 0.0;
     hold = max(hold, rises ? hold_after(aged(vec4(NEVER), vec2(NEVER, shown.w))) : 0.0);
-    red_swing = vec4(state.xyz, max(hold, 0.0));
+    red_swing = vec4(state.xyz, hold);
     red_newest = ages.newest;
     red_others = vec4(ages.oldest, 0.0, 0.0);
 }

@@ -1,6 +1,7 @@
 // Records the changes of each cell after the limiter (crates/render/src/flash/limiter.rs).
 
 #include "flash_swing.glsl"
+#include "flash_limited.glsl"
 
 uniform sampler2D shown_cells;      // mean colours of this frame after the limiter
 uniform sampler2D own_ceilings;     // output of flash_decide.frag
@@ -16,7 +17,8 @@ uniform sampler2D shown_red_ages;
 FIRST_HALF(0) vec4 swing;       // xyz the swing of the luminance, w the cell's own ceiling
 FIRST_HALF(1) vec4 newest;      // ages of the luminance's changes
 FIRST_HALF(2) vec4 others;      // xy two older ages, z fraction of grey, w the fifth age of red
-OTHER_HALF(0) vec4 lows;        // xy darkest luminance of this part of the memory and of the previous one
+OTHER_HALF(0) vec4 lows;        // xy darkest luminance of this part of the memory and of the previous one, zw 1 if the
+                                // cell's light and red are limited
 OTHER_HALF(1) vec4 red_swing;   // xyz the swing of the red, w the sixth age of the red's changes
 OTHER_HALF(2) vec4 red_newest;  // ages of the red's changes
 
@@ -33,9 +35,10 @@ void main() {
     float change = light_change(state.xyz, light);
     note_change(ages, change, renews);
 
-    vec2 dark = remembered(texelFetch(shown_lows, cell, 0), vec4(NEVER)).xy;
-    dark = flash_step.y > 0.5 ? vec2(NEVER, dark.x) : dark;
-    lows = vec4(min(dark.x, light), dark.y, 0.0, 0.0);
+    vec4 dark = remembered(texelFetch(shown_lows, cell, 0), vec4(NEVER, NEVER, 0.0, 0.0));
+    bvec2 limited = are_limited(cell, dark.zw);
+    dark.xy = flash_step.y > 0.5 ? vec2(NEVER, dark.x) : dark.xy;
+    lows = vec4(min(dark.x, light), dark.y, limited);
 
     vec4 red = remembered(texelFetch(shown_red_swings, cell, 0), vec4(NO_RED_SWING, NEVER));
     Ages reds = aged(remembered(texelFetch(shown_red_ages, cell, 0), vec4(NEVER)), vec2(rest.w, red.w));

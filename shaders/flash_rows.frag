@@ -1,4 +1,4 @@
-// Packs the marks of each row's cells into bits, for the passes over fields of cells.
+// Packs the new marks of each row's cells into bits, for the passes over fields of cells.
 
 #include "flash_swing.glsl"
 #include "flash_rows.glsl"
@@ -6,7 +6,7 @@
 uniform sampler2D light_swings;     // output of flash_follow.frag for this frame
 uniform sampler2D red_swings;
 
-layout(location = 0) out vec4 marked;   // xy cells whose light flashes too often, zw cells whose red flashes too often
+layout(location = 0) out vec4 marked;   // xy cells whose light has just flashed too often, zw the same for red
 
 void main() {
     int row = int(gl_FragCoord.y);
@@ -15,8 +15,10 @@ void main() {
     for (int column = 0; column < COLUMNS; column++) {
         ivec2 cell = ivec2(column, row);
         uvec2 bit = row_bit(column);
-        light |= texelFetch(light_swings, cell, 0).w > 0.0 ? bit : uvec2(0u);
-        red |= texelFetch(red_swings, cell, 0).w > 0.0 ? bit : uvec2(0u);
+        vec4 swing = texelFetch(light_swings, cell, 0);
+        light |= swing.x > 0.0 && is_fresh(swing.w) ? bit : uvec2(0u);
+        swing = texelFetch(red_swings, cell, 0);
+        red |= swing.x > 0.5 && is_fresh(swing.w) ? bit : uvec2(0u);
     }
     marked = vec4(light, red);
 }

@@ -99,6 +99,17 @@ bool is_put_off(float hold) {
     return hold > 0.0 && hold <= EARLY + ROUNDING;
 }
 
+// True if a mark that lasts for these seconds began now.
+bool is_fresh(float hold) {
+    return is_put_off(hold) || hold >= FRESH;
+}
+
+// The seconds that are left of the last frame's mark. A delay ends with its frame.
+float left_of(float hold) {
+    hold -= flash_step.x;
+    return is_put_off(hold) ? 0.0 : max(hold, 0.0);
+}
+
 // Records a change. If there is no change, `renews` sets the age of the last change to 0.
 void note_change(inout Ages ages, float change, bool renews) {
     if (renews && change == 0.0) {

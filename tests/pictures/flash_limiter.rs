@@ -243,6 +243,24 @@ fn a_flash_that_ends_before_it_is_shown_does_not_count() {
 }
 
 #[test]
+fn a_white_bolt_that_wanders_is_not_turned_grey() {
+    let mut bench = Bench::new();
+    for (seed, fps) in [(1, 30.0), (2, 60.0), (3, 24.0)] {
+        let mut random = Random(seed);
+        bench.begin();
+        let mut row = 16.0;
+        for _ in 0..(3.0 * fps) as usize {
+            // The bolt is three cells high, as wide as the picture, and moves up and down by less than its height.
+            row = f64::clamp(row + 40.0 / fps * (random.fraction() - 0.5), 12.0, 20.0);
+            bench.show(1.0 / fps, |cell| {
+                if (row as usize..row as usize + 3).contains(&(cell / COLUMNS)) { WHITE } else { [40, 60, 110] }
+            });
+        }
+        assert_eq!(bench.changed, 0, "{fps} frames a second");
+    }
+}
+
+#[test]
 fn calm_frames_stay_bit_for_bit() {
     let mut bench = Bench::new();
     for frame in 0..180_usize {

@@ -2,7 +2,7 @@
 
 use super::fields;
 use super::grid::{CELLS, Grid, luminance};
-use super::swing::{DEFINED, LightSwing, RedSwing, Times};
+use super::swing::{Change, DEFINED, LightSwing, RedSwing, Times};
 
 /// Flashes that cover at most this fraction of a field of view do not count.
 const AREA: f64 = 0.25;
@@ -56,18 +56,21 @@ impl Analyser {
                 }
             }
         }
-        let more = |worst: usize, changes: fn(&Cell) -> &Times| {
-            let flashes =
-                |cell: usize| self.cells.get(cell).map_or(0, |cell| changes(cell).count(time, 0.0) / 2);
-            let mut worst = worst;
-            while fields::largest_fraction(|cell| flashes(cell) > worst) > AREA {
-                worst += 1;
+        let more = |mut worst: usize, changes: fn(&Cell) -> (Option<Change>, &Times)| {
+            for change in [Change::Up, Change::Down] {
+                let flashes = |cell: usize| {
+                    let (last, times) = self.cells.get(cell).map(changes)?;
+                    (last == Some(change) && times.are_fresh(time)).then(|| times.count(time, 0.0) / 2)
+                };
+                while fields::largest_fraction(|cell| flashes(cell) > Some(worst)) > AREA {
+                    worst += 1;
+                }
             }
             worst
         };
         self.worst = Flashes {
-            general: more(self.worst.general, |cell| &cell.light_changes),
-            red: more(self.worst.red, |cell| &cell.red_changes),
+            general: more(self.worst.general, |cell| (cell.light.last(), &cell.light_changes)),
+            red: more(self.worst.red, |cell| (cell.red.last(), &cell.red_changes)),
         };
     }
 
@@ -107,6 +110,22 @@ mod tests {
         // Both colours have the same luminance, so these are red flashes only.
         assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
         assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
+    }
+
+    #[test]
+    fn places_that_light_up_in_turn_do_not_flash_together() {
+        // Bolts of four rows, at a row that depends on the frame.
+        let flashes = |row: fn(usize) -> usize| {
+            let mut analyser = Analyser::default();
+            for frame in 0..120 {
+                let lit = |cell: usize| (cell / COLUMNS % 12).wrapping_sub(row(frame)) < 4;
+                let color = |cell| if lit(cell) { [1.0; 3] } else { [0.0; 3] };
+                analyser.note(frame as f64 / 30.0, &Grid::new((0..CELLS).map(color)));
+            }
+            analyser.worst().general
+        };
+        assert_eq!(flashes(|frame| (frame % 14).min(14 - frame % 14)), 0, "up and down twice a second");
+        assert!(flashes(|frame| frame / 3 % 2 * 7) > 3, "it jumps between two places");
     }
 
     #[test]

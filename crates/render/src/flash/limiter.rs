@@ -1,8 +1,8 @@
 //! Limits the flashes of a video: dims light that would cause a fourth flash within a second.
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
-//! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field. The
-//! limit is a ceiling: the lowest luminance of the last second plus a margin too small to count as a flash. After the
+//! marks the cell for a second. Marked cells are limited from when more than a certain fraction of a field is marked at
+//! the same time until their marks end. The limit is a ceiling: the lowest luminance of the last second plus a margin too small to count as a flash. After the
 //! flashes the ceiling rises slowly. Flashing red is limited by removing saturation.
 //!
 //! **Limits have no visible edges.** A ceiling spreads over neighbouring cells, where it rises with the squared
@@ -17,14 +17,17 @@
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
-use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
+use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, SIMULTANEOUS, Times};
 
 /// Fraction of a field above which flashes are limited. It is a little less than WCAG's quarter.
 pub(super) const AREA: f64 = 0.2;
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
-/// Seconds for which a cell stays marked.
-pub(super) const HOLD: f64 = 1.0;
+/// Seconds for which a cell stays marked. The last [`EARLY`] of them do not count.
+pub(super) const HOLD: f64 = 1.0 + EARLY;
+/// A mark that has at least this many seconds left is new: its rise is simultaneous with rises now. Rises are dated up
+/// to a fiftieth of a second too early or too late.
+pub(super) const FRESH: f64 = HOLD - SIMULTANEOUS - 0.02;
 /// Margin between a cell's lowest luminance and its ceiling. A change of this size is too small for a flash.
 pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which the lowest luminance is remembered, in seconds.
@@ -83,11 +86,13 @@ struct Cell {
     light: LightSwing,
     light_changes: Times,
     light_until: f64,
+    light_limited: bool,
     shown: LightSwing,
     shown_changes: Times,
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
+    red_limited: bool,
     /// The displayed red and its changes. Dimming can make these changes differ from the input's.
     shown_red: RedSwing,
     shown_red_changes: Times,
@@ -104,11 +109,13 @@ impl Cell {
             light: LightSwing::NEW,
             light_changes: Times::NEW,
             light_until: 0.0,
+            light_limited: false,
             shown: LightSwing::NEW,
             shown_changes: Times::NEW,
             red: RedSwing::NEW,
             red_changes: Times::NEW,
             red_until: 0.0,
+            red_limited: false,
             shown_red: RedSwing::NEW,
             shown_red_changes: Times::NEW,
             lows: [f32::INFINITY; 2],
@@ -163,6 +170,11 @@ impl Cell {
 /// Returns true if a mark that ends at `until` only delays a rise.
 fn is_put_off(until: f64, now: f64) -> bool {
     until > now && until - now <= EARLY + ROUNDING
+}
+
+/// True if a mark that ends at `until` began now.
+fn is_fresh(until: f64, now: f64) -> bool {
+    is_put_off(until, now) || until - now >= FRESH
 }
 
 /// The time between two frames, as the limiter needs it.
@@ -224,16 +236,22 @@ impl Limiter {
         self.now += seconds;
         self.follow(frame, seconds);
         let now = self.now;
-        let wants = |until: fn(&Cell) -> f64| {
-            fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
+        let wants = |mark: fn(&Cell) -> (Option<Change>, f64)| {
+            let is_rising = |cell| {
+                let (last, until) = mark(cell);
+                last == Some(Change::Up) && is_fresh(until, now)
+            };
+            fields::crowded(|cell| self.cells.get(cell).is_some_and(is_rising), AREA)
         };
-        let (light, red) = (wants(|cell| cell.light_until), wants(|cell| cell.red_until));
+        let light = wants(|cell| (cell.light.last(), cell.light_until));
+        let red = wants(|cell| (cell.red.last(), cell.red_until));
         let mut own = vec![Own::NONE; CELLS];
         for (place, ((cell, own), color)) in
             self.cells.iter_mut().zip(&mut own).zip(frame.colors()).enumerate()
         {
             let came = luminance(*color);
-            let limited = marked(&light, place) && cell.light_until > now;
+            let limited = cell.light_until > now && (marked(&light, place) || cell.light_limited);
+            cell.light_limited = limited;
             cell.move_ceiling(limited && !is_put_off(cell.light_until, now), seconds as f32);
             let mut shown = came.min(cell.ceiling);
             let mut highest = f32::INFINITY;
@@ -241,7 +259,8 @@ impl Limiter {
                 highest = cell.shown.low() + SWING;
                 shown = shown.min(highest);
             }
-            let limited_red = marked(&red, place) && cell.red_until > now;
+            let limited_red = cell.red_until > now && (marked(&red, place) || cell.red_limited);
+            cell.red_limited = limited_red;
             let greys = limited_red && !is_put_off(cell.red_until, now);
             cell.grey = if greys { GREY } else { (cell.grey - RED_RELEASE * seconds as f32).max(0.0) };
             let gain = if shown < came { shown / came } else { 1.0 };
@@ -281,6 +300,9 @@ impl Limiter {
                 (cell.red.step(*color, &CAUTIOUS), &mut cell.red_changes, &mut cell.red_until),
             ];
             for (change, times, until) in kinds {
+                if is_put_off(*until, now) {
+                    *until = now;
+                }
                 let Some(change) = change else { continue };
                 times.note(now);
                 if change == Change::Up && times.count(now, EARLY) >= CHANGES {

@@ -3,7 +3,7 @@
 use super::fields::{HEIGHT, WIDTH};
 use super::grid::{COLUMNS, FLASHES_MAX, ROWS};
 use super::limiter::{
-    AREA, CEILING_RISE, EARLY, FOLLOW, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE, SWING,
+    AREA, CEILING_RISE, EARLY, FOLLOW, FRESH, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE, SWING,
 };
 use super::swing::{
     CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_FRACTION,
@@ -36,6 +36,7 @@ pub fn rules_glsl() -> String {
         ("ROUNDING", ROUNDING as f32),
         ("AREA", AREA as f32),
         ("HOLD", HOLD as f32),
+        ("FRESH", FRESH as f32),
         ("EARLY", EARLY as f32),
         ("SWING", SWING),
         ("FOLLOW", FOLLOW),

@@ -25,6 +25,8 @@ pub(super) const SURE_CHANGE: f32 = 0.105;
 pub(super) const SURE_DARKER: f32 = 0.795;
 pub(super) const SURE_RED_FRACTION: f32 = 0.82;
 pub(super) const SURE_RED_CHANGE: f32 = 0.21;
+/// Changes within this time are simultaneous, in seconds.
+pub(super) const SIMULTANEOUS: f64 = 0.05;
 /// Light that a screen always reflects. Because of it, almost black pixels have no colour.
 pub(super) const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
@@ -87,6 +89,10 @@ impl LightSwing {
         still && !sure
     }
 
+    pub(super) fn last(&self) -> Option<Change> {
+        self.last
+    }
+
     pub(super) fn low(&self) -> f32 {
         self.low
     }
@@ -122,6 +128,11 @@ impl RedSwing {
             self.extreme = Some(now);
         }
         None
+    }
+
+    /// The last change, or the first colour.
+    pub(super) fn last(&self) -> Option<Change> {
+        self.extreme.map(|_| if self.red { Change::Up } else { Change::Down })
     }
 
     pub(super) fn may_count_only_at(&self, color: [f32; 3], counts: &Thresholds) -> bool {
@@ -171,6 +182,11 @@ impl Times {
         while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
             self.0.pop_front();
         }
+    }
+
+    /// True if the last change is simultaneous with changes at `now`.
+    pub(super) fn are_fresh(&self, now: f64) -> bool {
+        self.0.back().is_some_and(|last| now - last <= SIMULTANEOUS + ROUNDING)
     }
 
     /// Returns the number of changes. Leaves out changes that will be forgotten within `soon` seconds.

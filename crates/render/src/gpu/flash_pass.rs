@@ -199,7 +199,7 @@ impl FlashPass {
                 cells.draw(&programs.find_areas, &memory.areas);
             }
             5 => {
-                bind(&memory.areas, &["limited_rows"]);
+                bind(&memory.areas, &["crowded_rows"]);
                 cells.draw(&programs.decide, own);
             }
             6 => self.spread_along([1.0, 0.0], own, along_rows),
@@ -212,6 +212,8 @@ impl FlashPass {
             _ => {
                 bind(&memory.shown, &["shown_cells"]);
                 bind(own, &["own_ceilings"]);
+                // Its unit has held the ceilings in between.
+                bind(&memory.areas, &["crowded_rows"]);
                 cells.draw_halves(&programs.note, noted);
             }
         }

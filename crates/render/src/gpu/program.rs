@@ -44,7 +44,7 @@ pub const TEXTURE_UNITS: [(&str, u32); 54] = [
     ("shown_lows", 11),
     ("own_ceilings", 12),
     ("covered_rows", 12),
-    ("limited_rows", 13),
+    ("crowded_rows", 13),
     ("edge_pixels", 12),
     ("path_state", 12),
     ("path_guides", 13),
