@@ -177,8 +177,10 @@ impl Direction {
                 // Ignore the first song's show if it has one clip: without sections in the song, the director has no
                 // reason to change scenes.
                 let is_first = self.before.1.len() < 2;
-                let says_something =
-                    made.track.is_none() || self.named.is_some() || prepared_show.clips().len() > 1 || !is_first;
+                let says_something = made.track.is_none()
+                    || self.named.is_some()
+                    || prepared_show.clips().len() > 1
+                    || !is_first;
                 says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
             Ok((prepared_show, Some(text))) => {

@@ -253,7 +253,11 @@ fn a_white_bolt_that_wanders_is_not_turned_grey() {
             // The bolt is three cells high, as wide as the picture, and moves up and down by less than its height.
             row = f64::clamp(row + 40.0 / fps * (random.fraction() - 0.5), 12.0, 20.0);
             bench.show(1.0 / fps, |cell| {
-                if (row as usize..row as usize + 3).contains(&(cell / COLUMNS)) { WHITE } else { [40, 60, 110] }
+                if (row as usize..row as usize + 3).contains(&(cell / COLUMNS)) {
+                    WHITE
+                } else {
+                    [40, 60, 110]
+                }
             });
         }
         assert_eq!(bench.changed, 0, "{fps} frames a second");

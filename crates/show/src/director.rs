@@ -206,7 +206,8 @@ impl<'a> Director<'a> {
             card.about.moods.iter().filter(|mood| before.about.moods.contains(mood)).count()
         });
         let ago = self.seen.iter().rev().position(|seen| *seen == scene);
-        let changes_since = self.earlier.iter().position(|seen| *seen == scene).map(|ago| ago + self.seen.len());
+        let changes_since =
+            self.earlier.iter().position(|seen| *seen == scene).map(|ago| ago + self.seen.len());
         let forgotten = changes_since.map_or(1.0, |ago| ago as f32 / self.cards.len() as f32);
         let taken = self.of_letter.values().any(|other| *other == scene);
         points::OUTSIDE * outside

@@ -394,10 +394,8 @@ mod tests {
         for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
             let own = OVERHEAD + part.pixels() as f64 * 2e-5;
-            let time = DrawTime {
-                passed: Duration::from_secs_f64(20.0 * own),
-                own: Duration::from_secs_f64(own),
-            };
+            let time =
+                DrawTime { passed: Duration::from_secs_f64(20.0 * own), own: Duration::from_secs_f64(own) };
             parts.note(part, time, &mut cost);
         }
         let foretold = parts.seconds().unwrap();

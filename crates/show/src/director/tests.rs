@@ -121,7 +121,8 @@ fn moods_follow_density_tempo_and_mode() {
         cards.iter().filter(|card| names.contains(&card.scene.as_str())).cloned().collect()
     };
     for seed in 0..20 {
-        let first = |song: &SongStructure, names| direct(song, &only(names), &[], seed).entries[0].scene.clone();
+        let first =
+            |song: &SongStructure, names| direct(song, &only(names), &[], seed).entries[0].scene.clone();
         let sparse = song_of(8, &[(0.5, SPARSE)]);
         let mut dense = song_of(8, &[(0.5, DENSE)]);
         assert_eq!(first(&sparse, ["race", "garden"]), "garden");
