@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::support::apart::apart;
 use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
 use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::headless::Headless;
@@ -378,6 +379,8 @@ fn disturbance(op: Op, a: f32, result: f32) -> f32 {
 
 #[test]
 fn random_expressions_agree() {
+    // Without its optimizer, llvmpipe compiles these shaders in a third of the time.
+    apart!("GALLIVM_PERF" = "nopt");
     const EXPRESSIONS: usize = 2_000;
     const POINTS: usize = 256;
     const PER_SHADER: usize = 50;
