@@ -2,9 +2,11 @@
 //! Descriptions and keys in tooltips come from the table of commands.
 
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 use egui::{
-    Align, Color32, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Color32, Galley, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
 };
 use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
@@ -30,9 +32,9 @@ const GAP: f32 = 3.0;
 const COVER_GAP: f32 = 7.0;
 const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
-/// Minimum and maximum width of the volume slider. The slider is hidden if there is less room than the minimum.
+/// Minimum and maximum width of the volume slider.
 const VOLUME_WIDTH: (f32, f32) = (38.0, 84.0);
-const RIGHT_BUTTONS: f32 = 11.0;
+const TIMES_GAP: f32 = 6.0;
 /// Height of the line that shows the song's sections. The next constant is the size of the sections' letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
@@ -257,67 +259,121 @@ fn draw_fraction(painter: &Painter, rail: Rect, fraction: f32) {
     painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
 }
 
-fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
-    let now = bar.now;
-    let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
-    ui.horizontal(|ui| {
-        if !now.live {
-            key_button(ui, Icon::Previous, Command::PreviousTrack, Lamp::None, events);
-        }
-        let pause = if now.paused { Icon::Play } else { Icon::Pause };
-        key_button(ui, pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused), events);
-        if !now.live {
-            key_button(ui, Icon::Next, Command::NextTrack, Lamp::None, events);
-            key_button(ui, Icon::Shuffle, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled), events);
-            repeat_button(ui, now, events);
-            let sound = if now.muted { Icon::Muted } else { Icon::Volume };
-            key_button(ui, sound, Command::Mute(Switch::Toggle), Lamp::Hidden(now.muted), events);
-            let room = ui.available_width() - right;
-            if room >= VOLUME_WIDTH.0 {
-                volume(ui, now, room.min(VOLUME_WIDTH.1), events);
-            }
-            let font = style::proportional(style::SMALL_SIZE);
-            ui.add_space(6.0);
-            let room = ui.available_width() - right;
-            let times = style::line(ui.painter(), &now.times(), font, style::DIM, f32::MAX);
-            if room > times.size().x {
-                let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
-                ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * times.size().y), times, style::DIM);
-            }
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            key_button(
-                ui,
-                Icon::Fullscreen,
-                Command::Fullscreen(Switch::Toggle),
-                Lamp::Hidden(bar.fullscreen),
-                events,
-            );
-            key_button(ui, Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.help), events);
-            panel_button(ui, Icon::Settings, Panel::Settings, bar, events);
-            key_button(ui, Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders), events);
-            panel_button(ui, Icon::Text, Panel::Editor, bar, events);
-            panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
-            key_button(ui, Icon::Decks, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks), events);
-            key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
-            let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
-            let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
-            draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
-            if !now.live {
-                panel_button(ui, Icon::Tracks, Panel::Tracks, bar, events);
-            }
-            panel_button(ui, Icon::Folder, Panel::Files, bar, events);
-            panel_button(ui, Icon::Video, Panel::Video, bar, events);
-        });
-    });
+/// A control of the bar's lowest row.
+enum Control {
+    Button(Icon, Box<Command>, Lamp),
+    Volume,
+    Times(Arc<Galley>),
 }
 
-fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mut Vec<UiEvent>) -> Response {
-    let response = button(ui, icon, &words_of(&command), lamp);
-    if response.clicked() {
-        events.push(UiEvent::Command(command));
+impl Control {
+    /// The least width in points, with the gap to the next control.
+    fn width(&self) -> f32 {
+        let width = match self {
+            Self::Button(..) => BUTTON,
+            Self::Volume => VOLUME_WIDTH.0,
+            Self::Times(text) => text.size().x + TIMES_GAP,
+        };
+        width + BUTTON_GAP
     }
-    response
+
+    /// Draws the control. The volume slider takes the `spare` width.
+    fn show(self, ui: &mut Ui, bar: &Bar<'_>, spare: f32, events: &mut Vec<UiEvent>) {
+        match self {
+            Self::Button(icon, command, lamp) => {
+                let response = button(ui, icon, &words_of(&command), lamp);
+                if response.clicked() {
+                    events.push(UiEvent::Command(*command));
+                }
+                match icon {
+                    Icon::Source => {
+                        let bottom = response.rect.center_bottom() - vec2(0.0, LEVEL.y);
+                        let level = bar.level.clamp(0.0, 1.0);
+                        draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), level);
+                    }
+                    Icon::Repeat | Icon::RepeatOne => {
+                        let holds = match bar.now.repeat {
+                            Repeat::Off => "repeat is off",
+                            Repeat::All => "repeats all tracks",
+                            Repeat::One => "repeats this track",
+                        };
+                        assisted::describe(ui.ctx(), response.id, holds);
+                    }
+                    _ => {}
+                }
+            }
+            Self::Volume => volume(ui, bar.now, (VOLUME_WIDTH.0 + spare).min(VOLUME_WIDTH.1), events),
+            Self::Times(text) => {
+                let size = vec2(text.size().x + TIMES_GAP, BUTTON);
+                let (place, _) = ui.allocate_exact_size(size, Sense::hover());
+                let at = place.right_center() - vec2(text.size().x, 0.5 * text.size().y);
+                ui.painter().galley(at, text, style::DIM);
+            }
+        }
+    }
+}
+
+/// The controls of the lowest row, from its left edge and from its right edge. Each control has a rank. A narrow bar
+/// leaves out the controls with the highest ranks, but screen readers find all of a bar that is not seen.
+fn controls(bar: &Bar<'_>, painter: &Painter) -> [Vec<(u8, Control)>; 2] {
+    let now = bar.now;
+    let button = |icon, command, lamp| Control::Button(icon, Box::new(command), lamp);
+    let panel = |icon, panel| button(icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)));
+    let pause = if now.paused { Icon::Play } else { Icon::Pause };
+    let sound = if now.muted { Icon::Muted } else { Icon::Volume };
+    let repeat = if now.repeat == Repeat::One { Icon::RepeatOne } else { Icon::Repeat };
+    let times =
+        style::line(painter, &now.times(), style::proportional(style::SMALL_SIZE), style::DIM, f32::MAX);
+    let mut left = vec![
+        (10, button(Icon::Previous, Command::PreviousTrack, Lamp::None)),
+        (0, button(pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused))),
+        (3, button(Icon::Next, Command::NextTrack, Lamp::None)),
+        (15, button(Icon::Shuffle, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled))),
+        (16, button(repeat, Command::NextRepeat, Lamp::Seen(now.repeat != Repeat::Off))),
+        (8, button(sound, Command::Mute(Switch::Toggle), Lamp::Hidden(now.muted))),
+        (9, Control::Volume),
+        (4, Control::Times(times)),
+    ];
+    let mut right = vec![
+        (2, button(Icon::Fullscreen, Command::Fullscreen(Switch::Toggle), Lamp::Hidden(bar.fullscreen))),
+        (1, button(Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.help))),
+        (6, panel(Icon::Settings, Panel::Settings)),
+        (13, button(Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders))),
+        (12, panel(Icon::Text, Panel::Editor)),
+        (5, panel(Icon::Scenes, Panel::Scenes)),
+        (19, button(Icon::Decks, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks))),
+        (18, button(Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows))),
+        (14, panel(Icon::Source, Panel::Sources)),
+        (7, panel(Icon::Tracks, Panel::Tracks)),
+        (11, panel(Icon::Folder, Panel::Files)),
+        (17, panel(Icon::Video, Panel::Video)),
+    ];
+    if now.live {
+        left.retain(|(_, control)| matches!(control, Control::Button(Icon::Pause | Icon::Play, ..)));
+        right.retain(|(_, control)| !matches!(control, Control::Button(Icon::Tracks, ..)));
+    }
+    [left, right]
+}
+
+fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
+    let mut groups = controls(bar, ui.painter());
+    let spare = loop {
+        let width: f32 = groups.iter().flatten().map(|(_, control)| control.width()).sum();
+        let spare = ui.available_width() - width;
+        match groups.iter().flatten().map(|(rank, _)| *rank).max() {
+            Some(last) if spare < 0.0 && bar.seen => {
+                groups.iter_mut().for_each(|group| group.retain(|(rank, _)| *rank != last))
+            }
+            _ => break spare.max(0.0),
+        }
+    };
+    let [left, right] = groups;
+    ui.horizontal(|ui| {
+        left.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, events));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            right.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, events));
+        });
+    });
 }
 
 pub(super) fn words_of(command: &Command) -> String {
@@ -329,10 +385,6 @@ pub(super) fn words_of(command: &Command) -> String {
         }
         (_, None) => String::new(),
     }
-}
-
-fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Response {
-    key_button(ui, icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), events)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -361,17 +413,6 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
         Lamp::Seen(on) | Lamp::Hidden(on) => WidgetInfo::selected(egui::Role::Button, true, on, words),
     });
     response.on_hover_text(words)
-}
-
-fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
-    let (icon, holds) = match now.repeat {
-        Repeat::Off => (Icon::Repeat, "repeat is off"),
-        Repeat::All => (Icon::Repeat, "repeats all tracks"),
-        Repeat::One => (Icon::RepeatOne, "repeats this track"),
-    };
-    let lamp = Lamp::Seen(now.repeat != Repeat::Off);
-    let response = key_button(ui, icon, Command::NextRepeat, lamp, events);
-    assisted::describe(ui.ctx(), response.id, holds);
 }
 
 fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {

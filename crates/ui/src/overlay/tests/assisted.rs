@@ -161,3 +161,34 @@ fn tab_did_not_reach_the_bar() {
     stage.frame(press(Key::Escape), content());
     assert_eq!(focused(&stage), None, "keys belong to the show again");
 }
+
+#[test]
+fn in_a_small_window_a_button_lay_on_the_volume_and_the_time_was_missing() {
+    let now = NowPlaying { position: 83.0, duration: Some(4_225.0), ..playing() };
+    for pixels in [[480.0, 270.0], [480.0, 400.0], [640.0, 360.0], [800.0, 450.0], [1280.0, 720.0]] {
+        let pixels = Vec2::from(pixels);
+        let mut stage = Stage::new(pixels / style::zoom(pixels));
+        stage.panels.context().enable_accesskit();
+        let content = || OverlayContent { bar: Some(bar(&now)), ..Default::default() };
+        let nodes = controls(&mut stage, content);
+        let laid_out = stage.frame(vec![], content());
+        let is_control = |node: &&Node| matches!(node.role(), Role::Button | Role::Slider);
+        let places = nodes.iter().filter(is_control).map(|node| {
+            let place = node.bounds().expect("a control without a place");
+            let corner = |x, y| Pos2::new(x as f32, y as f32);
+            (node.label(), Rect::from_min_max(corner(place.x0, place.y0), corner(place.x1, place.y1)))
+        });
+        let mut places: Vec<(Option<&str>, Rect)> = places.collect();
+        let (_, texts) = drawn(&laid_out);
+        places.push((Some("times"), place_of(&texts, "1:23 / 1:10:25")));
+        for (index, (name, place)) in places.iter().enumerate() {
+            assert!(laid_out.panels[0].contains_rect(*place), "{pixels}: {name:?} is outside");
+            let covered = places[..index].iter().find(|(_, other)| other.shrink(0.5).intersects(*place));
+            assert_eq!(covered, None, "{pixels}: {name:?} overlaps another control");
+        }
+        for kept in ["pause", "show or hide the keys", "all scenes", "settings", "track list"] {
+            let is_kept = |(name, _): &(Option<&str>, Rect)| name.is_some_and(|name| name.starts_with(kept));
+            assert!(places.iter().any(is_kept), "{pixels}: no {kept}");
+        }
+    }
+}
