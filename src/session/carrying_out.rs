@@ -151,7 +151,7 @@ impl Session {
             Command::MorphBeats(beats) => self.snapshot_desk().morph_over(beats),
             Command::WriteSnapshots => self.snapshot_desk().write(),
             Command::ToggleSceneLine => self.interface.ui_state.panels.toggle_corner(),
-            Command::Blackout(_) => self.playback.toggle_blackout(),
+            Command::Blackout(_) => self.toggle_blackout(),
             Command::Freeze(_) => self.playback.toggle_freeze(),
             Command::Brightness(fraction) => {
                 let percent = (100.0 * fraction).round().clamp(0.0, 100.0) as u8;
@@ -202,7 +202,7 @@ impl Session {
             snapshots: self.snapshots.keys,
             black: self.playback.master_output.is_black(),
             frozen: self.playback.master_output.is_frozen(),
-            clean: self.interface.ui_state.bare,
+            clean: self.interface.ui_state.hidden.by_key,
             fullscreen: self.screen.is_fullscreen(),
             brightness: f32::from(self.choices.stage.brightness) / 100.0,
             position: playing.fraction(),

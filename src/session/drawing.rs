@@ -106,7 +106,7 @@ impl Session {
             &self.playback.reports,
             begun,
         );
-        content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.bare);
+        content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.hidden.is_bare());
         content.ray = self.interface.probing.ray_view();
         let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
@@ -386,7 +386,7 @@ impl Interface {
             &playback.reports,
             now,
         );
-        content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
+        content.next = playback.preview.next().filter(|_| !self.ui_state.hidden.is_bare());
         content.ray = self.probing.ray_view();
         let due = self.overlay.due(&content, now);
         // The bar disappears when the pointer has not moved for a while.
@@ -400,6 +400,7 @@ impl Interface {
         screen: &mut dyn Screen,
         now: Instant,
     ) -> Seen {
+        self.ui_state.hidden.by_blackout = playback.master_output.is_black() && !screen.has_output();
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         // The panel of videos needs the seek bar with its marks.
         let needs_bar = self.ui_state.panels.open() == Some(Panel::Video);

@@ -17,14 +17,29 @@ use crate::ui::overlay::PanelSwitches;
 
 impl Session {
     pub(super) fn toggle_clean(&mut self) {
-        self.interface.ui_state.bare = !self.interface.ui_state.bare;
-        self.screen.request_redraw();
-        if self.interface.ui_state.bare {
-            self.interface.ui_state.panels = PanelSwitches::default();
-            self.leave_panels();
+        let is_hidden = &mut self.interface.ui_state.hidden.by_key;
+        *is_hidden = !*is_hidden;
+        if *is_hidden {
+            self.close_panels();
         } else {
             self.playback.reports.answer("texts and panels are visible again".to_owned());
         }
+        self.screen.request_redraw();
+    }
+
+    /// Starts or ends a blackout. Closes the panels over a frame that has no other window.
+    pub(super) fn toggle_blackout(&mut self) {
+        let is_black = self.playback.master_output.toggle_blackout(clock::now());
+        let words = if is_black { "blackout: press X to end it" } else { "the blackout ends" };
+        self.playback.reports.answer(words.to_owned());
+        if is_black && !self.screen.has_output() {
+            self.close_panels();
+        }
+    }
+
+    fn close_panels(&mut self) {
+        self.interface.ui_state.panels = PanelSwitches::default();
+        self.leave_panels();
     }
 
     pub(super) fn placement(&self) -> Placement {
@@ -59,14 +74,6 @@ impl Session {
 }
 
 impl Playback {
-    pub(crate) fn toggle_blackout(&mut self) {
-        let words = match self.master_output.toggle_blackout(clock::now()) {
-            true => "blackout: press X to end it",
-            false => "the blackout ends",
-        };
-        self.reports.answer(words.to_owned());
-    }
-
     pub(crate) fn toggle_freeze(&mut self) {
         let words = match self.master_output.toggle_freeze() {
             true => {
@@ -133,7 +140,8 @@ impl Interface {
     /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
     /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
-        let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
+        let is_small =
+            screen.has_output() && !self.ui_state.hidden.is_bare() && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));
         self.ui_state.picture.unwrap_or_else(|| lay.area_in(size))
     }

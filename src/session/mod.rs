@@ -190,10 +190,19 @@ impl Session {
         taken
     }
 
-    /// Passes a key to the open panel. Returns `true` if the panel consumed it.
+    /// Passes a key to the open panel, or closes the panel by the key that opens it. Returns `true` if the panel
+    /// consumed the key.
     fn take_for_panels(&mut self, input: &Input) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
         if self.interface.go_through_controls(&mut *self.screen, key, held) {
+            return true;
+        }
+        let panel = self.interface.ui_state.panels.open().map(Command::TogglePanel);
+        if panel.is_some()
+            && Command::of_key(key, held, false) == panel
+            && !self.interface.ui_state.is_searching()
+        {
+            self.carry_out_all(panel);
             return true;
         }
         let command_key = held.control_key() || held.super_key();
@@ -297,7 +306,7 @@ impl Session {
         self.interface.update_controllers(&mut self.playback);
         self.take_written();
         let now = clock::now();
-        self.playback.reports.update(now);
+        self.playback.reports.update(now, !self.interface.ui_state.hidden.is_bare());
         self.screen.update().into_iter().for_each(|sentence| self.playback.reports.say(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();

@@ -26,6 +26,7 @@ use crate::gpu::target::Target;
 use crate::input::Input;
 use crate::monitor::Monitor;
 use crate::placement::Area;
+use crate::ui::overlay::PanelSwitches;
 use mariana_player::PlayerStatus;
 
 const FPS: f64 = 60.0;
@@ -152,6 +153,11 @@ impl Offscreen {
     /// The state of everything that a named command can change.
     pub fn state(&mut self) -> ShowState {
         self.run.as_mut().map(|run| run.session.state()).unwrap_or_default()
+    }
+
+    /// The panels that the user has opened.
+    pub fn panels(&self) -> PanelSwitches {
+        self.run.as_ref().map(|run| run.session.interface.ui_state.panels).unwrap_or_default()
     }
 
     /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.

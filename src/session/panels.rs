@@ -24,26 +24,17 @@ impl Session {
         self.interface.ui_state.panels.toggle(panel);
         // Keys now act on the panel.
         self.interface.overlay.drop_key_focus();
-        self.write_text(self.interface.ui_state.panels.open() == Some(Panel::Editor));
-        if self.interface.ui_state.panels.open() == Some(Panel::Sources) {
+        let open = self.interface.ui_state.panels.open();
+        self.write_text(open == Some(Panel::Editor));
+        if open == Some(Panel::Sources) {
             self.playback.listening.show_sources();
         }
-        self.interface.look_through_scenes(
-            &mut self.playback,
-            self.interface.ui_state.panels.open() == Some(Panel::Scenes),
-        );
-        self.interface.look_through_files(
-            &mut self.playback,
-            self.interface.ui_state.panels.open() == Some(Panel::Files),
-        );
-        self.show_settings(self.interface.ui_state.panels.open() == Some(Panel::Settings));
-        self.interface.show_controllers(
-            &mut self.playback,
-            self.interface.ui_state.panels.open() == Some(Panel::Controllers),
-        );
-        self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
-        let is_open = self.interface.ui_state.panels.open() == Some(Panel::Video);
-        self.video_desk().show(is_open);
+        self.interface.look_through_scenes(&mut self.playback, open == Some(Panel::Scenes));
+        self.interface.look_through_files(&mut self.playback, open == Some(Panel::Files));
+        self.show_settings(open == Some(Panel::Settings));
+        self.interface.show_controllers(&mut self.playback, open == Some(Panel::Controllers));
+        self.show_corners(open == Some(Panel::Corners));
+        self.video_desk().show(open == Some(Panel::Video));
     }
 
     fn take_scene_event(&mut self, event: SceneListEvent) {
@@ -62,15 +53,18 @@ impl Session {
         self.carry_out_all(commands);
     }
 
-    /// Closes the open panel, or leaves full screen.
+    /// Closes the topmost panel, or leaves full screen.
     pub(super) fn leave(&mut self) {
         if self.playback.controllers.stop_learning() {
             return self.interface.update_controllers(&mut self.playback);
         }
-        if !self.interface.ui_state.panels.close() {
+        let has_sliders = !self.playback.scene.parameters_in_hand().sliders().is_empty();
+        if !self.interface.ui_state.panels.close(has_sliders) {
             self.screen.set_fullscreen(false);
         }
-        self.leave_panels();
+        if self.interface.ui_state.panels.open().is_none() {
+            self.leave_panels();
+        }
     }
 
     pub(super) fn leave_panels(&mut self) {
@@ -109,7 +103,8 @@ impl Interface {
     }
 
     pub(super) fn takes_text(&self) -> bool {
-        self.ui_state.browser.is_some()
+        self.ui_state.panels.help()
+            || self.ui_state.browser.is_some()
             || self.ui_state.files.is_some()
             || self.ui_state.tracks.as_ref().is_some_and(TrackPanel::is_searching)
             || self.editor_has_focus()

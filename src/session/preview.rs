@@ -55,10 +55,14 @@ impl Preview {
 impl Session {
     /// Updates the preview if there is time. `rest` is the time until the next frame; `None` while the show is idle.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
-        let is_wanted =
-            self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);
-        let title =
-            self.playback.scene.scenes().next_title().filter(|_| is_wanted && !self.interface.ui_state.bare);
+        let is_wanted = self.choices.next_scene
+            || (self.screen.has_output() && !self.interface.ui_state.hidden.by_setting);
+        let title = self
+            .playback
+            .scene
+            .scenes()
+            .next_title()
+            .filter(|_| is_wanted && !self.interface.ui_state.hidden.is_bare());
         let Some(title) = title else {
             if self.playback.preview.next.take().is_some() {
                 self.screen.request_redraw();

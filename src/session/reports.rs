@@ -73,8 +73,11 @@ impl Reports {
         self.announcer.say(text);
     }
 
-    pub(crate) fn update(&mut self, now: Instant) {
-        self.announcer.update(now);
+    /// Shows the next notice once the last one has faded. Notices wait while they are not `seen`.
+    pub(crate) fn update(&mut self, now: Instant, seen: bool) {
+        if seen {
+            self.announcer.update(now);
+        }
     }
 
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {

@@ -68,7 +68,7 @@ impl Session {
             // The next look at the status follows it.
             Setting::StayAwake(_) => {}
             Setting::NextScene(_) => self.screen.request_redraw(),
-            Setting::Hints(on) => self.interface.ui_state.clean = !on,
+            Setting::Hints(on) => self.interface.ui_state.hidden.by_setting = !on,
         }
         self.choices.set(&setting);
         if settled {

@@ -42,10 +42,25 @@ pub(crate) struct UiState {
     pub(super) snapshots: SnapshotRow,
     /// The part of the window that shows a small frame beside the panels, while an output shows the frame.
     pub(super) picture: Option<Area>,
-    /// Hide everything except requested panels and errors.
-    pub(super) clean: bool,
-    /// Hide everything except panels that are opened while this is set.
-    pub(super) bare: bool,
+    pub(super) hidden: Hidden,
+}
+
+/// The reasons to hide texts over the frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Hidden {
+    /// The setting: hide everything except requested panels and errors.
+    pub(super) by_setting: bool,
+    /// The key: hide everything except panels that are opened while this is set.
+    pub(super) by_key: bool,
+    /// A blackout in the only window hides as much as the key.
+    pub(super) by_blackout: bool,
+}
+
+impl Hidden {
+    /// True if even errors are hidden.
+    pub(super) fn is_bare(self) -> bool {
+        self.by_key || self.by_blackout
+    }
 }
 
 /// What the first words say after the start.
@@ -114,13 +129,19 @@ impl UiState {
             video: VideoState::default(),
             snapshots: SnapshotRow::default(),
             picture: None,
-            clean,
-            bare: false,
+            hidden: Hidden { by_setting: clean, ..Hidden::default() },
         }
     }
 
     pub(super) fn is_quiet(&self) -> bool {
-        self.clean || self.bare
+        self.hidden.by_setting || self.hidden.is_bare()
+    }
+
+    /// True if the open list has a search text, to which letters belong.
+    pub(super) fn is_searching(&self) -> bool {
+        self.browser.as_ref().is_some_and(|browser| !browser.query().is_empty())
+            || self.files.as_ref().is_some_and(|files| !files.query().is_empty())
+            || self.tracks.as_ref().is_some_and(TrackPanel::is_searching)
     }
 
     pub(super) fn add_to<'a>(
@@ -156,9 +177,12 @@ impl UiState {
         content.picture = self.picture;
         content.hides_pointer =
             (self.is_quiet() || !seen.awake) && open.is_none() && content.params.is_none();
-        if self.bare {
+        if self.hidden.by_blackout && open != Some(Panel::Sources) {
+            content.sources = None;
+        }
+        if self.hidden.is_bare() {
             (content.notice, content.problem, content.hint) = (None, None, None);
-        } else if self.clean {
+        } else if self.hidden.by_setting {
             content.notice = None;
         } else if let Some(since) = self
             .words

@@ -10,6 +10,8 @@ use std::time::Duration;
 use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::clock;
+use mariana::commands::{Command, Panel, bindings};
+use mariana::input::{Input, Key, KeyPress, Modifiers};
 use mariana::scenes::SceneSource;
 
 /// The window has room for every panel.
@@ -270,5 +272,97 @@ fn a_session_that_ends_before_its_first_frame_keeps_its_scene() {
     app.quit();
     let app = place.again(&[]);
     app.wait_for_title("the requested scene", |title| title.contains("first_steps"));
+    app.quit();
+}
+
+#[test]
+fn keys_that_open_a_panel_did_not_close_it() {
+    apart!();
+    let place = Place::new(&["one.wav"]);
+    let app = place.open(&[]);
+    let press = |key: &Key<&str>, held: Modifiers| {
+        let key = match key {
+            Key::Character(text) => Key::Character((*text).to_owned()),
+            Key::Named(named) => Key::Named(*named),
+            Key::Other => Key::Other,
+        };
+        let text = if let Key::Character(text) = &key { Some(text.clone()) } else { None };
+        app.send(Input::Modifiers(held));
+        app.send(Input::Key(KeyPress { key, latin: None, text, repeat: false }));
+        app.send(Input::Modifiers(Modifiers::empty()));
+    };
+    let closed = app.panels();
+    let mut met = 0;
+    for binding in bindings() {
+        let first = binding.keys.first().map(|(key, _)| key);
+        let keys = binding.keys.iter().map(|(key, command)| (key, Modifiers::empty(), command));
+        let shifted = first.zip(binding.shifted.as_ref());
+        let shifted = shifted.map(|(key, command)| (key, Modifiers::SHIFT, command));
+        for (key, held, command) in keys.chain(shifted) {
+            match command {
+                // All letters are text in the editor, so Esc closes it.
+                Command::TogglePanel(Panel::Editor) => continue,
+                Command::TogglePanel(_) | Command::ToggleHelp => {}
+                Command::ToggleSliders | Command::ToggleSceneLine => {}
+                _ => continue,
+            }
+            press(key, held);
+            assert_ne!(app.panels(), closed, "{} opens nothing", binding.written);
+            press(key, held);
+            assert_eq!(app.panels(), closed, "{} does not close what it opens", binding.written);
+            met += 1;
+        }
+    }
+    assert!(met > 10, "only {met} keys");
+    // Once something is typed, the letter belongs to the search. A space begins a search for a word with this letter.
+    for typed in ["q", " "] {
+        app.press(&["b"]);
+        app.type_text(typed);
+        app.press(&["b"]);
+        assert_eq!(app.panels().open(), Some(Panel::Scenes));
+        app.press(&["Escape", "Escape"]);
+        assert_eq!(app.panels(), closed);
+    }
+    app.quit();
+}
+
+#[test]
+fn esc_left_the_sliders_open_behind_other_panels() {
+    apart!();
+    let place = Place::new(&["one.wav"]);
+    let scene = place.inner.save("knob.scene", &format!("param girth = 1 in 0 .. 2\n{STILL}"));
+    let app = place.open(&["--scene", scene.to_str().unwrap()]);
+    app.press(&["Tab", "g", "h"]);
+    let state = || (app.panels().help(), app.panels().open(), app.panels().sliders());
+    assert_eq!(state(), (true, Some(Panel::Settings), true));
+    for rest in [(false, Some(Panel::Settings), true), (false, None, true), (false, None, false)] {
+        app.press(&["Escape"]);
+        assert_eq!(state(), rest);
+    }
+    app.quit();
+}
+
+#[test]
+fn messages_and_panels_stood_over_a_blackout() {
+    apart!();
+    let place = Place::new(&["one.wav"]);
+    let app = place.open(&["--blackout-fade", "0"]);
+    let is_black = |picture: &RgbaImage| picture.pixels().all(|pixel| pixel.0[..3] == [0; 3]);
+    app.press(&["g", "x"]);
+    app.wait_for("black", is_black);
+    // Answers, errors and the bar stay away too.
+    app.press(&["Up"]);
+    app.move_pointer(300.0, 200.0);
+    std::fs::write(&place.scene, "object o { shape = nonsense }").unwrap();
+    app.wait_until_reported("has mistakes");
+    app.take_steps(5);
+    assert!(is_black(&app.picture()), "the blackout does not hide everything");
+    // A panel that the user opens now is shown.
+    app.press(&["h"]);
+    app.wait_for("the keys", |picture| !is_black(picture));
+    app.press(&["h"]);
+    app.wait_for("black again", is_black);
+    app.press(&["x"]);
+    app.wait_for("the picture with the mistake", |picture| !is_black(picture));
     app.quit();
 }

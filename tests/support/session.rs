@@ -19,6 +19,7 @@ use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 use mariana::session::offscreen::Offscreen;
 use mariana::session::{Prepared, SessionError};
+use mariana::ui::overlay::PanelSwitches;
 use mariana_testing::process::{WAIT_LIMIT, output_of};
 use mariana_testing::wave::write_wav;
 
@@ -402,6 +403,10 @@ impl App {
 
     pub(crate) fn state(&self) -> ShowState {
         self.session.borrow_mut().state()
+    }
+
+    pub(crate) fn panels(&self) -> PanelSwitches {
+        self.session.borrow().panels()
     }
 
     /// The log with the messages. Each message to the user follows `message: `.

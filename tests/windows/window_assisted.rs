@@ -68,3 +68,28 @@ fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }
+
+#[test]
+fn with_a_screen_reader_tab_opened_no_sliders_although_the_help_said_so() {
+    let desktop = Desktop::start();
+    let bus = SessionBus::start(desktop.folder());
+    let reader = ScreenReader::start(&bus);
+    let song = desktop.folder().join("song.wav");
+    write_wav(&song, 48_000, 2, (0..96_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
+    let scene = desktop.folder().join("own.scene");
+    std::fs::write(&scene, "param girth = 1 in 0 .. 2\nobject ball { shape = length(p) - girth }\n").unwrap();
+    let options = ["--silent", "--size", "640x360", "--scene", scene.to_str().unwrap()];
+    let mut app = desktop.open(&song, &options);
+    app.wait_for_title("the scene", |title| title.contains("own"));
+    reader.listen(true);
+    // The button names a key that works with a screen reader, which needs Tab to move through the controls.
+    let button = wait_for(&reader, TOGGLE, "the scene's sliders");
+    assert!(button.name.contains("Backspace"), "{}", button.name);
+    app.press(&["Tab", "BackSpace"]);
+    wait_for(&reader, SLIDER, "girth");
+    app.press(&["BackSpace"]);
+    wait_until("the sliders are closed", || find(&reader, SLIDER, "girth").is_none());
+    app.press(&["Escape", "q"]);
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && reported.is_empty(), "{status}: {reported}");
+}

@@ -176,7 +176,7 @@ commands! {
             keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with preview images", group: Some(Group::Scenes)),
             keys!(
                 Key::Character("e") => C::TogglePanel(Panel::Editor),
-                "E", "edit this scene, over the image", group: Some(Group::Scenes)),
+                "E", "edit this scene, over the image; Esc closes the editor", group: Some(Group::Scenes)),
             keys!(Key::Character("g") => C::TogglePanel(Panel::Settings), "G", "settings: sound, image, scenes and more"),
             keys!(
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),
@@ -455,8 +455,8 @@ commands! {
     ToggleSliders {
         group: Some(Group::Looks),
         bindings: &[keys!(
-            Key::Named(NamedKey::Tab) => C::ToggleSliders,
-            "Tab or Shift+Tab", "the scene's sliders; Shift+Tab moves through the bar"
+            Key::Named(NamedKey::Tab), Key::Named(NamedKey::Backspace) => C::ToggleSliders,
+            "Tab or Backspace", "the scene's sliders; Shift+Tab, with a screen reader Tab: the bar"
         )],
     }
     /// Binds a parameter of the current scene to a sound, or ends the binding.

@@ -50,6 +50,8 @@ impl HelpPanel {
         let selected = match key {
             Key::Named(NamedKey::Escape) if self.query().is_empty() => return (true, vec![CLOSE]),
             Key::Named(NamedKey::F1) => return (true, vec![CLOSE]),
+            // Before a search, Space pauses.
+            Key::Named(NamedKey::Space) if self.query().is_empty() => return (false, Vec::new()),
             Key::Character(letter)
                 if self.query().is_empty() && !command && letter.eq_ignore_ascii_case("h") =>
             {

@@ -19,7 +19,7 @@ impl TextQuery {
         match key {
             Key::Named(NamedKey::Escape) => !std::mem::take(&mut self.0).is_empty(),
             Key::Named(NamedKey::Backspace) => self.0.pop().is_some(),
-            Key::Named(NamedKey::Space) if !self.0.is_empty() => self.add(" "),
+            Key::Named(NamedKey::Space) => self.add(" "),
             Key::Character(text) if !command => self.add(text),
             _ => false,
         }

@@ -162,7 +162,8 @@ fn time(ui: &mut Ui, slider: &Slider, way: &str, present: f32) -> Option<f32> {
     TIMES.get(place).map(|(seconds, _)| *seconds)
 }
 
-fn caption(ui: &mut Ui, left: &str, right: &str) {
+/// Draws a line of small text above a row.
+pub(super) fn caption(ui: &mut Ui, left: &str, right: &str) {
     let font = style::proportional(style::SMALL_SIZE);
     let (line, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 14.0), Sense::hover());
     let painter = ui.painter();

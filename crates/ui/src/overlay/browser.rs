@@ -96,7 +96,8 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
     let (words, color, font) = match browser.query() {
         "" => (
-            "type to search · Enter or a click shows a scene · Tab or the star marks it · Ctrl+M mood · Ctrl+E energy",
+            "type to search (B closes, a space and B search) · Enter or a click shows a scene · Tab or the star marks it · \
+             Ctrl+M mood · Ctrl+E energy",
             style::DIM,
             small,
         ),

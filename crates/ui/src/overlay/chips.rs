@@ -12,7 +12,7 @@ const GAP: f32 = 3.0;
 /// A button of a row.
 pub(super) struct Chip<'a> {
     pub text: &'a str,
-    /// The name for screen readers.
+    /// The name for screen readers. Also the tooltip, if it says more than the text at its end.
     pub name: String,
     /// True for a chosen value, which is filled.
     pub is_chosen: bool,
@@ -58,5 +58,9 @@ pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
     let place = rect.center() - 0.5 * galley.size();
     ui.painter().galley_with_override_text_color(place, galley, color);
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chip.is_chosen, &chip.name));
-    response.clicked()
+    let clicked = response.clicked();
+    if !chip.name.ends_with(chip.text) {
+        response.on_hover_text(&chip.name);
+    }
+    clicked
 }

@@ -336,7 +336,7 @@ fn footing(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
         add.on_hover_text("Ctrl+Shift+Enter");
     });
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let keys = "type to search · Enter opens, Shift+Enter adds, Ctrl+Enter plays the folder · Tab: shortcuts · \
-                Backspace: up";
+    let keys = "type to search (O closes, a space and O search) · Enter opens, Shift+Enter adds, Ctrl+Enter plays the \
+                folder · Tab: shortcuts · Backspace: up";
     words::hint(ui, place, keys);
 }

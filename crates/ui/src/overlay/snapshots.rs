@@ -1,7 +1,8 @@
-//! The row of snapshots below the sliders.
+//! The rows of snapshots below the sliders.
 
 use egui::Ui;
 
+use super::binding::caption;
 use super::chips::{self, Chip};
 use super::content::SnapshotRow;
 use super::events::UiEvent;
@@ -12,19 +13,21 @@ const BEATS: [u16; 5] = [1, 2, 4, 8, 16];
 
 pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
     ui.add_space(4.0);
+    caption(ui, "snapshots of the sliders", "");
     let numbers: Vec<String> = (1..=row.taken.len()).map(|number| number.to_string()).collect();
     let chips: Vec<Chip<'_>> = numbers
         .iter()
         .zip(row.taken)
         .map(|(number, is_taken)| {
             let act = if is_taken && !row.keys.takes { "recall" } else { "take" };
-            let name = format!("{act} snapshot {number}");
+            let name = format!("{act} snapshot {number} (Shift+{number})");
             Chip { is_dim: !is_taken, ..Chip::new(number, name, false) }
         })
         .collect();
     if let Some(place) = chips::row(ui, "snapshots", &chips) {
         events.push(UiEvent::Command(Command::Snapshot(place + 1)));
     }
+    caption(ui, "time to recall one, in beats", "");
     let texts = BEATS.map(|beats| beats.to_string());
     let mut lengths = vec![Chip::new("at once", "recall snapshots at once".to_owned(), !row.keys.morphs)];
     lengths.extend(BEATS.iter().zip(&texts).map(|(beats, text)| {
@@ -35,9 +38,11 @@ pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
         let beats = place.checked_sub(1).and_then(|place| BEATS.get(place)).copied().unwrap_or_default();
         events.push(UiEvent::Command(Command::MorphBeats(beats.into())));
     }
-    let mut ways = vec![Chip::new("take", "take the next snapshot again".to_owned(), row.keys.takes)];
+    let again = "let the next snapshot be taken again instead of recalled (F2)";
+    let mut ways = vec![Chip::new("take again", again.to_owned(), row.keys.takes)];
     if row.taken.contains(&true) {
-        ways.push(Chip::new("write show", "write the snapshots as a show".to_owned(), false));
+        let write = "write the snapshots as a show file with an entry for each";
+        ways.push(Chip::new("write a show", write.to_owned(), false));
     }
     let command = match chips::row(ui, "ways of snapshots", &ways) {
         Some(0) => Command::TakeNext(Switch::Toggle),

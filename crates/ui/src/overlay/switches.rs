@@ -32,10 +32,12 @@ impl PanelSwitches {
         self.open = if self.open == Some(panel) { None } else { Some(panel) };
     }
 
-    /// Closes the open panel, or else the table of keys. Returns false if both are closed.
-    pub fn close(&mut self) -> bool {
-        let closed = self.open.take().is_some();
-        closed || std::mem::take(&mut self.help)
+    /// Closes the topmost of the table of keys, the open panel and the sliders, which `has_sliders` says are visible.
+    /// Returns false if all are closed.
+    pub fn close(&mut self, has_sliders: bool) -> bool {
+        std::mem::take(&mut self.help)
+            || self.open.take().is_some()
+            || std::mem::take(&mut self.sliders) && has_sliders
     }
 
     /// The open panel.
@@ -79,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn one_panel_at_a_time_is_open_and_closing_takes_them_in_turn() {
+    fn esc_left_the_sliders_open_and_now_closes_the_topmost_panel_first() {
         let mut panels = PanelSwitches::default();
         panels.toggle(Panel::Tracks);
         panels.toggle(Panel::Sources);
@@ -88,7 +90,16 @@ mod tests {
         assert_eq!(panels.open(), None);
         panels.toggle(Panel::Tracks);
         panels.toggle_help();
-        assert_eq!([panels.close(), panels.close(), panels.close()], [true, true, false]);
-        assert_eq!((panels.open(), panels.help()), (None, false));
+        panels.toggle_sliders();
+        let mut state = || {
+            let closed = panels.close(true);
+            (closed, panels.help(), panels.open(), panels.sliders())
+        };
+        assert_eq!(state(), (true, false, Some(Panel::Tracks), true));
+        assert_eq!(state(), (true, false, None, true));
+        assert_eq!(state(), (true, false, None, false));
+        assert_eq!(state(), (false, false, None, false));
+        panels.toggle_sliders();
+        assert!(!panels.close(false), "sliders of a scene without parameters are not seen");
     }
 }

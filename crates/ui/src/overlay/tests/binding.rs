@@ -125,11 +125,31 @@ fn a_wave_has_a_shape_and_a_length() {
 fn the_row_of_snapshots_takes_and_recalls() {
     let mut desk = Desk::new(Vec2::new(640.0, 360.0));
     let command = |command| vec![UiEvent::Command(command)];
-    assert_eq!(desk.click("take snapshot 8"), command(Command::Snapshot(8)));
+    assert_eq!(desk.click("take snapshot 8 (Shift+8)"), command(Command::Snapshot(8)));
     desk.snapshots.taken[1] = true;
-    assert_eq!(desk.click("recall snapshot 2"), command(Command::Snapshot(2)));
-    assert_eq!(desk.click("take the next snapshot again"), command(Command::TakeNext(Switch::Toggle)));
+    assert_eq!(desk.click("recall snapshot 2 (Shift+2)"), command(Command::Snapshot(2)));
+    let again = "let the next snapshot be taken again instead of recalled (F2)";
+    assert_eq!(desk.click(again), command(Command::TakeNext(Switch::Toggle)));
     assert_eq!(desk.click("recall snapshots over 8 beats"), command(Command::MorphBeats(8.0)));
     assert_eq!(desk.click("recall snapshots at once"), command(Command::MorphBeats(0.0)));
-    assert_eq!(desk.click("write the snapshots as a show"), command(Command::WriteSnapshots));
+    let write = "write the snapshots as a show file with an entry for each";
+    assert_eq!(desk.click(write), command(Command::WriteSnapshots));
+}
+
+#[test]
+fn the_rows_of_snapshots_had_no_names_and_their_buttons_no_tooltips() {
+    let mut desk = Desk::new(SCREEN);
+    let laid_out = desk.frame(Vec::new());
+    let texts = drawn(&laid_out).1;
+    for words in ["snapshots of the sliders", "time to recall one, in beats", "take again"] {
+        assert!(place_of(&texts, words).height() > 5.0, "{words}");
+    }
+    // egui shows a tooltip once the pointer rests.
+    let update = laid_out.output.platform_output.accesskit_update.unwrap();
+    let at = place(&update, "take snapshot 8 (Shift+8)").unwrap();
+    desk.frame(vec![Event::PointerMoved(at)]);
+    desk.stage.seconds += 2.0;
+    desk.frame(Vec::new());
+    let texts = drawn(&desk.frame(Vec::new())).1;
+    assert!(place_of(&texts, "take snapshot 8 (Shift+8)").height() > 5.0);
 }
