@@ -41,6 +41,9 @@ impl Session {
         if open && is_unsaved {
             self.keep_surprise();
         }
+        if let Some(editor) = &mut self.interface.ui_state.editor {
+            editor.await_scene(self.surprises.keeping.is_some());
+        }
     }
 
     /// Takes input for the editor. Returns `true` if the text consumed the input.
@@ -82,6 +85,7 @@ impl Session {
     pub(super) fn update_editor(&mut self) {
         let open = self.interface.is_edited();
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
+        editor.await_scene(self.surprises.keeping.is_some());
         editor.update();
         if editor.tells_mistakes() {
             self.interface.typing_times.note_mistake();

@@ -1,12 +1,14 @@
 //! Messages between the window's thread and the show's thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use egui::accesskit::TreeUpdate;
 use winit::event::WindowEvent;
 
+use crate::commands::Command;
+use crate::input::{Input, Key, Modifiers};
 use crate::session::waker::Waker;
 use crate::shell::monitors::Monitor;
 use crate::shell::shared_window::SharedWindow;
@@ -23,17 +25,36 @@ pub(crate) enum Message {
     End,
 }
 
-/// A flag that the show's thread sets while keys type text, so that no letter ends the show.
+/// A flag that the show's thread sets while keys type text, so that no letter ends the show. It also counts the keys on
+/// their way to the show that may open a text.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Typing(Arc<AtomicBool>);
+pub(crate) struct Typing(Arc<(AtomicBool, AtomicUsize)>);
 
 impl Typing {
-    pub(crate) fn set(&self, on: bool) {
-        self.0.store(on, Ordering::Relaxed);
+    /// Sets the flag, after the show has taken `keys` of the counted keys.
+    pub(crate) fn set(&self, on: bool, keys: usize) {
+        self.0.0.store(on, Ordering::SeqCst);
+        self.0.1.fetch_sub(keys, Ordering::SeqCst);
     }
 
+    /// Counts a key that may open a text.
+    pub(crate) fn send_key(&self) {
+        self.0.1.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// True if the next key may type text.
     pub(crate) fn is_on(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.1.load(Ordering::SeqCst) > 0 || self.0.0.load(Ordering::SeqCst)
+    }
+}
+
+/// True for a key that may open a text, to which the next keys belong.
+pub(crate) fn may_open_text(input: &Input) -> bool {
+    let Input::Key(press) = input else { return false };
+    match Command::of_key(&press.key, Modifiers::empty(), press.repeat) {
+        Some(Command::TogglePanel(_) | Command::ToggleHelp) => true,
+        Some(_) => false,
+        None => matches!(press.key, Key::Character(_)),
     }
 }
 
@@ -60,4 +81,32 @@ pub(crate) enum WindowMessage {
     /// The show has called a window, which may have left events in a queue: see [`SharedWindow`].
     #[cfg_attr(any(windows, target_os = "macos"), expect(dead_code, reason = "only X11 has such a queue"))]
     CallsMade,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::{KeyPress, NamedKey};
+
+    #[test]
+    fn a_letter_right_after_the_key_that_opens_the_editor_ended_the_show() {
+        let opens =
+            |key: Key| may_open_text(&Input::Key(KeyPress { key, latin: None, text: None, repeat: false }));
+        let letter = |text: &str| Key::Character(text.to_owned());
+        for key in [letter("e"), letter("B"), letter("h"), letter("/"), Key::Named(NamedKey::F1)] {
+            assert!(opens(key.clone()), "{key:?}");
+        }
+        // Q must end the show at once while a driver prepares the next scene.
+        for key in [letter("n"), letter("q"), Key::Named(NamedKey::Space), Key::Other] {
+            assert!(!opens(key.clone()), "{key:?}");
+        }
+        let typing = Typing::default();
+        assert!(!typing.is_on());
+        typing.send_key();
+        assert!(typing.is_on(), "the show has not taken the key yet");
+        typing.set(true, 1);
+        assert!(typing.is_on());
+        typing.set(false, 0);
+        assert!(!typing.is_on());
+    }
 }

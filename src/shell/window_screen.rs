@@ -19,7 +19,7 @@ use crate::session::lay::Lay;
 use crate::session::screen::{Event, Paint, Screen};
 use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::idle::StayAwake;
-use crate::shell::messages::{Message, Typing, WindowMessage};
+use crate::shell::messages::{Message, Typing, WindowMessage, may_open_text};
 use crate::shell::monitors::Rect as PlaceOnDesktop;
 use crate::shell::output::Output;
 use crate::shell::shared_window::SharedWindow;
@@ -37,6 +37,8 @@ pub(crate) struct WindowScreen {
     inbox: Receiver<Message>,
     controls: AccessibilityPublisher,
     typing: Typing,
+    /// Taken keys that may have opened a text.
+    taken_keys: usize,
     stay_awake: StayAwake,
     news: Vec<String>,
     // The last field: dropped after everything that holds OpenGL objects.
@@ -58,10 +60,22 @@ impl WindowScreen {
         wallpaper: Option<Wallpaper>,
     ) -> Result<Self, SessionError> {
         let Lines { inbox, controls, typing } = lines;
-        let (placed_at, occluded, news) = (None, false, Vec::new());
+        let (placed_at, occluded, taken_keys, news) = (None, false, 0, Vec::new());
         let window = window.bind()?;
         let stay_awake = StayAwake::start();
-        Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, stay_awake, news, window })
+        Ok(Self {
+            output,
+            wallpaper,
+            placed_at,
+            occluded,
+            inbox,
+            controls,
+            typing,
+            taken_keys,
+            stay_awake,
+            news,
+            window,
+        })
     }
 
     fn note(&mut self, event: &WindowEvent) {
@@ -104,7 +118,9 @@ impl Screen for WindowScreen {
                 Message::Window(WindowEvent::RedrawRequested) => redraws = true,
                 Message::Window(event) => {
                     self.note(&event);
-                    events.extend(input_of(&event).map(Event::Input));
+                    let input = input_of(&event);
+                    self.taken_keys += usize::from(input.as_ref().is_some_and(may_open_text));
+                    events.extend(input.map(Event::Input));
                 }
                 Message::Monitors(monitors) => self.output.note_monitors(monitors),
                 Message::Output(window) => self.take_output(window),
@@ -200,7 +216,7 @@ impl Screen for WindowScreen {
     }
 
     fn set_keys_are_text(&mut self, on: bool) {
-        self.typing.set(on);
+        self.typing.set(on, std::mem::take(&mut self.taken_keys));
     }
 
     fn show_controls(&mut self, controls: TreeUpdate) {

@@ -21,9 +21,9 @@ use crate::session::SessionError;
 use crate::shell::accessibility::Accessibility;
 #[cfg(all(unix, not(target_os = "macos")))]
 use crate::shell::idle::surface::SurfaceInhibitor;
-use crate::shell::messages::{Message, Typing, WindowMessage};
+use crate::shell::messages::{Message, Typing, WindowMessage, may_open_text};
 use crate::shell::monitors::Monitor;
-use crate::shell::translate::{key_press, modifiers};
+use crate::shell::translate::{input_of, key_press, modifiers};
 use crate::shell::wallpaper::Layers;
 use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 
@@ -214,6 +214,9 @@ impl ApplicationHandler<WindowMessage> for Front {
             return self.end(event_loop);
         }
         if self.ends_by.is_none() {
+            if input_of(&event).is_some_and(|input| may_open_text(&input)) {
+                self.typing.send_key();
+            }
             let _ = self.messages.send(Message::Window(event));
         }
     }

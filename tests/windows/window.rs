@@ -235,3 +235,22 @@ fn a_window_takes_any_size_prints_nothing_and_closes_at_once() {
     assert!(status.success(), "{status}: {reported}");
     assert_eq!(reported, "");
 }
+
+#[test]
+fn letters_typed_right_after_e_were_lost_or_ended_the_program() {
+    let desktop = Desktop::start();
+    let song = silent_song(desktop.folder(), 60.0);
+    let scene = desktop.folder().join("own.scene");
+    let text = "\nobject ball { shape = length(p) - 1 }\n";
+    std::fs::write(&scene, text).unwrap();
+    let options = ["--silent", "--size", "640x360", "--scene", scene.to_str().unwrap()];
+    let mut app = desktop.open(&song, &options);
+    app.wait_for_title("the scene", |title| title.contains("own"));
+    // The keys arrive together, before the show has taken the first one. Q quits outside of the editor.
+    app.xdotool(&["key", "--delay", "0", "e", "numbersign", "q", "u", "i", "e", "t", "ctrl+s"]);
+    let written = format!("#quiet{text}");
+    wait_until("the saved text", || std::fs::read_to_string(&scene).is_ok_and(|saved| saved == written));
+    app.press(&["Escape", "Escape", "q"]);
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+}

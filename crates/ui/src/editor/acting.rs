@@ -5,6 +5,7 @@ use mariana_commands::{Command, Panel};
 use mariana_editing::{Editing, Move, Refused};
 
 use super::finding::QueryKey;
+use super::focus::Early;
 use super::keys::{action_of, way_of};
 use super::params::NewParam;
 use super::proposing::Choice;
@@ -16,10 +17,20 @@ pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 impl Editor {
     /// Handles a key press while the modifiers `held` are held. Returns true if the editor used the key.
     pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+        let action = action_of(&press.key, press.latin, held);
+        // Esc still closes an editor whose file is not read in time.
+        if is_loading(self) && (action != Some(EditAction::Leave) || self.focus.has_early()) {
+            let is_used = press.text.is_some() || action.is_some() || way_of(&press.key, held, 1).is_some();
+            let is_used = is_used || matches!(press.key, Key::Character(_)) || is_editing_key(&press.key);
+            if is_used {
+                self.focus.keep(Early::Key(press.clone(), held));
+            }
+            return is_used;
+        }
         if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
             return true;
         }
-        if let Some(action) = action_of(&press.key, press.latin, held) {
+        if let Some(action) = action {
             self.act_with(action, held.shift_key());
             return true;
         }
@@ -104,6 +115,9 @@ impl Editor {
     /// Inserts typed text.
     pub fn type_text(&mut self, text: &str) {
         self.focus.end_composing();
+        if is_loading(self) {
+            return self.focus.keep(Early::Text(text.to_owned()));
+        }
         if let Some(query) = self.finding.typed() {
             query.push_str(text);
             self.revision += 1;
@@ -126,6 +140,29 @@ impl Editor {
             Ok(())
         });
     }
+}
+
+/// True while typed text has no place yet, because its file is being read or copied.
+fn is_loading(editor: &Editor) -> bool {
+    editor.focus.awaits_scene || editor.texts.are_loading()
+}
+
+/// Handles the keys that arrived while the text was being read.
+pub(super) fn take_early_keys(editor: &mut Editor) {
+    if is_loading(editor) {
+        return;
+    }
+    for input in editor.focus.take_early() {
+        match input {
+            Early::Key(press, held) => drop(editor.take_key(&press, held)),
+            Early::Text(text) => editor.type_text(&text),
+        }
+    }
+}
+
+fn is_editing_key(key: &Key) -> bool {
+    use NamedKey::{Backspace, Delete, Enter, Tab};
+    matches!(key, Key::Named(Enter | Backspace | Delete | Tab))
 }
 
 impl Editor {
@@ -245,7 +282,13 @@ impl Editor {
                 Some(number) => self.show_text(number),
                 None => self.tell("this scene includes no other file"),
             },
-            EditAction::NextMistake => self.next_mistake(),
+            EditAction::NextMistake => match self.texts.next_mistake() {
+                Ok(one) => {
+                    self.with_text(|document| document.editing.go_to(one.range.start, false));
+                }
+                Err(Some(text)) => self.show_text(text),
+                Err(None) => self.tell("no mistakes"),
+            },
             EditAction::Light => {
                 let words = self.picture.toggle_light();
                 self.tell(words);
@@ -319,16 +362,6 @@ impl Editor {
             }
             Some(Err(words)) => self.tell(words),
             None => self.begin_find(),
-        }
-    }
-
-    fn next_mistake(&mut self) {
-        match self.texts.next_mistake() {
-            Ok(one) => {
-                self.with_text(|document| document.editing.go_to(one.range.start, false));
-            }
-            Err(Some(text)) => self.show_text(text),
-            Err(None) => self.tell("no mistakes"),
         }
     }
 

@@ -16,12 +16,9 @@ use mariana_scenes::{Mistake, SceneSource};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Owner {
     File(PathBuf),
-    /// A shipped scene without a file, which can only be copied.
+    /// A shipped scene or a formula without a file, which can only be copied.
     Shipped(SceneSource),
 }
-
-const READ_ONLY: &str =
-    "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy";
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
@@ -132,7 +129,12 @@ impl Document {
     pub(super) fn check_open(&self) -> Result<(), &'static str> {
         match (&self.owner, &self.disk) {
             _ if self.is_open() => Ok(()),
-            (Owner::Shipped(_), _) => Err(READ_ONLY),
+            (Owner::Shipped(SceneSource::Formula(_)), _) => {
+                Err("this formula has no file: press Ctrl+S to save it as a scene, then edit the scene")
+            }
+            (Owner::Shipped(_), _) => {
+                Err("this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy")
+            }
             (_, None) => Err("please wait: the file is still loading"),
             _ => Err("the file cannot be read, so it cannot be edited"),
         }

@@ -81,6 +81,15 @@ impl Documents {
         self.carried = Some((cursor, view));
     }
 
+    /// True while the visible text is being copied to a file.
+    pub(super) fn awaits_copy(&self) -> bool {
+        self.carried.is_some()
+    }
+
+    pub(super) fn forget_carried(&mut self) {
+        self.carried = None;
+    }
+
     /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.
     pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();

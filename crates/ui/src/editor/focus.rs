@@ -1,7 +1,18 @@
-//! Keyboard focus of the editor, and text that an input method is composing.
+//! Keyboard focus of the editor, text that an input method is composing, and keys that wait for a text.
+
+use mariana_commands::input::{KeyPress, Modifiers};
 
 /// Maximum number of displayed letters of a composition.
 const PREEDIT_MAX: usize = 64;
+
+/// Maximum number of keys that wait for a text.
+const EARLY_MAX: usize = 4096;
+
+/// Input that arrived before the text was read.
+pub(super) enum Early {
+    Key(KeyPress, Modifiers),
+    Text(String),
+}
 
 #[derive(Default)]
 pub(super) struct Focus {
@@ -9,6 +20,9 @@ pub(super) struct Focus {
     /// True while the user holds a key that was pressed before the editor got the focus.
     ignores_repeats: bool,
     preedit: String,
+    early: Vec<Early>,
+    /// True while the scene to edit does not exist yet.
+    pub(super) awaits_scene: bool,
 }
 
 impl Focus {
@@ -22,6 +36,7 @@ impl Focus {
         self.is_on = on;
         if !on {
             self.preedit.clear();
+            self.early.clear();
         }
         is_new
     }
@@ -30,6 +45,21 @@ impl Focus {
     pub(super) fn leaves_out(&mut self, repeat: bool) -> bool {
         self.ignores_repeats &= repeat;
         self.ignores_repeats
+    }
+
+    /// Keeps input until the text is read. Too much input is dropped.
+    pub(super) fn keep(&mut self, input: Early) {
+        if self.early.len() < EARLY_MAX {
+            self.early.push(input);
+        }
+    }
+
+    pub(super) fn has_early(&self) -> bool {
+        !self.early.is_empty()
+    }
+
+    pub(super) fn take_early(&mut self) -> Vec<Early> {
+        std::mem::take(&mut self.early)
     }
 
     /// Accepts repeated keys from now on.

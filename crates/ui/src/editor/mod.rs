@@ -213,6 +213,7 @@ impl Editor {
             self.put_in(text.as_bytes());
         }
         self.write_waiting();
+        acting::take_early_keys(self);
         if self.texts.take_findings() {
             self.held_numbers.check(&mut self.texts);
             self.revision += 1;
@@ -232,6 +233,11 @@ impl Editor {
         if !focused {
             self.close_small();
         }
+    }
+
+    /// Keeps keys until the scene to edit exists, or no longer.
+    pub fn await_scene(&mut self, awaits: bool) {
+        self.focus.awaits_scene = awaits;
     }
 
     /// Returns the commands that the editor has sent since the last call.

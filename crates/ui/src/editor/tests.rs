@@ -479,6 +479,57 @@ fn the_key_that_opened_the_editor_is_not_typed() {
 }
 
 #[test]
+fn keys_right_after_the_key_that_opens_the_editor_were_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("main.scene");
+    fs::write(&file, BALL).unwrap();
+    let mut setup = TestEditor::in_folder(folder);
+    // The scene changes, and the user types before the editor has read the other file.
+    let other = setup.folder.path().join("other.scene");
+    fs::write(&other, BALL).unwrap();
+    setup.editor.show_scene(&SceneSource::File(other.clone()));
+    assert!(setup.named(NamedKey::Enter) && setup.named(NamedKey::ArrowLeft));
+    setup.type_text("# ab");
+    setup.editor.type_text("ç");
+    setup.type_text("d");
+    assert!(!setup.named(NamedKey::F11), "F11 belongs to the show");
+    setup.wait("the text", |editor| editor.document().is_some_and(|document| document.disk.is_some()));
+    assert_eq!(setup.text(), format!("# abçd\n{BALL}"));
+    assert_eq!(setup.commands().iter().filter(|command| **command == CLOSE).count(), 0);
+    // Esc closes an editor that still waits for its text, but not before the keys typed before it.
+    fs::write(setup.folder.path().join("third.scene"), BALL).unwrap();
+    setup.editor.show_scene(&SceneSource::File(setup.folder.path().join("third.scene")));
+    setup.named(NamedKey::Escape);
+    assert!(setup.commands().contains(&CLOSE));
+}
+
+#[test]
+fn keys_after_the_key_that_copies_a_scene_were_refused() {
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    setup.editor.show_scene(&SceneSource::Formula("length(p) - 1".to_owned()));
+    setup.type_text("x");
+    assert!(setup.said().contains("this formula has no file"), "{}", setup.said());
+    setup.ctrl("s");
+    setup.type_text("2 * ");
+    let start = Instant::now();
+    let copy = loop {
+        setup.editor.update();
+        let shown = setup.commands().into_iter().find_map(|command| match command {
+            Command::ShowScene(source) => Some(*source),
+            _ => None,
+        });
+        if let Some(copy) = shown {
+            break copy;
+        }
+        assert!(start.elapsed() < WAIT_LIMIT, "no copy is made");
+        let _ = setup.woken.recv_timeout(Duration::from_millis(50));
+    };
+    setup.editor.show_scene(&copy);
+    setup.wait("the copy", |editor| editor.document().is_some_and(Document::is_open));
+    assert_eq!(setup.text(), "2 * length(p) - 1");
+}
+
+#[test]
 fn the_template_of_new_scenes_is_valid() {
     let source = SceneSource::Formula(super::files::TEMPLATE.to_owned());
     assert!(source.ready().is_ok(), "{:?}", source.ready().err());

@@ -46,6 +46,12 @@ impl Texts {
         self.documents.shown_mut()
     }
 
+    /// True while the file of the visible text is being read, or a copy of the text is being made.
+    pub(super) fn are_loading(&self) -> bool {
+        let reads = |document: &Document| document.file().is_some() && document.disk.is_none();
+        self.document().is_some_and(reads) || self.documents.awaits_copy()
+    }
+
     pub(super) fn source(&self) -> Option<&SceneSource> {
         self.found.source()
     }
@@ -307,7 +313,10 @@ impl Texts {
                 self.documents.of_mut(&file)?.question = Some(Question::Conflict(holds));
                 None
             }
-            FileEvent::Failed { reason, .. } => Some(reason),
+            FileEvent::Failed { reason, .. } => {
+                self.documents.forget_carried();
+                Some(reason)
+            }
             FileEvent::Changed { file, holds } => self.take_change(&file, holds),
             FileEvent::Created { file } => {
                 let words = format!("created {}", file.display());

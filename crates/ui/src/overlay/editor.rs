@@ -18,6 +18,7 @@ use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
 use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
+use mariana_scenes::SceneSource;
 
 /// Width of the editor as a fraction of the window's width. The next two constants limit this width, in points.
 const WIDTH_FRACTION: f32 = 0.56;
@@ -240,6 +241,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
             let inside = editing.cursor() - buffer.line_start(line);
             let column = mariana_editing::cells(buffer.line(line)).filter(|cell| cell.start < inside).count();
             let state = match (&document.owner, document.is_dirty()) {
+                (Owner::Shipped(SceneSource::Formula(_)), _) => "a formula without a file",
                 (Owner::Shipped(_), _) => "comes with Mariana",
                 (_, true) => "not saved",
                 (_, false) if document.disk.is_none() => "loading",
