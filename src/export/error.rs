@@ -297,7 +297,7 @@ pub enum ExportError {
 }
 
 impl From<Unwritable> for ExportError {
-    fn from(Unwritable { path, reason }: Unwritable) -> Self {
+    fn from(Unwritable { path, reason, .. }: Unwritable) -> Self {
         Self::Unwritable { path, reason }
     }
 }

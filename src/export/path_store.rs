@@ -244,8 +244,7 @@ impl PathStore {
 
     fn save(&mut self, kept: &dyn Fn() -> KeptPaths) -> Result<(), Unwritable> {
         let Some(piece) = &self.piece else { return Ok(()) };
-        let unwritable =
-            |error: std::io::Error| Unwritable { path: self.folder.clone(), reason: error.to_string() };
+        let unwritable = |error: std::io::Error| Unwritable::new(&self.folder, &error);
         let saved = std::fs::create_dir_all(&self.folder).map_err(unwritable).and_then(|()| {
             let path = self.file(self.next.saturating_sub(1));
             AtomicFile::create(&path)?.write(&sealed(piece, &kept().bytes()))

@@ -1,16 +1,20 @@
 //! Notices, such as the names of tracks, shown over the frame one after another.
 
 use std::collections::VecDeque;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::clock;
 use crate::export::print::tell;
 use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
-use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
+use mariana_player::{MissedAudio, PlayerStatus, SilenceEnd, TrackErrors};
 
 /// Maximum number of waiting notices. The oldest notices are dropped first.
 const WAITING_MAX: usize = 3;
+/// Audio that a stopped device misses again and again, as on a busy computer, is reported this often.
+const MISSED_EVERY: Duration = Duration::from_secs(600);
+/// ... and when a part is this many times as long as the last reported part.
+const MISSED_WORSE: f64 = 2.0;
 
 #[derive(Default)]
 pub(crate) struct Announcer {
@@ -18,6 +22,8 @@ pub(crate) struct Announcer {
     shown: Option<Sentence>,
     track_errors: u64,
     missed_audio: u64,
+    /// The last reported missed part, and when it was reported.
+    missed: Option<(MissedAudio, Instant)>,
     track: Option<(u64, String)>,
 }
 
@@ -93,12 +99,23 @@ impl Announcer {
     }
 
     fn look_at_missed_audio(&mut self, missed_audio: MissedAudio) {
-        if missed_audio.count != self.missed_audio {
-            self.missed_audio = missed_audio.count;
-            let text = missed_audio.to_string();
-            tell(&text);
-            self.say(text);
+        if missed_audio.count == self.missed_audio {
+            return;
         }
+        self.missed_audio = missed_audio.count;
+        let text = missed_audio.to_string();
+        let is_repeated = self.missed.is_some_and(|(last, at)| {
+            missed_audio.after == SilenceEnd::SameDevice
+                && last.after == SilenceEnd::SameDevice
+                && missed_audio.seconds < MISSED_WORSE * last.seconds
+                && clock::since(at) < MISSED_EVERY
+        });
+        if is_repeated {
+            return tracing::info!("{text}");
+        }
+        self.missed = Some((missed_audio, clock::now()));
+        tell(&text);
+        self.say(text);
     }
 
     /// Shows the next waiting notice once the current notice has faded.
@@ -161,7 +178,6 @@ pub(crate) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     fn text(announcer: &Announcer) -> Option<&str> {
         announcer.shown.as_ref().map(|shown| shown.text.as_str())
@@ -176,6 +192,26 @@ mod tests {
         announcer.look_at_missed_audio(missed_audio(1, 0.42));
         announcer.look_at_missed_audio(missed_audio(1, 0.42));
         assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
+    }
+
+    #[test]
+    fn a_device_that_stopped_again_and_again_was_reported_each_time() {
+        clock::by_hand(|| {
+            let mut announcer = Announcer::default();
+            let mut count = 0;
+            let mut miss = |seconds, after| {
+                count += 1;
+                announcer.look_at_missed_audio(MissedAudio { count, seconds, after });
+                std::mem::take(&mut announcer.waiting).len()
+            };
+            let stopped = SilenceEnd::SameDevice;
+            assert_eq!([0.5, 0.4, 0.6, 0.5].map(|seconds| miss(seconds, stopped)), [1, 0, 0, 0]);
+            assert_eq!([1.5, 1.6].map(|seconds| miss(seconds, stopped)), [1, 0], "it has become worse");
+            assert_eq!(miss(0.1, SilenceEnd::AnotherDevice), 1, "the user has changed the device");
+            assert_eq!([0.5, 0.5].map(|seconds| miss(seconds, stopped)), [1, 0]);
+            clock::advance(Duration::from_secs(601));
+            assert_eq!([0.5, 0.5].map(|seconds| miss(seconds, stopped)), [1, 0]);
+        });
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::waker::Waker;
-use crate::atomic_file::AtomicFile;
+use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::clock;
 use crate::export::still::png;
 use crate::gpu::error::GpuError;
@@ -139,13 +139,15 @@ fn read(gl: &Gl, renderer: &mut Renderer, size: (u32, u32)) -> Result<Option<Pic
 
 /// Returns a message about the written picture.
 fn write(rgba: &[u8], size: (u32, u32), file: &std::path::Path) -> String {
-    let folder = file.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| error.to_string());
-    let bytes = folder.and_then(|()| png(rgba, size).map_err(|error| error.to_string()));
-    let written = bytes.and_then(|bytes| {
-        AtomicFile::create(file).and_then(|file| file.write_beside(&bytes)).map_err(|error| error.to_string())
+    let written = png(rgba, size).map_err(|error| error.to_string()).and_then(|bytes| {
+        let folder = file.parent().unwrap_or(file);
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Unwritable::new(folder, &error))
+            .and_then(|()| AtomicFile::create(file)?.write_beside(&bytes))
+            .map_err(|error| format!("{error}; {}", error.remedy()))
     });
     match written {
         Ok(file) => format!("saved as {}", file.display()),
-        Err(error) => format!("the picture was not saved: {error}; free some disk space or check the folder"),
+        Err(error) => format!("the picture was not saved: {error}"),
     }
 }

@@ -136,7 +136,7 @@ impl Recording {
                 Some(format!("recorded: {}; render it with `mariana video SONG --show FILE`", path.display()))
             }
             Ok(_) => None,
-            Err(error) => Some(format!("{error}: the recording is not saved; free some disk space")),
+            Err(error) => Some(format!("{error}: the recording is not saved; {}", error.remedy())),
         }
     }
 }

@@ -110,7 +110,7 @@ impl SnapshotDesk<'_> {
         let Some(written) = self.snapshots.files.as_ref().and_then(PerformanceFiles::poll) else { return };
         let words = match written {
             Ok(path) => format!("written: {}; start it with --show FILE", path.display()),
-            Err(error) => format!("{error}: the snapshots are not written; free some disk space"),
+            Err(error) => format!("{error}: the snapshots are not written; {}", error.remedy()),
         };
         tracing::info!("{words}");
         self.playback.reports.answer(words);

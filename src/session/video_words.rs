@@ -157,6 +157,9 @@ fn about(wish: &Result<Wish, String>, shown: &Shown) -> (String, bool) {
             (words, is_bad)
         }
         Estimate::Measuring => (format!("measuring the time and size… · {place}"), false),
+        Estimate::TooSlow => {
+            (format!("time not measured: two frames take more than a minute · {place}"), false)
+        }
         Estimate::Unknown if is_busy => (format!("it follows the videos above · {place}"), false),
         Estimate::Unknown => (place, false),
     }

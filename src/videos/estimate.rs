@@ -12,6 +12,8 @@ pub(super) const FRAMES: u64 = 6;
 const SOUND_BYTES: f64 = 32_000.0;
 /// ffmpeg's H.264 encoder writes a whole frame at least this often; the frames between contain only changes.
 const WHOLE_EVERY: f64 = 250.0;
+/// A measurement ends after this time, with the frames that are drawn by then.
+const MEASURED_MAX: Duration = Duration::from_secs(60);
 
 /// The expected time and size of a video.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,6 +32,8 @@ pub enum Estimate {
         /// Free space on the disk in bytes; `None` if unknown.
         free: Option<u64>,
     },
+    /// Not even two frames were drawn in the time for a measurement.
+    TooSlow,
     /// The video would fail, for this reason.
     Failed(String),
 }
@@ -76,6 +80,16 @@ impl Measuring {
     pub(super) fn note(&mut self, done: u64, now: Instant) {
         self.first.get_or_insert(now);
         self.last = (now, done);
+    }
+
+    /// The time limit of the measurement.
+    pub(super) fn ends_at(&self) -> Instant {
+        self.begun + MEASURED_MAX
+    }
+
+    /// Returns the estimate at the time limit.
+    pub(super) fn estimate_early(&self, file: &Path) -> Estimate {
+        if self.last.1 < 2 { Estimate::TooSlow } else { self.estimate(file) }
     }
 
     /// Returns the estimate, once `file` contains the frames.
@@ -141,6 +155,22 @@ fn free_space(_: &Path) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_measurement_of_a_slow_scene_had_no_end() {
+        let (now, file) = (Instant::now(), PathBuf::from("a.mp4"));
+        let measure = Measure { arguments: Vec::new(), frames: 600.0, seconds: 10.0, has_sound: false, file };
+        let mut measuring = Measuring::begin(measure, now);
+        assert!(measuring.ends_at() <= now + Duration::from_secs(60));
+        let none = Path::new("no such file");
+        measuring.note(1, now + Duration::from_secs(30));
+        assert_eq!(measuring.estimate_early(none), Estimate::TooSlow);
+        measuring.note(2, now + Duration::from_secs(50));
+        let Estimate::Known { seconds, bytes: None, .. } = measuring.estimate_early(none) else {
+            panic!("two frames give a time")
+        };
+        assert!(seconds > 100.0, "{seconds}");
+    }
 
     #[test]
     fn time_and_size_grow_with_the_length() {

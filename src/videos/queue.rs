@@ -192,7 +192,8 @@ impl QueueFile {
         let written = AtomicFile::create(&self.path).and_then(|file| file.write(text.as_bytes()));
         self.written = text;
         written.map_err(|error| {
-            format!("{error}: if Mariana ends now, it forgets the unfinished videos; free some disk space")
+            let remedy = error.remedy();
+            format!("{error}: if Mariana ends now, it forgets the unfinished videos; {remedy}")
         })
     }
 }

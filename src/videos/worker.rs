@@ -115,14 +115,15 @@ impl Worker {
         told.into_iter().chain(words).for_each(|words| self.tell(words));
         self.publish();
         loop {
-            let killed_at = self.run.as_ref().and_then(|run| run.killed_at);
-            let wait = killed_at.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
+            let wait = self.run.as_ref().and_then(Run::due);
+            let wait = wait.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
             match self.events.1.recv_timeout(wait) {
                 // The process ends with its input. Its video stays in the queue.
                 Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Ok(event) => self.take(event),
                 Err(RecvTimeoutError::Timeout) => {}
             }
+            self.end_long_measurement(Instant::now());
             if let Some(run) = &mut self.run
                 && run.killed_at.is_some_and(|at| at <= Instant::now())
             {
@@ -204,6 +205,16 @@ impl Worker {
         self.shown.estimate = Estimate::Unknown;
         if let Some(run) = self.run.as_mut().filter(|run| matches!(run.task, Task::Measure { .. })) {
             run.end(Instant::now());
+        }
+    }
+
+    fn end_long_measurement(&mut self, now: Instant) {
+        if let Some(run) = self.run.as_mut().filter(|run| run.killed_at.is_none())
+            && let Task::Measure { measuring, folder, .. } = &run.task
+            && measuring.ends_at() <= now
+        {
+            self.shown.estimate = measuring.estimate_early(&probe_file(folder));
+            run.end(now);
         }
     }
 
@@ -351,6 +362,14 @@ impl Worker {
 }
 
 impl Run {
+    /// The time at which the process is ended or killed, if one is set.
+    fn due(&self) -> Option<Instant> {
+        self.killed_at.or(match &self.task {
+            Task::Measure { measuring, .. } => Some(measuring.ends_at()),
+            Task::Render { .. } => None,
+        })
+    }
+
     fn renders(&self, id: u64) -> bool {
         matches!(self.task, Task::Render { job, .. } if job == id)
     }

@@ -31,6 +31,26 @@ pub struct Unwritable {
     pub path: PathBuf,
     /// The error from the system.
     pub reason: String,
+    kind: ErrorKind,
+}
+
+impl Unwritable {
+    /// Makes the error from the system's error.
+    pub fn new(path: &Path, error: &io::Error) -> Self {
+        Self { path: path.to_owned(), reason: error.to_string(), kind: error.kind() }
+    }
+
+    /// The remedy, as the end of a sentence.
+    pub fn remedy(&self) -> &'static str {
+        match self.kind {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some disk space",
+            ErrorKind::PermissionDenied => "change the permissions of the folder",
+            ErrorKind::ReadOnlyFilesystem => {
+                "make the disk writable, or set HOME to a folder on another disk"
+            }
+            _ => "check the folder",
+        }
+    }
 }
 
 /// A temporary file, which is removed when this is dropped, when a signal ends the process, or by the next run after
@@ -204,21 +224,22 @@ impl AtomicFile {
     /// created in its folder.
     pub fn create(path: &Path) -> Result<Self, Unwritable> {
         match path.metadata() {
-            Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),
-            Ok(found) if !found.is_file() => return Err(unwritable(path, "it is a device or a pipe")),
+            Ok(found) if found.is_dir() => return Err(refused(path, "it is a folder")),
+            Ok(found) if !found.is_file() => return Err(refused(path, "it is a device or a pipe")),
             _ => {}
         }
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let folder = folder_of(&place);
         if !folder.is_dir() {
-            return Err(unwritable(path, format!("there is no folder {}", folder.display())));
+            return Err(refused(path, format!("there is no folder {}", folder.display())));
         }
         let mut suffix = OsString::new();
         if let Some(extension) = path.extension() {
             suffix.push(".");
             suffix.push(extension);
         }
-        let unfinished = Unfinished::create(folder, &suffix).map_err(|error| unwritable(path, error))?;
+        let unfinished =
+            Unfinished::create(folder, &suffix).map_err(|error| Unwritable::new(path, &error))?;
         Ok(Self { path: path.to_owned(), place, unfinished })
     }
 
@@ -232,7 +253,7 @@ impl AtomicFile {
     /// # Errors
     /// [`Unwritable`]; the target is then unchanged.
     pub fn write(mut self, bytes: &[u8]) -> Result<(), Unwritable> {
-        self.unfinished.write_all(bytes).map_err(|error| unwritable(&self.path, error))?;
+        self.unfinished.write_all(bytes).map_err(|error| Unwritable::new(&self.path, &error))?;
         self.commit()
     }
 
@@ -242,7 +263,7 @@ impl AtomicFile {
     /// [`Unwritable`]; the target is then unchanged.
     pub fn commit(self) -> Result<(), Unwritable> {
         let Self { path, place, unfinished } = self;
-        unfinished.put(|file| replace(file, &place)).map_err(|error| unwritable(&path, error))?;
+        unfinished.put(|file| replace(file, &place)).map_err(|error| Unwritable::new(&path, &error))?;
         Ok(())
     }
 
@@ -253,7 +274,7 @@ impl AtomicFile {
     /// [`Unwritable`]
     pub fn commit_beside(self) -> Result<PathBuf, Unwritable> {
         let Self { path, unfinished, .. } = self;
-        unfinished.put(|file| put_beside(file, &path)).map_err(|error| unwritable(&path, error))
+        unfinished.put(|file| put_beside(file, &path)).map_err(|error| Unwritable::new(&path, &error))
     }
 
     /// Writes `bytes`, and puts them at a free path as [`Self::commit_beside`] does.
@@ -261,13 +282,13 @@ impl AtomicFile {
     /// # Errors
     /// [`Unwritable`]
     pub fn write_beside(mut self, bytes: &[u8]) -> Result<PathBuf, Unwritable> {
-        self.unfinished.write_all(bytes).map_err(|error| unwritable(&self.path, error))?;
+        self.unfinished.write_all(bytes).map_err(|error| Unwritable::new(&self.path, &error))?;
         self.commit_beside()
     }
 }
 
-fn unwritable(path: &Path, reason: impl ToString) -> Unwritable {
-    Unwritable { path: path.to_owned(), reason: reason.to_string() }
+fn refused(path: &Path, reason: impl Into<String>) -> Unwritable {
+    Unwritable::new(path, &io::Error::other(reason.into()))
 }
 
 #[cfg(test)]
@@ -299,6 +320,17 @@ mod tests {
         let texts = paths.map(|path| std::fs::read_to_string(path).unwrap());
         assert_eq!(texts, ["one", "two", "three"]);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_folder_without_permission_was_told_to_free_disk_space() {
+        let remedy = |kind: ErrorKind| Unwritable::new(Path::new("a"), &kind.into()).remedy();
+        assert_eq!(remedy(ErrorKind::StorageFull), "free some disk space");
+        for (kind, words) in
+            [(ErrorKind::PermissionDenied, "permissions"), (ErrorKind::ReadOnlyFilesystem, "writable")]
+        {
+            assert!(remedy(kind).contains(words) && !remedy(kind).contains("space"), "{}", remedy(kind));
+        }
     }
 
     #[cfg(unix)]

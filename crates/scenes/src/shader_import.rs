@@ -140,8 +140,7 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
     }
     // Nothing is written for a shader that cannot become a scene.
     let around = scene_of_shader(shader, &text)?;
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
+    std::fs::create_dir_all(folder).map_err(|error| Unwritable::new(folder, &error))?;
     let copy = match there {
         Some(copy) => copy,
         None => AtomicFile::create(&copy)?.write_beside(text.as_bytes())?,

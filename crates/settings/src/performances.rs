@@ -81,8 +81,7 @@ fn first_path(folder: &Path, title: &str) -> PathBuf {
 
 fn write(path: &Path, text: &str) -> Kept {
     let folder = path.parent().unwrap_or(Path::new("."));
-    create_dir_all(folder)
-        .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
+    create_dir_all(folder).map_err(|error| Unwritable::new(folder, &error))?;
     AtomicFile::create(path)?.write(text.as_bytes())?;
     Ok(path.to_owned())
 }
