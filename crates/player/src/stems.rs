@@ -6,7 +6,8 @@
 //! | `separated/<model>/song/drums.wav` | demucs |
 //! | the tracks of `song.stem.mp4` or `song.stem.m4a` | Native Instruments' Stem Creator |
 //!
-//! The first place that has a stem is used. Upper and lower case do not matter in the names of stems.
+//! The first place that has a stem is used. Upper and lower case do not matter in the names of stems. Links that lead out
+//! of the song's folder are refused: a folder from a stranger must not make Mariana read other files.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -39,6 +40,14 @@ pub enum StemsError {
         folder: PathBuf,
         /// The system's error.
         source: io::Error,
+    },
+    /// A stem is a link, or in a linked folder, outside of the song's folder.
+    #[error("{} is not read, because it leads out of the folder {}: copy the stem into that folder", stem.display(), folder.display())]
+    Outside {
+        /// The stem.
+        stem: PathBuf,
+        /// The song's folder.
+        folder: PathBuf,
     },
     /// Two files have the name of the same part.
     #[error("{} is not used, because {} is the stem of the same part: remove one of them", unused.display(), used.display())]
@@ -89,7 +98,9 @@ pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<StemsError>) {
     let Song::File(path) = song else { return (Vec::new(), Vec::new()) };
     let mut errors = Vec::new();
     for folder in folders(path) {
-        match in_folder(&folder, &mut errors) {
+        let known = errors.len();
+        match in_folder(&folder, folder_of(path), &mut errors) {
+            Ok(stems) if stems.is_empty() && errors.len() > known => {}
             Ok(stems) if stems.is_empty() => errors.push(StemsError::None { folder }),
             Ok(stems) => return (stems, errors),
             Err(source) => errors.push(StemsError::Folder { folder, source }),
@@ -135,7 +146,14 @@ fn folders(song: &Path) -> Vec<PathBuf> {
     folders
 }
 
-fn in_folder(folder: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
+/// The folder of a song; the current folder for a bare name.
+fn folder_of(song: &Path) -> &Path {
+    song.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
+    let root = of_song.canonicalize()?;
+    let is_inside = |path: &&PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(&root));
     let entries = fs::read_dir(folder)?.flatten().take(LIMITS.stem_files_max);
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     files.sort();
@@ -146,7 +164,10 @@ fn in_folder(folder: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem
             path.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case(name))
                 && AUDIO_EXTENSIONS.iter().any(|known| ending.eq_ignore_ascii_case(known))
         };
-        let mut of_part = files.iter().filter(is_stem);
+        let (inside, outside): (Vec<_>, Vec<_>) = files.iter().filter(is_stem).partition(is_inside);
+        let outside = outside.into_iter().cloned();
+        errors.extend(outside.map(|stem| StemsError::Outside { stem, folder: of_song.to_owned() }));
+        let mut of_part = inside.into_iter();
         let Some(used) = of_part.next() else { continue };
         stems.push(Stem { part, path: used.clone(), track: None });
         errors.extend(of_part.map(|unused| StemsError::Two { used: used.clone(), unused: unused.clone() }));
@@ -202,6 +223,38 @@ mod tests {
         file("bare.stems/mix.wav");
         let (stems, errors) = stems_of(&song);
         assert!(stems.is_empty() && errors[0].to_string().contains("drums.wav"), "{errors:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_out_of_the_song_s_folder_were_read_as_stems() {
+        use std::os::unix::fs::symlink;
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("music");
+        fs::create_dir_all(folder.join("a.stems")).unwrap();
+        for file in ["secret.wav", "music/a.wav", "music/b.wav", "music/kept.wav"] {
+            fs::write(place.path().join(file), "").unwrap();
+        }
+        symlink(place.path().join("secret.wav"), folder.join("a.stems/drums.wav")).unwrap();
+        symlink(folder.join("kept.wav"), folder.join("a.stems/bass.wav")).unwrap();
+        let (stems, errors) = stems_of(&Song::File(folder.join("a.wav")));
+        assert_eq!(places(&stems), [("bass", "bass.wav".into(), None)], "a link inside the folder is read");
+        let told = errors.iter().map(ToString::to_string).collect::<String>();
+        assert!(
+            errors.len() == 1 && told.contains("drums.wav is not read") && told.contains("copy"),
+            "{told}"
+        );
+        // A linked folder leads out too.
+        fs::create_dir(place.path().join("others")).unwrap();
+        fs::write(place.path().join("others/vocals.wav"), "").unwrap();
+        symlink(place.path().join("others"), folder.join("b.stems")).unwrap();
+        let (stems, errors) = stems_of(&Song::File(folder.join("b.wav")));
+        assert!(stems.is_empty() && matches!(&errors[..], [StemsError::Outside { .. }]), "{errors:?}");
+        // The song itself may be a link.
+        symlink(place.path().join("secret.wav"), folder.join("c.wav")).unwrap();
+        fs::create_dir(folder.join("c.stems")).unwrap();
+        fs::write(folder.join("c.stems/vocals.wav"), "").unwrap();
+        assert_eq!(stems_of(&Song::File(folder.join("c.wav"))).0.len(), 1);
     }
 
     #[test]
