@@ -15,7 +15,9 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::moving_textures::description;
 use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
-use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, TextureRef, plural, render_all};
+use mariana_field::lang::{
+    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Swarm, TextureRef, plural, render_all,
+};
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
@@ -250,11 +252,6 @@ fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Moving)> {
 
 fn cost(scene: &Scene) -> anyhow::Result<String> {
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
-    let mut roots = vec![scene.distance];
-    roots.extend(scene.objects.iter().filter_map(|object| object.bound));
-    for material in &scene.materials {
-        roots.extend(material.numbers());
-    }
     let constants = tape
         .table()
         .iter()
@@ -265,8 +262,21 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
         tape.clauses().len(),
         tape.registers(),
         parts(scene),
-        inputs(scene, &scene.graph, &roots)?
+        inputs(scene, &scene.graph, &expressions(scene))?
     ))
+}
+
+/// All expressions of a scene.
+fn expressions(scene: &Scene) -> Vec<NodeId> {
+    let mut all = vec![scene.distance];
+    all.extend(scene.objects.iter().filter_map(|object| object.bound));
+    all.extend(scene.materials.iter().flat_map(Material::numbers));
+    all.extend(scene.lights.iter().flat_map(Light::numbers));
+    all.extend(scene.media.iter().flat_map(Medium::numbers));
+    all.extend(scene.swarms.iter().flat_map(Swarm::numbers));
+    all.extend(scene.cameras.iter().flat_map(|(_, camera)| camera.numbers()));
+    all.extend([scene.camera.numbers(), scene.sky.numbers(), scene.picture.numbers()].concat());
+    all
 }
 
 fn advice(world: &World) -> String {
@@ -308,13 +318,13 @@ fn parts(scene: &Scene) -> String {
     counted.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the names, in the scene language, of the inputs that `roots` read, except the coordinates of the point.
+/// Returns the names, in the scene language, of the time, the sounds and the parameters that `roots` read.
 fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
     let used = graph.inputs_used(roots)?;
     let mut names: Vec<String> = used
         .inputs
         .iter()
-        .filter(|input| input.of_point().is_none())
+        .filter(|input| matches!(input, Input::T | Input::Sound(_) | Input::Level(_) | Input::Param(_)))
         .map(|input| name_of(scene, *input))
         .collect();
     let mut by_index = false;
@@ -325,7 +335,11 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         names.extend(known.map(|input| input.to_string()));
     }
     // Tables that are read at a computed index are not in the list of inputs.
-    let tables = used.tables.iter().filter(|table| **table != Op::Part || by_index);
+    let tables = used.tables.iter().filter(|table| match table {
+        Op::Part => by_index,
+        Op::Shape | Op::ShapeNumber => false,
+        _ => true,
+    });
     names.extend(tables.map(|table| match table {
         Op::Part => "bands of parts".to_owned(),
         other => other.name().to_lowercase(),
@@ -341,5 +355,44 @@ fn name_of(scene: &Scene, input: Input) -> String {
             .get(usize::from(number))
             .map_or_else(|| input.to_string().to_lowercase(), |param| param.name.clone()),
         _ => input.to_string().to_lowercase(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn heard(source: &SceneSource) -> String {
+        let Ok(Ok((scene, ..))) = compile(source) else { panic!("{source:?} has mistakes") };
+        cost(&scene).unwrap().split("listens to ").nth(1).unwrap().to_owned()
+    }
+
+    #[test]
+    fn a_scene_whose_sky_or_picture_moves_listened_to_nothing() {
+        let ink = heard(&SceneSource::Shipped("ink".to_owned()));
+        for input in ["t", "bass", "treble", "beat", "waveform", "flow", "whorl"] {
+            assert!(ink.split(", ").any(|name| name == input), "{input} in {ink}");
+        }
+        let ball = "object ball { shape = length(p) - 1 }\n";
+        for part in [
+            "light lamp { position = vec3(0, 3, 0)  color = vec3(bass) }",
+            "medium fog { density = 0.1 * bass }",
+            "swarm dust { count = 9  position = vec3(bass, index, 0) }",
+            "camera { fov = 40 + bass }",
+            "camera far { position = vec3(0, 0, -9 - bass) }",
+            "sky { ambient = vec3(bass) }",
+            "picture { bloom = 0.1 * bass }",
+        ] {
+            assert_eq!(heard(&SceneSource::Formula(format!("{ball}{part}"))), "bass", "{part}");
+        }
+        assert_eq!(heard(&SceneSource::Formula(ball.to_owned())), "nothing");
+    }
+
+    #[test]
+    fn every_shipped_scene_listens() {
+        for name in crate::scenes::shipped_names() {
+            let heard = heard(&SceneSource::Shipped(name.clone()));
+            assert_ne!(heard, "nothing", "{name}");
+        }
     }
 }
