@@ -23,11 +23,17 @@ pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> 
         .into_bytes()
 }
 
+/// Returns the exact frame rate that a rate such as 23.976, 23.98 or 29.97 stands for: a whole number of frames in
+/// 1.001 seconds. `None` for other rates.
+pub fn ntsc_rate(fps: f64) -> Option<f64> {
+    let exact = (fps * 1.001).round() / 1.001;
+    ((fps - exact).abs() < 5e-3 && (fps - fps.round()).abs() > 5e-3).then_some(exact)
+}
+
 /// Returns a frame rate as a fraction. NTSC rates are exact; other rates are rounded to a thousandth.
 fn ratio(fps: f64) -> (u64, u64) {
-    let ntsc = (fps * 1.001).round();
-    if (fps - ntsc / 1.001).abs() < 1e-3 && (fps - fps.round()).abs() > 1e-3 {
-        return (ntsc as u64 * 1_000, 1_001);
+    if let Some(exact) = ntsc_rate(fps) {
+        return ((exact * 1.001).round() as u64 * 1_000, 1_001);
     }
     match (fps * 1_000.0).round() as u64 {
         whole if whole.is_multiple_of(1_000) => (whole / 1_000, 1),
@@ -146,9 +152,13 @@ mod tests {
 
     #[test]
     fn rates_are_fractions() {
-        for (fps, reported) in
-            [(30.0, "F30:1"), (29.97, "F30000:1001"), (23.976, "F24000:1001"), (12.5, "F12500:1000")]
-        {
+        for (fps, reported) in [
+            (30.0, "F30:1"),
+            (29.97, "F30000:1001"),
+            (23.976, "F24000:1001"),
+            (23.98, "F24000:1001"),
+            (12.5, "F12500:1000"),
+        ] {
             let header = String::from_utf8(header((4, 2), fps, Chroma::Whole)).unwrap();
             assert!(header.starts_with("YUV4MPEG2 W4 H2 ") && header.contains(reported), "{header}");
         }

@@ -8,6 +8,7 @@ use crate::config::SETTING_LIMITS;
 use crate::export::video::Part;
 use crate::limits::LIMITS;
 use crate::placement::{Corners, Crop};
+use crate::y4m::ntsc_rate;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) =
@@ -147,13 +148,13 @@ pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a frame rate: `60`, `30000/1001` or `29.97`, which is short for the same rate.
 pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
-    // Broadcasters write rates as fractions, such as 30000/1001.
-    let Some((frames, seconds)) = text.split_once('/') else {
-        return parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second");
-    };
-    let [frames, seconds] = [frames, seconds].map(|number| number.trim().parse::<f64>().unwrap_or(f64::NAN));
-    within(frames / seconds, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
+    let (frames, seconds) = text.split_once('/').unwrap_or((text, "1"));
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number"));
+    let fps =
+        within(number(frames)? / number(seconds)?, LIMITS.fps_min, LIMITS.fps_max, "frames per second")?;
+    Ok(ntsc_rate(fps).unwrap_or(fps))
 }
 
 pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
@@ -237,8 +238,22 @@ mod tests {
         ] {
             assert_eq!(parse_seconds(text), Ok(seconds));
         }
-        assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
+        for text in ["0", "1001", "x", "30/x", "30/0", "nan"] {
+            assert!(parse_fps(text).is_err(), "{text}");
+        }
         assert_eq!(parse_latency("-180"), Ok(-180.0));
+    }
+
+    #[test]
+    fn short_rates_of_film_and_television_are_exact() {
+        for (text, frames) in
+            [("23.976", 24), ("23.98", 24), ("29.97", 30), ("30000/1001", 30), ("59.94", 60)]
+        {
+            assert_eq!(parse_fps(text).map(|fps| fps * 1.001), Ok(f64::from(frames)), "{text}");
+        }
+        for (text, fps) in [("24", 24.0), ("12.5", 12.5), ("23.9", 23.9), ("60/1", 60.0)] {
+            assert_eq!(parse_fps(text), Ok(fps));
+        }
     }
 
     #[test]
