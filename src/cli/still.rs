@@ -8,6 +8,7 @@ use std::rc::Rc;
 use anyhow::bail;
 use clap::Args;
 
+use super::choices::choice;
 use super::common::{
     CommonArguments, OneScene, SetArguments, end_by_signals, finish_by_signals, refuse_a_terminal,
 };
@@ -24,6 +25,7 @@ use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::paths::PathWatch;
 use crate::export::still::{Blend, StillRequest, write_still, write_still_watched};
+use crate::export::video::{Preset, VideoPlace};
 use mariana_field::world::BlendKind;
 
 #[derive(Args)]
@@ -35,7 +37,10 @@ pub(super) struct StillArguments {
     /// The moment, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
-    /// Size in pixels [default: 1280x720, or set by --projection and --stereo]
+    /// Use the size of a service; --size overrides it
+    #[arg(long = "for", value_name = "PLACE", value_parser = choice::<VideoPlace>())]
+    place: Option<VideoPlace>,
+    /// Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     #[command(flatten)]
@@ -98,7 +103,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     let request = StillRequest {
         song,
         at: arguments.at,
-        size: arguments.size.unwrap_or(projection.default_size()),
+        size: arguments.size.unwrap_or(Preset::of(arguments.place).size_in(&projection)),
         gain: common.gain.unwrap_or_default(),
         output,
         scene: arguments.light.tell(SceneChoice {

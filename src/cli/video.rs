@@ -39,7 +39,7 @@ pub(super) struct VideoArguments {
     /// Length, as 80 or 1:20.5 [default: to the end, or set by --for]
     #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Frames per second [default: 30, or set by --for]
+    /// Frames per second, such as 60, 23.976 or 30000/1001 [default: 30, or set by --for]
     #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]
@@ -58,7 +58,7 @@ pub(super) struct VideoArguments {
     /// Draw faster, with coarser edges, for a first look
     #[arg(long)]
     draft: bool,
-    /// Show the song's title and artist during the first five seconds
+    /// Show the song's title and artist during the first five seconds, or less in a short video
     #[arg(long, conflicts_with_all = ["projection", "stereo"])]
     title_card: bool,
     /// Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song
@@ -129,13 +129,12 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     });
     let lyrics = lyrics.transpose()?;
     let projection = arguments.projection.projection()?;
-    let size = if projection.is_plain() { preset.size } else { projection.default_size() };
     let request = VideoRequest {
         song,
         start: arguments.start,
         duration: arguments.duration.or(preset.duration),
         fps: arguments.fps.unwrap_or(preset.fps),
-        size: arguments.size.unwrap_or(size),
+        size: arguments.size.unwrap_or(preset.size_in(&projection)),
         gain: common.gain.unwrap_or_default(),
         limit_flashes: arguments.flash_limiter,
         output,

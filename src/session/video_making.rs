@@ -8,7 +8,7 @@ use crate::export::video::VideoPlace;
 use crate::videos::{JobState, Order, Videos};
 
 /// Further sizes that the panel offers, in pixels.
-pub(super) const SIZES: [(u32, u32); 3] = [(1280, 720), (1920, 1080), (3840, 2160)];
+pub(super) const SIZES: [(u32, u32); 2] = [(1280, 720), (1920, 1080)];
 /// The choices must stay the same for this time before the rendering time is measured.
 pub(super) const SETTLED: Duration = Duration::from_millis(600);
 

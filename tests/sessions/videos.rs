@@ -20,7 +20,7 @@ const WALL: &str = "param light = 0.5 in 0 .. 1\n\
                     sky { color = 0  ambient = 0 }\n";
 
 /// The last option of the row of places is the size of the window.
-const WINDOW_SIZE: usize = 8;
+const WINDOW_SIZE: usize = 10;
 
 fn choose(app: &App, what: VideoChoice, option: usize) {
     app.command(Command::Video(VideoEdit::Choose { what, option }));
