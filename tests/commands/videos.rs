@@ -213,6 +213,8 @@ fn presets_set_the_size_and_a_loop_ends_where_it_begins() {
         assert_eq!(picture["r_frame_rate"], rate, "{name}");
         assert_eq!(streams(&report, "audio")[0]["sample_rate"], "48000", "{name}");
     }
+    place.run(&["still", "one.wav", "red.scene", "--for", "tiktok", "-o", "s.png"]).done();
+    assert_eq!(still(&place, "s.png").dimensions(), (1080, 1920));
     // The brightness grows linearly with time.
     place.write(
         "moving.scene",
@@ -237,7 +239,7 @@ fn presets_set_the_size_and_a_loop_ends_where_it_begins() {
 }
 
 #[test]
-fn the_requested_codec_is_used() {
+fn the_requested_codec_and_rate_are_used() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
@@ -254,6 +256,9 @@ fn the_requested_codec_is_used() {
         run(codec, output).done();
         assert_eq!(streams(&probe(&place, output), "video")[0]["codec_name"], reported);
     }
+    let film = ["--fps", "23.976", "--size", "64x64", "--duration", "0.2", "-o", "f.mp4"];
+    place.run(&[&["video", "one.wav", "red.scene"], &film[..]].concat()).done();
+    assert_eq!(streams(&probe(&place, "f.mp4"), "video")[0]["r_frame_rate"], "24000/1001");
     run("h264", "b.webm").refused(&["b.webm", "h264", "vp9 and av1"]);
     run("h264x", "b.mp4").refused_arguments("--codec", &["h264x"]);
 }
@@ -342,6 +347,31 @@ fn a_title_is_shown_only_on_request() {
     };
     assert_eq!(differ(0..120), 0);
     assert!(differ(120..180) > 150, "{} pixels", differ(120..180));
+}
+
+#[test]
+fn a_title_card_hid_the_lyrics_of_a_short_video() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
+    place.write("one.lrc", "[00:00.50]Somewhere in the sea\n[00:01.70]");
+    let frames = |flags: &[&str], out: &str| {
+        let part = ["--fps", "2", "--size", "320x180", "-o", out];
+        place.run(&[&["video", "one.wav", "red.scene"], &part[..], flags].concat()).done();
+        [2, 3].map(|number| still(&place, &format!("{out}frame-{number:05}.png")))
+    };
+    let plain = frames(&[], "plain/");
+    let lyrics = frames(&["--lyrics"], "lyrics/");
+    let both = frames(&["--lyrics", "--title-card"], "both/");
+    let mut letters = [0, 0];
+    for ((both, lyrics), plain) in both[0].pixels().zip(lyrics[0].pixels()).zip(plain[0].pixels()) {
+        let is_lyric = lyrics != plain;
+        assert!(!is_lyric || both == lyrics, "the card covers the lyrics");
+        letters[0] += usize::from(is_lyric);
+        letters[1] += usize::from(!is_lyric && both != plain);
+    }
+    assert!(letters.iter().all(|count| *count > 150), "{letters:?} pixels of lyrics and of the card");
+    assert!(both[1] == lyrics[1], "the card of a video of 2 s is over at 1.5 s");
 }
 
 #[test]

@@ -33,7 +33,9 @@ impl<'a> Drawing<'a> {
         if needs_all && expected < asked {
             return Err(too_long(request, asked, expected.unwrap_or(0)));
         }
-        let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
+        let length = expected.map(|frames| frames as f64 / request.fps);
+        let length = length.into_iter().chain(request.duration).reduce(f64::min);
+        let card = request.title_card.then(|| TitleCard::of(request, length)).transpose()?;
         if let Some(lyrics) = &request.lyrics {
             song.sing(lyrics.clone());
         }
@@ -70,9 +72,10 @@ impl<'a> Drawing<'a> {
     /// Writes title and lyrics over the frame with this number in the video.
     pub(super) fn letter(&mut self, picture: &mut [u8], number: u64) {
         let seconds = number as f64 / self.request.fps;
-        // The title covers the place of the lyrics.
-        let is_titled = self.card.as_ref().is_some_and(|card| card.draw_over(picture, seconds));
-        if let Some(captions) = self.captions.as_mut().filter(|_| !is_titled) {
+        if let Some(card) = &self.card {
+            card.draw_over(picture, seconds);
+        }
+        if let Some(captions) = &mut self.captions {
             captions.draw_over(picture, self.request.start + seconds);
         }
     }

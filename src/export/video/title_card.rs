@@ -1,32 +1,43 @@
 //! The song's title and artist, shown during the first seconds of a video.
 
+use super::request::VideoRequest;
 use crate::export::error::ExportError;
 use crate::view::caption::Caption;
-use mariana_player::song::{Song, display_name, one_line};
+use mariana_player::song::{display_name, one_line};
 
 /// Duration of the title card, and of fading it in and out, in seconds.
 const SEEN: f64 = 5.0;
 const FADE: f64 = 0.6;
+/// The longest title card and fade in a short video, relative to the video and to the card.
+const SEEN_FRACTION: f64 = 0.6;
+const FADE_FRACTION: f64 = 0.25;
 
-pub(super) struct TitleCard(Caption);
+pub(super) struct TitleCard {
+    caption: Caption,
+    /// Duration in seconds.
+    seen: f64,
+}
 
 impl TitleCard {
-    /// Returns the card of a song: title and artist, or the file's name if title or artist is missing.
-    pub(super) fn of(song: &Song, size: (u32, u32)) -> Result<Self, ExportError> {
-        let decoder = song.open()?;
+    /// Returns the card of a video of `seconds`: the song's title and artist, or the file's name if title or artist is
+    /// missing.
+    pub(super) fn of(request: &VideoRequest, seconds: Option<f64>) -> Result<Self, ExportError> {
+        let decoder = request.song.open()?;
         let info = decoder.info();
-        Ok(Self(match (&info.title, &info.artist) {
-            (Some(title), Some(artist)) => Caption::of_title(&one_line(title), Some(&one_line(artist)), size),
-            _ => Caption::of_title(&display_name(&decoder), None, size),
-        }))
+        let (title, artist) = match (&info.title, &info.artist) {
+            (Some(title), Some(artist)) => (one_line(title), Some(one_line(artist))),
+            _ => (display_name(&decoder), None),
+        };
+        let caption = Caption::of_title(&title, artist.as_deref(), request.lyrics.is_some(), request.size);
+        Ok(Self { caption, seen: seconds.map_or(SEEN, |seconds| SEEN.min(SEEN_FRACTION * seconds)) })
     }
 
-    /// Draws the card at this time in the video, in seconds. Returns false if the card is over.
-    pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) -> bool {
-        let strength = (seconds.min(SEEN - seconds) / FADE).clamp(0.0, 1.0);
+    /// Draws the card at this time in the video, in seconds.
+    pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) {
+        let fade = FADE.min(FADE_FRACTION * self.seen);
+        let strength = (seconds.min(self.seen - seconds) / fade).clamp(0.0, 1.0);
         if strength > 0.0 {
-            self.0.draw_over(rgba, strength as f32);
+            self.caption.draw_over(rgba, strength as f32);
         }
-        seconds < SEEN
     }
 }
