@@ -24,7 +24,7 @@ const HELPERS: [(&str, &str); 8] = [
 /// A camera, a light and a sphere tracer around `map` and `map_color`.
 const MAIN_IMAGE: &str = "\
 void mainImage(out vec4 fragColor, in vec2 fragCoord) {
-    vec2 uv = (2.0 * fragCoord - iResolution.xy) / iResolution.y;
+    vec2 uv = (2.0 * fragCoord - iResolution.xy) / min(iResolution.x, iResolution.y);
     vec3 forward = normalize(target - eye);
     vec3 right = normalize(cross(vec3(0.0, 1.0, 0.0), forward));
     vec3 ray = normalize(forward + tan(0.5 * fov) * (uv.x * right + uv.y * cross(forward, right)));

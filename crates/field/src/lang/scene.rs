@@ -199,7 +199,9 @@ section! {
     Camera {}
     position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
     target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point at which the camera looks.";
-    fov: Number = Each(45.0), FRAME, FOV, "Vertical field of view in degrees.";
+    fov: Number = Each(45.0), FRAME, FOV,
+        "Vertical field of view in degrees. It widens, to at most 100, in a picture higher than wide, which shows as \
+         much from left to right as a square one.";
     roll: Number = Each(0.0), FRAME,
         "Roll around the line of sight in radians; positive values turn the image clockwise.";
     aperture: Number = Each(0.0), FRAME, LENS, "Radius of the lens. With 0 the image is sharp everywhere.";

@@ -26,6 +26,8 @@ pub struct Camera {
 
 /// The vertical field of view in degrees if a scene's is not finite.
 const FOV: f32 = 85.0;
+/// Tangent of half of the largest vertical field of view for showing more in a narrow image: wider ones distort too much.
+const WIDENED_MAX: f64 = 1.2;
 /// Coordinates are clamped to this range.
 const PLACE_MAX: f64 = 1e7;
 
@@ -33,7 +35,8 @@ impl Camera {
     /// The camera that a scene requests, for an image of `aspect` (width over height).
     ///
     /// If the image at the target would be narrower than the scene's `keep`, the eye steps back along its line of
-    /// sight. Values that are not finite count as 0; the field of view is clamped to 1..170 degrees.
+    /// sight. If it is still narrower than in a square image, the field of view widens to show as much, but to at most
+    /// 100 degrees. Values that are not finite count as 0; the scene's field of view is clamped to 1..170 degrees.
     pub fn of(asked: &lang::Camera<f32>, aspect: f64) -> Self {
         Self::by_hand(asked, aspect, &OrbitControls::OFF)
     }
@@ -45,13 +48,17 @@ impl Camera {
         let fov = asked.clone().in_ranges(|number, range| range.clamp(number)).fov;
         let fov = if asked.fov.is_finite() { fov } else { FOV };
         let tan = (0.5 * f64::from(fov).to_radians()).tan();
-        let tan_half = (tan * aspect, tan);
         let away = eye - target;
-        let seen = 2.0 * away.length() * tan_half.0;
+        let seen = 2.0 * away.length() * (tan * aspect);
         let keep = f64::from(asked.keep);
+        // Width at the target, relative to a square image's.
+        let mut shown = aspect;
         if keep.is_finite() && keep > seen && seen > 0.0 {
             eye = target + away * (keep / seen);
+            shown *= keep / seen;
         }
+        let tan = tan.max((tan / shown).min(WIDENED_MAX));
+        let tan_half = (tan * aspect, tan);
         let (eye, forward) = orbit.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
@@ -128,6 +135,26 @@ mod tests {
             prop_assert!(camera.up.cross(camera.right).dot(camera.forward).abs() > 0.999);
             prop_assert!(camera.position.is_finite());
         }
+    }
+
+    #[test]
+    fn a_narrow_image_cut_the_sides_of_the_subject() {
+        let asked =
+            lang::Camera { position: [0.0; 3], target: [0.0, 0.0, 4.0], fov: 45.0, ..lang::Camera::of([]) };
+        let width = |camera: &Camera| 2.0 * camera.to_target * camera.tan_half.0;
+        let square = Camera::of(&asked, 1.0);
+        for aspect in [0.5625, 0.99] {
+            let narrow = Camera::of(&asked, aspect);
+            assert!((width(&narrow) - width(&square)).abs() < 1e-9, "{aspect}: {narrow:?}");
+            assert_eq!((narrow.position, narrow.tan_half.0), (square.position, narrow.tan_half.1 * aspect));
+            // A larger `keep` needs no wider view.
+            let kept = Camera::of(&lang::Camera { keep: 8.0, ..asked.clone() }, aspect);
+            assert!((width(&kept) - 8.0).abs() < 1e-6 && kept.tan_half.1 == square.tan_half.1, "{kept:?}");
+        }
+        assert_eq!(Camera::of(&asked, 2.0).tan_half, (2.0 * square.tan_half.1, square.tan_half.1));
+        assert_eq!(Camera::of(&asked, 0.1).tan_half.1, WIDENED_MAX);
+        let wide = lang::Camera { fov: 120.0, ..asked };
+        assert_eq!(Camera::of(&wide, 0.5).tan_half.1, Camera::of(&wide, 2.0).tan_half.1);
     }
 
     #[test]
