@@ -2,7 +2,7 @@
 
 use rosc::{OscMessage, OscType};
 
-use crate::action::{Action, ActionRow, ActionValue, row_of};
+use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
 use crate::limits::LIMITS;
 use crate::{Amount, ChangedBy, ParamChange};
 
@@ -83,13 +83,15 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
     let mut parts = address.splitn(2, '/');
     let (room, name) = (parts.next().unwrap_or_default(), parts.next().filter(|name| !name.is_empty()));
     let given = |place| message.args.get(place).map(given).transpose();
+    let number = |place| given(place)?.map(number_in).transpose();
     match (room, name) {
-        ("param" | "share", Some(name)) => match given(0)? {
+        ("param" | "share", Some(name)) => match number(0)? {
             None => Ok(Asked::Tell(Query::Param(name.to_owned()))),
             Some(ActionValue::Number(to)) => {
-                let seconds = match given(1)? {
+                let seconds = match number(1)? {
                     Some(ActionValue::Number(seconds)) => seconds,
-                    _ => 0.0,
+                    Some(ActionValue::Text(_)) => return Err(Refused::Unknown),
+                    Some(ActionValue::Nothing) | None => 0.0,
                 };
                 let to = if room == "param" { Amount::Value(to) } else { Amount::Fraction(to) };
                 Ok(Asked::Turn(ParamChange {
@@ -112,20 +114,22 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
         }
         ("query", Some("actions")) => Ok(Asked::Tell(Query::Actions)),
         ("query", Some(name)) => {
-            let row = row_of(actions, name).filter(|row| row.takes == crate::action::ValueType::Switch);
+            let row = row_of(actions, name).filter(|row| row.takes == ValueType::Switch);
             row.map(|row| Asked::Tell(Query::Switch(row.name))).ok_or(Refused::Unknown)
         }
         ("scene", Some(name)) => {
             let row = row_of(actions, "scene").ok_or(Refused::Unknown)?;
             // Pads send a nonzero value when pressed, and 0 when released.
-            if matches!(given(0)?, Some(ActionValue::Number(number)) if number <= 0.0) {
+            if matches!(number(0)?, Some(ActionValue::Number(number)) if number <= 0.0) {
                 return Ok(Asked::Nothing);
             }
             row.wanted(ActionValue::Text(name.to_owned())).map(Asked::Act).ok_or(Refused::Unknown)
         }
         (name, None) => {
             let row = row_of(actions, name).ok_or(Refused::Unknown)?;
-            let given = given(0)?.unwrap_or_default();
+            // A text is the name of a choice, and otherwise a number.
+            let given = if row.takes == ValueType::Choice { given(0)? } else { number(0)? };
+            let given = given.unwrap_or_default();
             let is_let_go = matches!(given, ActionValue::Number(_));
             match row.wanted(given) {
                 Some(action) => Ok(Asked::Act(action)),
@@ -137,10 +141,19 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
     }
 }
 
+fn number(number: f32) -> Result<ActionValue, Refused> {
+    if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }
+}
+
+/// Returns the number in a text such as " 0.5 ". Any other text stays a text.
+fn number_in(given: ActionValue) -> Result<ActionValue, Refused> {
+    match &given {
+        ActionValue::Text(text) => text.trim().parse().map_or(Ok(given.clone()), number),
+        ActionValue::Number(_) | ActionValue::Nothing => Ok(given),
+    }
+}
+
 fn given(argument: &OscType) -> Result<ActionValue, Refused> {
-    let number = |number: f32| {
-        if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }
-    };
     match argument {
         OscType::Int(value) => number(*value as f32),
         OscType::Float(value) => number(*value),
@@ -156,7 +169,6 @@ fn given(argument: &OscType) -> Result<ActionValue, Refused> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::action::ValueType;
 
     const ACTIONS: &[ActionRow] = &[
         ActionRow { name: "next", takes: ValueType::Press, meaning: "the next scene" },
@@ -189,7 +201,31 @@ mod tests {
             assert_eq!(ask("/param/size", std::slice::from_ref(&rubbish)), Err(Refused::NotANumber));
             assert_eq!(ask("/param/size", &[Float(1.0), rubbish]), Err(Refused::NotANumber));
         }
-        assert_eq!(ask("/param/size", &[OscType::String("1".to_owned())]), Err(Refused::Unknown));
+    }
+
+    #[test]
+    fn texts_are_numbers_where_numbers_are_expected() {
+        let text = |text: &str| OscType::String(text.to_owned());
+        for half in ["0.5", " 0.5 ", ".5", "5e-1", "+0.50\n"] {
+            assert_eq!(ask("/param/size", &[text(half)]), turn(Amount::Value(0.5), 0.0), "{half}");
+            assert_eq!(ask("/share/size", &[text("1"), text(half)]), turn(Amount::Fraction(1.0), 0.5));
+            assert_eq!(ask("/tempo", &[text(half)]), act("tempo", ActionValue::Number(0.5)));
+        }
+        for other in ["abc", "", " ", "0,5", "0.5 s", "0x1"] {
+            assert_eq!(ask("/param/size", &[text(other)]), Err(Refused::Unknown), "{other}");
+            assert_eq!(ask("/param/size", &[OscType::Int(1), text(other)]), Err(Refused::Unknown), "{other}");
+            assert_eq!(ask("/tempo", &[text(other)]), Err(Refused::Unknown), "{other}");
+        }
+        for rubbish in ["NaN", "inf", "-infinity", "1e300"] {
+            assert_eq!(ask("/param/size", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
+            assert_eq!(ask("/share/size", &[OscType::Int(1), text(rubbish)]), Err(Refused::NotANumber));
+            assert_eq!(ask("/tempo", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
+        }
+        assert_eq!(ask("/pause", &[text("0")]), act("pause", ActionValue::Number(0.0)));
+        assert_eq!(ask("/next", &[text("0")]), Ok(Asked::Nothing));
+        assert_eq!(ask("/scene/orb", &[text("0")]), Ok(Asked::Nothing));
+        // A scene may have a number as its name.
+        assert_eq!(ask("/scene", &[text("3")]), act("scene", ActionValue::Text("3".to_owned())));
     }
 
     #[test]
