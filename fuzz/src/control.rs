@@ -51,7 +51,7 @@ pub(crate) fn check_act(action: &Action) {
 /// Parses MIDI bytes in pieces of any size, and follows the MIDI clock.
 pub(crate) fn midi(data: &[u8]) {
     let said = |pieces: &mut dyn Iterator<Item = &[u8]>| {
-        let (mut device, mut said) = (Device::default(), Vec::new());
+        let (mut device, mut said) = (Device::new("fuzz".into()), Vec::new());
         pieces.for_each(|piece| device.hear(piece, |one| said.push(one)));
         said
     };
@@ -61,7 +61,7 @@ pub(crate) fn midi(data: &[u8]) {
     let mut clock = Clock::default();
     for (number, one) in whole.iter().enumerate() {
         match one {
-            Said::Moved(_, value, _) => assert!((0.0..=1.0).contains(value), "{one:?}"),
+            Said::Moved(moved) => assert!((0.0..=1.0).contains(&moved.value), "{one:?}"),
             Said::Time(message) => {
                 clock.take(*message, 0.02 * number as f64);
                 let may = |message: &Message| !matches!(message, Message::Position(place) if *place > 0x3fff);

@@ -32,7 +32,8 @@ impl Session {
                 self.playback.controllers.note_unknown();
             }
         }
-        let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene);
+        let levels = if knobs.is_empty() { Vec::new() } else { self.levels() };
+        let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene, &levels);
         for outcome in outcomes {
             match outcome {
                 Outcome::Turn(change) => drop(self.playback.scene.parameters_in_hand_mut().turn(&change)),
@@ -56,6 +57,13 @@ impl Session {
         (actions, since)
     }
 
+    /// Returns the values of the actions that have one: levels, and the tempo if it is known.
+    fn levels(&mut self) -> Vec<(&'static str, f32)> {
+        let tempo = Some(self.playback.tempo()).filter(|tempo| *tempo > 0.0);
+        let levels = commands::levels(&self.state());
+        levels.into_iter().chain(tempo.map(|tempo| ("tempo", tempo))).collect()
+    }
+
     /// Notes that the actions of controllers have changed the scene, if its revision is no longer `before`.
     pub(super) fn note_acted(&mut self, since: Option<Instant>, before: u64) {
         let revision = self.playback.scene.revision();
@@ -70,7 +78,7 @@ impl Session {
         }
         let state = self.state();
         let (switches, levels) = (commands::switches(&state), commands::levels(&state));
-        let tempo = self.playback.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
+        let tempo = self.playback.tempo();
         let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
         if self.playback.controllers.wants_scenes(&scene) {
             let scenes = self.playback.numbered_scenes();
@@ -90,6 +98,11 @@ impl Session {
 impl Playback {
     pub(super) fn message_times(&self) -> &FrameTimes {
         self.controllers.times()
+    }
+
+    /// Beats per minute; 0 while unknown.
+    pub(super) fn tempo(&self) -> f32 {
+        self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo)
     }
 
     pub(super) fn controllers_due(&self) -> Option<Instant> {

@@ -164,7 +164,7 @@ impl Playback {
     }
 
     fn beat_seconds(&self) -> f32 {
-        let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
+        let tempo = self.tempo();
         if tempo > 0.0 { 60.0 / tempo } else { BEAT_SECONDS }
     }
 }

@@ -169,7 +169,8 @@ fn messages_change_scenes_and_parameters_are_kept() {
     let place = Place::new();
     let (app, osc) = place.open_with_osc();
     wait_for_colour(&app, "green", [false, true, false]);
-    osc.send("/param/red", &[2.0]);
+    // A text is a number too.
+    osc.send_bytes(&[padded("/param/red"), padded(",s"), padded(" 2 ")].concat());
     wait_for_colour(&app, "yellow", [true, true, false]);
     osc.send("/scene/wool", &[]);
     app.wait_for_title("the requested scene", |title| title.contains("(wool"));
@@ -206,6 +207,8 @@ fn invalid_messages_are_ignored() {
     osc.send_bytes(b"");
     osc.send("/param/red", &[f32::NAN]);
     osc.send("/param/red", &[f32::INFINITY]);
+    osc.send_bytes(&[padded("/param/red"), padded(",s"), padded("abc")].concat());
+    osc.send_bytes(&[padded("/param/red"), padded(",s"), padded("inf")].concat());
     osc.send("/param/nothing", &[1.0]);
     osc.send("/scene/nothing", &[]);
     osc.send("/nothing", &[]);
@@ -288,6 +291,75 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
     app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.turn_until_yellow(&app, &turned(127));
+    app.quit_by_key();
+}
+
+/// Turns the knob by `steps` in offset binary, one step a message.
+fn turn_endlessly(place: &Place, steps: i32) {
+    (0..steps.abs()).for_each(|_| place.play("desk", &turned(if steps < 0 { 63 } else { 65 })));
+}
+
+#[test]
+fn an_endless_knob_is_recognized_and_turns_its_parameter_from_any_value() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    let (app, osc) = place.open_with_osc();
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(65));
+    // The last of these steps completes the pattern.
+    turn_endlessly(&place, 3);
+    turn_endlessly(&place, -3);
+    app.wait_until_reported("cc 1 on channel 1 of desk (fake port) is an endless knob");
+    app.wait_until("the encoding in the file", |_| {
+        fs::read_to_string(place.knobs()).is_ok_and(|text| text.contains("encoding = \"offset\""))
+    });
+    let red = |value: f32| {
+        move |bytes: &[u8]| {
+            number_in(bytes, "/param/red", ",ffffs").is_some_and(|red| (red - value).abs() < 1e-4)
+        }
+    };
+    osc.send("/param/red", &[0.0]);
+    ask(&app, &osc, "/param/red", red(0.0));
+    turn_endlessly(&place, 64);
+    ask(&app, &osc, "/param/red", red(1.0));
+    // Another controller moves the parameter. Fast turns send several steps at once.
+    osc.send("/param/red", &[0.5]);
+    ask(&app, &osc, "/param/red", red(0.5));
+    place.play("desk", &turned(64 + 32));
+    ask(&app, &osc, "/param/red", red(1.0));
+    turn_endlessly(&place, -64);
+    ask(&app, &osc, "/param/red", red(0.0));
+    wait_for_colour(&app, "green", [false, true, false]);
+    app.quit_by_key();
+    // The next run knows the encoding.
+    let (app, osc) = place.open_with_osc();
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    turn_endlessly(&place, 127);
+    ask(&app, &osc, "/param/red", red(127.0 / 64.0));
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    app.quit_by_key();
+}
+
+#[test]
+fn an_endless_knob_turns_the_volume() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
+    let knob =
+        "[[knob]]\ndevice = \"desk (fake port)\"\nturned = \"increment on channel 1\"\naction = \"volume\"\n";
+    fs::write(place.knobs(), knob).unwrap();
+    let (app, osc) = place.open_with_osc();
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    osc.send("/volume", &[0.5]);
+    app.wait_for_title("the volume", |title| title.contains("volume 50 %"));
+    // Data decrements. Without a first message, the knob could be one that sends its position.
+    (0..33).for_each(|_| place.play("desk", &[0xb0, 97, 127]));
+    app.wait_for_title("a lower volume", |title| title.contains("volume 25 %"));
     app.quit_by_key();
 }
 

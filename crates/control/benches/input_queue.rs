@@ -20,11 +20,11 @@ fn midi(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(FLOOD));
     let bytes: Vec<u8> = (0..FLOOD).flat_map(|n| [0xb0, (n % 16) as u8, (n % 128) as u8]).collect();
     group.bench_function("10,000 messages to the queue", |bencher| {
-        let (mut device, input_queue) = (Device::default(), InputQueue::new(|| {}));
+        let (mut device, input_queue) = (Device::new("desk".into()), InputQueue::new(|| {}));
         bencher.iter(|| {
             device.hear(black_box(&bytes), |said| {
-                if let mariana_control::midi::Said::Moved(source, value, is_press) = said {
-                    input_queue.moved(KnobMove::to("desk".into(), source, value, is_press));
+                if let mariana_control::midi::Said::Moved(moved) = said {
+                    input_queue.moved(moved);
                 }
             });
             input_queue.take()
@@ -40,7 +40,7 @@ fn midi(criterion: &mut Criterion) {
             value = 1.0 - value;
             let outcomes = (0..64).flat_map(|number| {
                 let moved = KnobMove::to("desk".into(), knob(number), value, false);
-                mappings.apply(&moved, "orb", ACTIONS, |_| Some(0.5))
+                mappings.apply(&moved, ACTIONS, |_| Some(0.5))
             });
             outcomes.filter(|outcome| matches!(outcome, Outcome::Turn(_))).count()
         });

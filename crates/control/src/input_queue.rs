@@ -281,10 +281,9 @@ mod tests {
             input_queue.moved(knob(1, 1.0, true));
             input_queue.moved(knob(1, 0.0, false));
         }
-        assert_eq!(
-            input_queue.take().knobs,
-            [KnobMove { way: [0.0, 1.0], presses: 10_000, ..knob(1, 0.0, false) }]
-        );
+        let steps = [-10_000, -10_000, -630_000];
+        let merged = KnobMove { way: [0.0, 1.0], presses: 10_000, steps, ..knob(1, 0.0, false) };
+        assert_eq!(input_queue.take().knobs, [merged]);
         assert_eq!(woken.load(Ordering::Relaxed), 1);
         for number in 0..LIMITS.moved_knobs_max + 5 {
             let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };

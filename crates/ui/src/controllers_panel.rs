@@ -14,7 +14,7 @@ pub use rows::words_of;
 
 use mariana_commands::Command;
 use mariana_control::Slider;
-use mariana_control::midi::{Curve, Mapping, MidiState, Target};
+use mariana_control::midi::{Curve, Encoding, Mapping, MidiState, Target};
 use mariana_remote::{PairingAddress, RemoteState};
 use mariana_settings::KnobEdit;
 
@@ -72,7 +72,8 @@ pub enum Field {
     Curve,
     /// The smoothing time.
     Smoothing,
-    /// Soft takeover: the control acts only after it has passed the parameter's value.
+    /// Soft takeover: the control acts only after it has passed the parameter's value. An encoder acts at once; a
+    /// click makes it a knob that sends its position.
     PickUp,
     /// Removes the mapping.
     Remove,
@@ -100,6 +101,7 @@ impl Field {
             Self::Curve => mapping.curve.name().to_owned(),
             Self::Smoothing if mapping.smoothing == 0.0 => "at once".to_owned(),
             Self::Smoothing => format!("{} s", mapping.smoothing),
+            Self::PickUp if mapping.is_in_steps() => "endless".to_owned(),
             Self::PickUp => (if mapping.picks_up { "picks up" } else { "jumps" }).to_owned(),
             Self::Remove => "forget".to_owned(),
         }
@@ -115,6 +117,7 @@ impl Field {
             Self::Invert => after.invert(),
             Self::Curve => after.curve = next(&Curve::ALL, after.curve),
             Self::Smoothing => after.smoothing = next(&SMOOTHINGS, after.smoothing),
+            Self::PickUp if mapping.is_in_steps() => after.encoding = Some(Encoding::Absolute),
             Self::PickUp => after.picks_up = !after.picks_up,
             Self::Remove => return Some(Command::EditMappings(KnobEdit::Remove(after))),
         }

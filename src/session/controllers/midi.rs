@@ -117,14 +117,26 @@ impl Midi {
         self.revision += 1;
     }
 
-    /// Returns the effects of the moved `knobs`. While a mapping is learned, knobs have no effect.
-    pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
+    /// Returns the effects of the moved `knobs`. `levels` are the values of actions. While a mapping is learned, knobs
+    /// have no effect.
+    pub(super) fn take(
+        &mut self,
+        knobs: &[KnobMove],
+        scene: &SceneSession,
+        levels: &[(&str, f32)],
+    ) -> Vec<Outcome> {
         let title = scene.parameters_in_hand().title().unwrap_or_default();
-        let stands = |name: &str| {
-            let slider = scene.parameters_in_hand().sliders().iter().rfind(|slider| slider.name == name)?;
-            let (to, _) = scene.parameters_in_hand().target(name)?;
-            let (min, max, default) = (slider.min, slider.max, slider.default);
-            Some(Param { name, min, max, default }.fraction_of(to))
+        let stands = |target: &Target| match target {
+            Target::Param { scene: of, name } => {
+                let params = Some(scene.parameters_in_hand()).filter(|_| *of == title)?;
+                let slider = params.sliders().iter().rfind(|slider| slider.name == *name)?;
+                let (to, _) = params.target(name)?;
+                let (min, max, default) = (slider.min, slider.max, slider.default);
+                Some(Param { name, min, max, default }.fraction_of(to))
+            }
+            Target::Action { name, .. } => {
+                levels.iter().find(|(level, _)| level == name).map(|(_, value)| *value)
+            }
         };
         let now = clock::since(self.zero).as_secs_f64();
         let mut outcomes = Vec::new();
@@ -132,12 +144,27 @@ impl Midi {
             match &mut self.learning {
                 Some(learning) => learning.notice(knob, now),
                 None => {
+                    self.note_encoder(knob);
                     let mappings = &mut self.memory.file_mut().mappings;
-                    outcomes.extend(mappings.apply(knob, &title, commands::for_controllers(), stands));
+                    outcomes.extend(mappings.apply(knob, commands::for_controllers(), stands));
                 }
             }
         }
         outcomes
+    }
+
+    /// Keeps the encoding of a knob that turned out to be an encoder.
+    fn note_encoder(&mut self, knob: &KnobMove) {
+        let KnobMove { source, device, encoding: Some(encoding), .. } = knob else { return };
+        let is_new = |one: &&Mapping| one.encoding.is_none() && one.is_moved_by(knob);
+        let new: Vec<Mapping> = self.mappings().iter().filter(is_new).cloned().collect();
+        if !new.is_empty() {
+            self.news.push((format!("{source} of {device} is an endless knob"), true));
+        }
+        for before in new {
+            let after = Mapping { encoding: Some(*encoding), ..before.clone() };
+            self.edit(&KnobEdit::Change(before, after));
+        }
     }
 
     pub(super) fn finish_learning(&mut self) -> Option<String> {

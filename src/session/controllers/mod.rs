@@ -132,8 +132,9 @@ impl Controllers {
         &mut self,
         knobs: &[KnobMove],
         scene: &SceneSession,
+        levels: &[(&str, f32)],
     ) -> (Vec<Outcome>, Option<String>) {
-        (self.midi.take(knobs, scene), self.midi.finish_learning())
+        (self.midi.take(knobs, scene, levels), self.midi.finish_learning())
     }
 
     pub(crate) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::encoding::Encoding;
 use super::mapping::{Curve, Mapping, Mappings, Target};
 use super::source::Source;
 use crate::limits::LIMITS;
@@ -65,6 +66,8 @@ struct Row {
     smoothing: f32,
     #[serde(default)]
     pick_up: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    encoding: Option<Encoding>,
 }
 
 fn yes() -> bool {
@@ -78,6 +81,7 @@ fn whole() -> [f32; 2] {
 const HEAD: &str = "\
 # MIDI mappings, as learned in the window (J). Edit this file only while Mariana is not running.
 # `range` is in fractions of the parameter's range, `smoothing` in seconds; `curve` is linear, slow, fast, soft or root.
+# `encoding` is absolute, offset, complement or sign; without it, Mariana finds it out from the first turns.
 
 ";
 
@@ -137,6 +141,7 @@ impl Row {
             curve: mapping.curve,
             smoothing: mapping.smoothing,
             pick_up: mapping.picks_up,
+            encoding: mapping.encoding,
         }
     }
 
@@ -154,6 +159,7 @@ impl Row {
             curve: self.curve,
             smoothing: self.smoothing,
             picks_up: self.pick_up,
+            encoding: self.encoding,
         };
         mapping.mend().then_some(mapping)
     }
@@ -172,6 +178,7 @@ mod tests {
         let mut first = Mapping::learned("nano: KONTROL", knob, param);
         first.invert();
         first.curve = Curve::Soft;
+        first.encoding = Some(Encoding::Complement);
         let pad = Mapping::learned("pads", Source::Note { channel: 9, key: 36 }, action);
         MappingFile { clock: false, mappings: Mappings::of(vec![first, pad]) }
     }
@@ -180,9 +187,12 @@ mod tests {
     fn mappings_are_readable_and_read_back() {
         let text = file().text().unwrap();
         assert_eq!(MappingFile::read(text.as_bytes()), Ok(file()));
-        for line in
-            ["turned = \"fine cc 7 on channel 4\"", "action = \"scene\"", "clock = false", "param = \"size\""]
-        {
+        for line in [
+            "turned = \"fine cc 7 on channel 4\"",
+            "action = \"scene\"",
+            "clock = false",
+            "encoding = \"complement\"",
+        ] {
             assert!(text.contains(line), "{line} is not in\n{text}");
         }
         assert_eq!(MappingFile::read(b""), Ok(MappingFile::default()));
@@ -199,6 +209,7 @@ mod tests {
             (&format!("{knob}action = \"next\"\nscene = \"orb\"\n"), "neither a parameter"),
             (&format!("{knob}action = \"next\"\nrange = [nan, 1.0]\n"), "neither a parameter"),
             (&format!("{knob}action = \"next\"\nmood = 1\n"), "mood"),
+            (&format!("{knob}action = \"volume\"\nencoding = \"relative\"\n"), "complement"),
             ("\u{0}\u{1}", ""),
         ] {
             let Err(MappingsError::Malformed(why)) = MappingFile::read(text.as_bytes()) else {

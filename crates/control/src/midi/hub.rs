@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 use super::clock::{Clock, ClockReading};
 use super::device::{Device, Said};
 use super::ports::{Hear, Ports};
-use super::source::KnobMove;
 use crate::InputQueue;
 use crate::limits::LIMITS;
 
@@ -144,14 +143,13 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
 }
 
 fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
-    let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
+    let name: Arc<str> = name.into();
+    let mut device = Device::new(name.clone());
     Box::new(move |bytes| {
         device.hear(bytes, |said| {
             shared.input_queue.count();
             match said {
-                Said::Moved(source, value, is_press) => {
-                    shared.input_queue.moved(KnobMove::to(name.clone(), source, value, is_press));
-                }
+                Said::Moved(moved) => shared.input_queue.moved(moved),
                 Said::Time(message) => {
                     let now = shared.zero.elapsed().as_secs_f64();
                     let mut clock = lock(&shared.clock);

@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
+use super::device::{DECREMENT, INCREMENT};
 use super::mapping::{Mapping, Target};
 use super::source::{KnobMove, Source};
 
 /// A knob counts as 7-bit if no message with its low bits arrives within this time, in seconds.
 const WAITS: f64 = 0.08;
+/// A knob with the number of data increments counts as one that sends its position if it does not repeat a value within
+/// this time, in seconds.
+const WAITS_FOR_STEPS: f64 = 1.0;
 
 /// The state while a control is being learned.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +36,10 @@ impl Learning {
         let is_meant = match moved.source {
             Source::Note { .. } | Source::Program { .. } => moved.presses > 0,
             Source::Pressure { .. } => false,
-            Source::Control { .. } | Source::FineControl { .. } | Source::Bend { .. } => true,
+            Source::Control { .. }
+            | Source::FineControl { .. }
+            | Source::Increment { .. }
+            | Source::Bend { .. } => true,
         };
         if !is_meant {
             return;
@@ -50,19 +57,27 @@ impl Learning {
             {
                 self.moved = Some((device.clone(), fine, *since));
             }
+            // The knob repeats data increments: learn its steps.
+            (
+                Some((device, Source::Control { channel, number: INCREMENT | DECREMENT }, since)),
+                steps @ Source::Increment { channel: of },
+            ) if *device == moved.device && *channel == of => {
+                self.moved = Some((device.clone(), steps, *since));
+            }
             _ => {}
         }
     }
 
-    /// Returns the time when it is known if the moved knob has 7 or 14 bits; `None` if no knob has moved.
+    /// Returns the time when it is known what the moved knob sends; `None` if no knob has moved.
     pub fn known_at(&self) -> Option<f64> {
         self.moved.as_ref().map(|(_, source, since)| match source {
+            Source::Control { number: INCREMENT | DECREMENT, .. } => since + WAITS_FOR_STEPS,
             Source::Control { .. } => since + WAITS,
             _ => *since,
         })
     }
 
-    /// Returns the new mapping once it is known if the knob has 7 or 14 bits.
+    /// Returns the new mapping once it is known what the knob sends.
     pub fn learned(&self, now: f64) -> Option<Mapping> {
         let (device, source, _) =
             self.moved.as_ref().filter(|_| self.known_at().is_some_and(|at| now >= at))?;
@@ -103,6 +118,21 @@ mod tests {
         learning.notice(&moved(Source::Control { channel: 0, number: 39 }, 0), 1.0);
         learning.notice(&moved(FINE, 0), 1.0);
         assert_eq!(learning.learned(1.0).map(|mapping| mapping.source), Some(FINE));
+    }
+
+    #[test]
+    fn data_increments_are_learned_once_they_repeat() {
+        let increment = Source::Increment { channel: 0 };
+        let learned = |second: Source, now: f64| {
+            let mut learning = learning();
+            learning.notice(&moved(Source::Control { channel: 0, number: 97 }, 0), 1.0);
+            learning.notice(&moved(second, 0), 1.2);
+            learning.learned(now).map(|mapping| mapping.source)
+        };
+        assert_eq!(learned(increment, 1.2), Some(increment));
+        let knob = Source::Control { channel: 0, number: 97 };
+        assert_eq!((learned(knob, 1.9), learned(knob, 2.0)), (None, Some(knob)));
+        assert_eq!(learned(Source::Increment { channel: 1 }, 2.0), Some(knob), "of another channel");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::encoding::Encoding;
 use super::pick_up::PickUp;
 use super::source::{KnobMove, Source};
 use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
@@ -72,6 +73,17 @@ impl Curve {
         }
     }
 
+    /// Returns the position at which the curve has the value `y`, 0..1.
+    fn position(self, y: f32) -> f32 {
+        match self {
+            Self::Linear => y,
+            Self::Slow => y.sqrt(),
+            Self::Fast => 1.0 - (1.0 - y).sqrt(),
+            Self::Soft => 0.5 - ((1.0 - 2.0 * y).asin() / 3.0).sin(),
+            Self::Root => y * y,
+        }
+    }
+
     /// Returns the curve's value at `x`, 0..1. It rises from 0 at 0 to 1 at 1.
     pub fn at(self, x: f32) -> f32 {
         match self {
@@ -100,14 +112,18 @@ pub struct Mapping {
     pub curve: Curve,
     /// The smoothing time in seconds.
     pub smoothing: f32,
-    /// True if the control has no effect until it passes the parameter's value (pick-up).
+    /// True if the control has no effect until it passes the parameter's value (pick-up). Has no meaning for steps.
     pub picks_up: bool,
+    /// What the control sends; `None` until it is known. A control that is not known sends its position.
+    pub encoding: Option<Encoding>,
 }
 
 /// The default smoothing time in seconds. It hides the 128 steps of a knob.
 const SMOOTHING: f32 = 0.05;
 /// The default tempos at the two ends of a knob, in beats per minute.
 const TEMPOS: [f32; 2] = [60.0, 180.0];
+/// The steps of an encoder from one end of the range to the other.
+const STEPS: f32 = 128.0;
 
 impl Mapping {
     /// Returns the mapping with default settings.
@@ -122,7 +138,18 @@ impl Mapping {
             curve: Curve::Linear,
             smoothing: if turns { SMOOTHING } else { 0.0 },
             picks_up: turns,
+            encoding: None,
         }
+    }
+
+    /// True if a movement of this control moves the target.
+    pub fn is_moved_by(&self, moved: &KnobMove) -> bool {
+        self.device == *moved.device && self.source == moved.source
+    }
+
+    /// True if the control is an encoder, which sends steps.
+    pub fn is_in_steps(&self) -> bool {
+        self.encoding.is_some_and(|encoding| encoding != Encoding::Absolute)
     }
 
     /// Reverses the direction of the control.
@@ -133,6 +160,17 @@ impl Mapping {
     fn leads_to(&self, value: f32) -> f32 {
         let [from, to] = self.range;
         from + (to - from) * self.curve.at(value.clamp(0.0, 1.0))
+    }
+
+    /// Returns the target's value after a movement from the value `present`, which is needed only for steps.
+    fn moved_to(&self, moved: &KnobMove, present: Option<f32>) -> Option<f32> {
+        let Some(encoding) = self.encoding.filter(|_| self.is_in_steps()) else {
+            return Some(self.leads_to(moved.value));
+        };
+        let [from, to] = self.range;
+        let share = (present? - from) / (to - from);
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        Some(self.leads_to(self.curve.position(share) + moved.steps(encoding) as f32 / STEPS))
     }
 
     /// Clamps numbers that a user wrote in the file. Returns false if the mapping is not usable.
@@ -213,26 +251,28 @@ impl Mappings {
         }
     }
 
-    /// Returns the effects of a knob movement while `scene` is the current scene. `stands` returns the current value of
-    /// a parameter of the scene as a fraction of its range, or `None` if there is no such parameter.
+    /// Returns the effects of a knob movement. `stands` returns the current value of a target: a parameter's as a
+    /// fraction of its range, and an action's in the unit of [`Mapping::range`]. It returns `None` for a parameter that
+    /// the current scene does not have, and for an action without a value.
     pub fn apply(
         &mut self,
         moved: &KnobMove,
-        scene: &str,
         actions: &[ActionRow],
-        stands: impl Fn(&str) -> Option<f32>,
+        stands: impl Fn(&Target) -> Option<f32>,
     ) -> Vec<Outcome> {
         let mut outcomes = Vec::new();
         for (mapping, hold) in self.list.iter().zip(&mut self.holds) {
-            if mapping.device != *moved.device || mapping.source != moved.source {
+            if !mapping.is_moved_by(moved) {
                 continue;
             }
+            let stands = stands(&mapping.target);
+            let to = mapping.moved_to(moved, stands);
             match &mapping.target {
-                Target::Param { scene: of, name } if of == scene => {
-                    let Some(stands) = stands(name) else { continue };
-                    let fraction = mapping.leads_to(moved.value);
+                Target::Param { name, .. } => {
+                    let Some((stands, fraction)) = stands.zip(to) else { continue };
                     let way = moved.way.map(|end| mapping.leads_to(end));
-                    outcomes.push(match !mapping.picks_up || hold.takes(fraction, way, stands) {
+                    let takes_over = mapping.is_in_steps() || !mapping.picks_up;
+                    outcomes.push(match takes_over || hold.takes(fraction, way, stands) {
                         true => Outcome::Turn(ParamChange {
                             name: name.clone(),
                             to: Amount::Fraction(fraction),
@@ -242,10 +282,10 @@ impl Mappings {
                         false => Outcome::Waits { name: name.clone(), leads_to: fraction, stands },
                     });
                 }
-                Target::Param { .. } => {}
                 Target::Action { name, value } => {
                     if let Some(row) = row_of(actions, name) {
-                        outcomes.extend(actions_of(mapping, row, value.as_deref(), moved).map(Outcome::Act));
+                        let acts = actions_of(to, row, value.as_deref(), moved);
+                        outcomes.extend(acts.map(Outcome::Act));
                     }
                 }
             }
@@ -254,16 +294,18 @@ impl Mappings {
     }
 }
 
-fn actions_of<'a>(
-    mapping: &'a Mapping,
+fn actions_of(
+    to: Option<f32>,
     row: ActionRow,
-    value: Option<&'a str>,
-    moved: &'a KnobMove,
-) -> impl Iterator<Item = Action> + 'a {
+    value: Option<&str>,
+    moved: &KnobMove,
+) -> impl Iterator<Item = Action> {
     let presses = moved.presses.min(LIMITS.presses_max) as usize;
     let (times, given) = match row.takes {
         ValueType::Press | ValueType::Switch => (presses, ActionValue::Nothing),
-        ValueType::Level | ValueType::Number => (1, ActionValue::Number(mapping.leads_to(moved.value))),
+        ValueType::Level | ValueType::Number => {
+            (usize::from(to.is_some()), ActionValue::Number(to.unwrap_or_default()))
+        }
         ValueType::Choice | ValueType::Index(_) => match value {
             Some(name) => (presses, ActionValue::Text(name.to_owned())),
             // Programs are numbered from 0, scenes from 1.
@@ -275,6 +317,9 @@ fn actions_of<'a>(
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
+    use super::super::encoding::tests::value_of;
     use super::*;
 
     const KNOB: Source = Source::Control { channel: 0, number: 7 };
@@ -304,7 +349,10 @@ mod tests {
     }
 
     fn apply(mappings: &mut Mappings, moved: &KnobMove) -> Vec<Outcome> {
-        mappings.apply(moved, "orb", ACTIONS, |name| (name != "gone").then_some(0.5))
+        mappings.apply(moved, ACTIONS, |target| match target {
+            Target::Param { scene, name } => (scene == "orb" && name != "gone").then_some(0.5),
+            Target::Action { .. } => None,
+        })
     }
 
     fn turned(name: &str, fraction: f32) -> Outcome {
@@ -390,9 +438,115 @@ mod tests {
         assert_eq!(Mappings::of(vec![one; LIMITS.mappings_max + 1]).list().len(), LIMITS.mappings_max);
     }
 
+    /// Returns the movement of an encoder by `turns`, which arrive between two frames.
+    fn turns(encoding: Encoding, turns: &[i32]) -> KnobMove {
+        let moves = turns.iter().map(|steps| {
+            KnobMove::to("desk".into(), KNOB, f32::from(value_of(encoding, *steps)) / 127.0, false)
+        });
+        let merged = moves.reduce(|mut moved, later| {
+            moved.go_on(&later);
+            moved
+        });
+        merged.unwrap()
+    }
+
+    fn stepped(encoding: Encoding, target: Target) -> Mapping {
+        Mapping { encoding: Some(encoding), ..Mapping::learned("desk", KNOB, target) }
+    }
+
+    /// Applies a movement to a single mapping, and returns the new fraction or number.
+    fn moved_from(mapping: &Mapping, moved: &KnobMove, present: f32) -> f32 {
+        let mut mappings = Mappings::of(vec![mapping.clone()]);
+        match &mappings.apply(moved, ACTIONS, |_| Some(present))[..] {
+            [Outcome::Turn(ParamChange { to: Amount::Fraction(to), .. })] => *to,
+            [Outcome::Act(Action { given: ActionValue::Number(to), .. })] => *to,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn encoders_move_levels_and_the_tempo_from_their_present_values() {
+        let moved = turns(Encoding::Sign, &[1, 1, 2]);
+        assert_eq!(moved_from(&stepped(Encoding::Sign, action("volume", None)), &moved, 0.25), 0.28125);
+        assert_eq!(moved_from(&stepped(Encoding::Sign, action("tempo", None)), &moved, 120.0), 123.75);
+        let unknown = stepped(Encoding::Sign, action("volume", None));
+        assert_eq!(
+            apply(&mut Mappings::of(vec![unknown]), &moved),
+            [],
+            "without a volume there is nothing to turn"
+        );
+    }
+
+    #[test]
+    fn an_absolute_knob_that_is_known_ignores_its_steps() {
+        let known = Mapping { picks_up: false, ..stepped(Encoding::Absolute, param("size")) };
+        assert_eq!(moved_from(&known, &moved(KNOB, 1.0, 0), 0.5), 1.0);
+        let picks_up = stepped(Encoding::Absolute, param("size"));
+        assert!(matches!(
+            apply(&mut Mappings::of(vec![picks_up]), &moved(KNOB, 0.9, 0))[..],
+            [Outcome::Waits { .. }]
+        ));
+    }
+
+    fn mappings_of_encoders() -> impl Strategy<Value = Mapping> {
+        let curve = proptest::sample::select(Curve::ALL.to_vec());
+        let ends =
+            (0.0_f32..=1.0, 0.0_f32..=1.0).prop_filter("too narrow", |(from, to)| (to - from).abs() > 0.05);
+        let encoding = proptest::sample::select(Encoding::OF_STEPS.to_vec());
+        (encoding, curve, ends).prop_map(|(encoding, curve, (from, to))| Mapping {
+            range: [from, to],
+            curve,
+            ..stepped(encoding, param("size"))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn an_encoder_moves_a_parameter_from_its_present_value_in_proportion_to_its_steps(
+            encoding in proptest::sample::select(Encoding::OF_STEPS.to_vec()),
+            all in proptest::collection::vec((1_i32..64, any::<bool>()), 1..40),
+            frames in 1_usize..9,
+            present in 0.0_f32..=1.0,
+        ) {
+            let mapping = stepped(encoding, param("size"));
+            let all: Vec<i32> = all.iter().map(|(steps, up)| if *up { *steps } else { -steps }).collect();
+            // The result does not depend on the frames, except where a frame ends at an end of the range.
+            let mut is_inside = true;
+            let at = all.chunks(all.len().div_ceil(frames)).fold(present, |at, turned| {
+                let to = moved_from(&mapping, &turns(encoding, turned), at);
+                is_inside &= to > 0.0 && to < 1.0;
+                to
+            });
+            let sum = present + all.iter().sum::<i32>() as f32 / 128.0;
+            prop_assert!(!is_inside || (at - sum).abs() < 1e-4, "{} instead of {}", at, sum);
+            let once = moved_from(&mapping, &turns(encoding, &all), present);
+            prop_assert!((once - sum.clamp(0.0, 1.0)).abs() < 1e-4, "{} instead of {}", once, sum);
+        }
+
+        #[test]
+        fn an_encoder_goes_through_its_range_and_back(mapping in mappings_of_encoders(), slow in 1_i32..9) {
+            let encoding = mapping.encoding.unwrap();
+            let [from, to] = mapping.range;
+            let mut at = from;
+            for (way, end) in [(slow, to), (-slow, from)] {
+                for _ in 0..2 * 128 / slow + 2 {
+                    let next = moved_from(&mapping, &turns(encoding, &[way]), at);
+                    let goes_on = (next - at) * (to - from) * way as f32;
+                    prop_assert!(goes_on >= -1e-6, "{} after {}", next, at);
+                    at = next;
+                }
+                prop_assert!((at - end).abs() < 1e-5, "{} instead of {}", at, end);
+            }
+        }
+    }
+
     #[test]
     fn curves_rise_from_zero_to_one() {
         for curve in Curve::ALL {
+            for at in (0..=100).map(|n| n as f32 / 100.0) {
+                let again = curve.position(curve.at(at));
+                assert!((again - at).abs() < 1e-3, "{curve:?} at {at}: {again}");
+            }
             assert_eq!((curve.at(0.0), curve.at(1.0)), (0.0, 1.0), "{curve:?}");
             let rises = (0..100).all(|n| curve.at(n as f32 / 100.0) < curve.at((n + 1) as f32 / 100.0));
             assert!(rises, "{curve:?}");

@@ -3,6 +3,7 @@
 
 mod clock;
 mod device;
+mod encoding;
 mod fake;
 mod file;
 mod hub;
@@ -15,6 +16,7 @@ mod source;
 
 pub use clock::{Clock, ClockReading};
 pub use device::{Device, Said};
+pub use encoding::Encoding;
 #[cfg(unix)]
 pub use fake::FolderPorts;
 pub use file::{MappingFile, MappingsError};

@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::encoding::Encoding;
+
 /// A control on a device. Channels count from 0 here and from 1 in the text form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
@@ -30,6 +32,11 @@ pub enum Source {
         channel: u8,
         /// 0..=31.
         number: u8,
+    },
+    /// An endless knob that sends its steps as data increments and decrements (controllers 96 and 97).
+    Increment {
+        /// 0..=15.
+        channel: u8,
     },
     /// The pitch bend wheel.
     Bend {
@@ -61,6 +68,7 @@ impl Display for Source {
             Self::Note { channel, key } => (format!("note {key}"), channel),
             Self::Control { channel, number } => (format!("cc {number}"), channel),
             Self::FineControl { channel, number } => (format!("fine cc {number}"), channel),
+            Self::Increment { channel } => ("increment".to_owned(), channel),
             Self::Bend { channel } => ("bend".to_owned(), channel),
             Self::Program { channel } => ("program".to_owned(), channel),
             Self::Pressure { channel } => ("pressure".to_owned(), channel),
@@ -72,7 +80,7 @@ impl Display for Source {
 /// The error for a text that is not the name of a control.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is not a MIDI control; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
+    "'{0}' is not a MIDI control; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'increment ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
 )]
 pub struct NoSource(String);
 
@@ -94,6 +102,7 @@ impl FromStr for Source {
             ("note", Some(key)) => Ok(Self::Note { channel, key: number(key, 127)? }),
             ("cc", Some(at)) => Ok(Self::Control { channel, number: number(at, 127)? }),
             ("fine cc", Some(at)) => Ok(Self::FineControl { channel, number: number(at, 31)? }),
+            ("increment", None) => Ok(Self::Increment { channel }),
             ("bend", None) => Ok(Self::Bend { channel }),
             ("program", None) => Ok(Self::Program { channel }),
             ("pressure", None) => Ok(Self::Pressure { channel }),
@@ -129,12 +138,25 @@ pub struct KnobMove {
     pub way: [f32; 2],
     /// The number of presses. A key or pad counts when it is pressed, a knob or button when it rises past the middle.
     pub presses: u32,
+    /// The steps since the last frame, read in each of [`Encoding::OF_STEPS`].
+    pub steps: [i32; 3],
+    /// The encoding of steps if the control is known to be an encoder.
+    pub encoding: Option<Encoding>,
 }
 
 impl KnobMove {
     /// Returns a movement with a single value.
     pub fn to(device: Arc<str>, source: Source, value: f32, is_press: bool) -> Self {
-        Self { device, source, value, way: [value; 2], presses: u32::from(is_press) }
+        let sent = (127.0 * value).round() as u8;
+        let steps = Encoding::OF_STEPS.map(|encoding| encoding.steps(sent));
+        let presses = u32::from(is_press);
+        Self { device, source, value, way: [value; 2], presses, steps, encoding: None }
+    }
+
+    /// Returns the steps since the last frame in this encoding; 0 for [`Encoding::Absolute`].
+    pub fn steps(&self, encoding: Encoding) -> i32 {
+        let mut all = Encoding::OF_STEPS.into_iter().zip(self.steps);
+        all.find(|(one, _)| *one == encoding).map_or(0, |(_, steps)| steps)
     }
 
     /// Merges a later movement of the same control.
@@ -142,6 +164,10 @@ impl KnobMove {
         let ([least, most], [low, high]) = (self.way, later.way);
         (self.value, self.way) = (later.value, [least.min(low), most.max(high)]);
         self.presses = self.presses.saturating_add(later.presses);
+        for (steps, more) in self.steps.iter_mut().zip(later.steps) {
+            *steps = steps.saturating_add(more);
+        }
+        self.encoding = later.encoding;
     }
 }
 
@@ -156,6 +182,7 @@ mod tests {
             Source::Note { channel, key: 127 },
             Source::Control { channel: 0, number: 0 },
             Source::FineControl { channel, number: 31 },
+            Source::Increment { channel },
             Source::Bend { channel },
             Source::Program { channel },
             Source::Pressure { channel },
@@ -175,6 +202,7 @@ mod tests {
             "cc 128 on channel 1",
             "fine cc 32 on channel 1",
             "bend 3 on channel 1",
+            "increment 96 on channel 1",
             "cc on channel 1",
             "knob 3 on channel 1",
         ] {

@@ -84,6 +84,16 @@ fn every_target_has_a_row_with_its_mappings_below() {
 }
 
 #[test]
+fn an_endless_knob_can_be_made_absolute() {
+    let endless = Mapping { encoding: Some(Encoding::Offset), ..knob(size()) };
+    assert_eq!(Field::PickUp.words(&endless), "endless");
+    let absolute = Mapping { encoding: Some(Encoding::Absolute), ..knob(size()) };
+    assert_eq!(Field::PickUp.words(&absolute), "picks up");
+    let request = Field::PickUp.request(&endless, None);
+    assert_eq!(request, Some(Command::EditMappings(KnobEdit::Change(endless, absolute))));
+}
+
+#[test]
 fn keys_learn_change_and_forget() {
     let mut panel = panel(&[knob(size())], None);
     assert_eq!(
