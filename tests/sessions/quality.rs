@@ -167,6 +167,16 @@ fn the_last_good_scene_stays_when_a_scene_takes_minutes() {
 #[test]
 fn a_lost_context_is_replaced() {
     apart!("MARIANA_FAULT" = "context-lost@2");
+    replace_the_context();
+}
+
+#[test]
+fn a_context_whose_textures_were_lost_in_a_suspension_is_replaced() {
+    apart!("MARIANA_FAULT" = "memory-purged@2");
+    replace_the_context();
+}
+
+fn replace_the_context() {
     let place = Place::new(SMOOTH, 200);
     let app = place.open("160x90", &["--sdf", "compiled"]);
     app.press(&["space"]);

@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 pub enum Fault {
     /// The driver reports a lost context, as after a reset of the GPU.
     ContextLost,
+    /// The driver has lost the contents of textures, as after a suspension of the computer.
+    MemoryPurged,
     /// The driver has no memory for a render target.
     NoTarget,
     /// Every pixel seems to take 0.1 ms.
@@ -34,6 +36,7 @@ impl Fault {
     fn named(name: &str) -> Option<Self> {
         match name {
             "context-lost" => Some(Self::ContextLost),
+            "memory-purged" => Some(Self::MemoryPurged),
             "no-target" => Some(Self::NoTarget),
             "dear-pixels" => Some(Self::DearPixels),
             "no-interpreter" => Some(Self::NoInterpreter),

@@ -7,7 +7,7 @@
 #![expect(unsafe_code, reason = "glutin's functions that create contexts are unsafe")]
 
 use glutin::config::Api as ConfigApi;
-use glutin::context::{ContextApi, ContextAttributes, ContextAttributesBuilder, GlProfile, Version};
+use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Robustness, Version};
 use glutin::display::GlDisplay;
 use glutin::error::{Error, ErrorKind};
 use raw_window_handle::RawWindowHandle;
@@ -51,21 +51,37 @@ impl Api {
         }
     }
 
-    /// The attributes of a context, for a window if there is one.
-    pub fn context_attributes(self, window: Option<RawWindowHandle>) -> ContextAttributes {
-        match self {
-            Self::Desktop => ContextAttributesBuilder::new()
-                .with_profile(GlProfile::Core)
-                .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3)))),
-            Self::Embedded => {
-                ContextAttributesBuilder::new().with_context_api(ContextApi::Gles(Some(Version::new(3, 0))))
-            }
-        }
-        .build(window)
+    /// Creates a context of this interface. The context is robust if the driver has robust contexts: then the driver
+    /// reports resets of the GPU ([`super::gl::Gl::check_context`]). It shares no objects and is not current.
+    ///
+    /// # Safety
+    /// `config` comes from `display`, and the window exists as long as the context.
+    ///
+    /// # Errors
+    /// The driver's error.
+    // SAFETY: the duties of the caller are above.
+    pub unsafe fn create<D: GlDisplay>(
+        self,
+        display: &D,
+        config: &D::Config,
+        window: Option<RawWindowHandle>,
+    ) -> Result<D::NotCurrentContext, Error> {
+        let create = |robustness| {
+            let attributes = ContextAttributesBuilder::new().with_robustness(robustness);
+            let attributes = match self {
+                Self::Desktop => attributes
+                    .with_profile(GlProfile::Core)
+                    .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3)))),
+                Self::Embedded => attributes.with_context_api(ContextApi::Gles(Some(Version::new(3, 0)))),
+            };
+            // SAFETY: the caller keeps the window and passes a config of `display`.
+            unsafe { display.create_context(config, &attributes.build(window)) }
+        };
+        create(Robustness::RobustLoseContextOnReset).or_else(|_| create(Robustness::NotRobust))
     }
 
-    /// Creates a context with the first of `apis` that the driver supports. The context shares no objects and is not
-    /// current. If the driver supports none, the context has an older version, which [`super::gl::Gl::load`] reports.
+    /// Creates a context with the first of `apis` that the driver supports, as [`Api::create`] does. If the driver
+    /// supports none, the context has an older version, which [`super::gl::Gl::load`] reports.
     ///
     /// # Safety
     /// `config` comes from `display`, and the window exists as long as the context.
@@ -79,22 +95,25 @@ impl Api {
         config: &D::Config,
         window: Option<RawWindowHandle>,
     ) -> Result<D::NotCurrentContext, Error> {
+        let mut first_error = None;
+        for api in apis {
+            // SAFETY: the caller keeps the window and passes a config of `display`.
+            match unsafe { api.create(display, config, window) } {
+                Ok(context) => return Ok(context),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        let first_error = first_error.unwrap_or_else(|| ErrorKind::BadConfig.into());
+        if !apis.contains(&Self::Desktop) {
+            return Err(first_error);
+        }
         // A driver that refuses a request does not give its version, which any context can report.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
             .build(window);
-        let any = apis.contains(&Self::Desktop).then_some(any);
-        let wanted = apis.iter().map(|api| api.context_attributes(window));
-        let mut first_error = None;
-        for attributes in wanted.chain(any) {
-            // SAFETY: the caller keeps the window and passes a config of `display`.
-            match unsafe { display.create_context(config, &attributes) } {
-                Ok(context) => return Ok(context),
-                Err(error) => first_error = first_error.or(Some(error)),
-            }
-        }
-        Err(first_error.unwrap_or_else(|| ErrorKind::BadConfig.into()))
+        // SAFETY: as above.
+        unsafe { display.create_context(config, &any) }.map_err(|_| first_error)
     }
 }
 

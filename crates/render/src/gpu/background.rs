@@ -62,7 +62,7 @@ impl WorkerContext {
         let display = config.display();
         let made = (0..count).map(|_| {
             // SAFETY: `display` is alive, and `config` comes from the same library.
-            let context = unsafe { display.create_context(config, &info.api.context_attributes(None)) };
+            let context = unsafe { info.api.create(&display, config, None) };
             let context = context.map_err(|error| {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
             });

@@ -6,6 +6,7 @@ use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
+use std::time::Duration;
 
 use glow::HasContext;
 use serde::Serialize;
@@ -30,7 +31,26 @@ struct ContextState {
     info: GlInfo,
     /// The framebuffer that replaces the window's framebuffer; `None` without a replacement.
     window: Cell<Option<glow::NativeFramebuffer>>,
+    /// Returns the status of the GPU; `None` if the driver does not report resets.
+    reset_status: Option<ResetStatus>,
+    /// The time for which the computer had been suspended when this context was created.
+    suspended: Duration,
 }
+
+type ResetStatus = unsafe extern "system" fn() -> u32;
+
+/// The functions that return the status of the GPU: true for OpenGL ES, the extension, and the function's name.
+const RESET_STATUS: [(bool, &str, &CStr); 4] = [
+    (false, "GL_KHR_robustness", c"glGetGraphicsResetStatus"),
+    (false, "GL_ARB_robustness", c"glGetGraphicsResetStatusARB"),
+    (true, "GL_KHR_robustness", c"glGetGraphicsResetStatusKHR"),
+    (true, "GL_EXT_robustness", c"glGetGraphicsResetStatusEXT"),
+];
+
+/// GL_PURGED_CONTEXT_RESET_NV: the driver has lost the contents of textures and buffers.
+const PURGED_CONTEXT_RESET: u32 = 0x92BB;
+/// The shortest suspension of the computer that counts. The clocks are not read at exactly the same time.
+const SUSPENSION: Duration = Duration::from_secs(1);
 
 /// Properties that the driver reports.
 #[derive(Debug, Clone, Serialize)]
@@ -86,9 +106,9 @@ impl Gl {
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for older versions, and for OpenGL ES without this extension.
-    pub fn load(loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
+    pub fn load(mut loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
         // SAFETY: the caller has made a context current on this thread, and `loader` returns its functions.
-        let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
+        let mut functions = unsafe { glow::Context::from_loader_function_cstr(&mut loader) };
         let version = functions.version();
         let least = if version.is_embedded { (3, 0) } else { (3, 3) };
         let is_new = (version.major, version.minor) >= least;
@@ -117,7 +137,9 @@ impl Gl {
                 });
             }
         }
-        let context = ContextState { info: read_info(&functions), window: Cell::new(None) };
+        let (info, window) = (read_info(&functions), Cell::new(None));
+        let reset_status = reset_status_of(&functions, loader);
+        let context = ContextState { info, window, reset_status, suspended: suspended() };
         Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
 
@@ -191,6 +213,32 @@ impl Gl {
         Err(GpuError::Driver { what, doing })
     }
 
+    /// Like [`Gl::check`], and fails if the GPU was reset or has lost its memory. Call it for each frame, since drivers
+    /// may ask the system.
+    ///
+    /// # Errors
+    /// The errors of [`Gl::check`].
+    pub fn check_context(&self, doing: &'static str) -> Result<(), GpuError> {
+        self.check(doing)?;
+        let ContextState { info, reset_status, suspended: before, .. } = &*self.context;
+        // NVIDIA's driver reports this loss only to contexts with an attribute that glutin cannot set.
+        let is_purged = info.vendor.starts_with("NVIDIA") && suspended() > *before + SUSPENSION;
+        let status = match reset_status {
+            _ if is_purged || faults::strikes(Fault::MemoryPurged) => PURGED_CONTEXT_RESET,
+            // SAFETY: the function belongs to this context, which is current on this thread.
+            Some(reset_status) => unsafe { reset_status() },
+            None => glow::NO_ERROR,
+        };
+        match status {
+            glow::NO_ERROR => return Ok(()),
+            PURGED_CONTEXT_RESET => {
+                tracing::warn!("the GPU has lost its memory while the computer was suspended")
+            }
+            status => tracing::warn!("the GPU was reset (status {status:#06x})"),
+        }
+        Err(GpuError::ContextLost { doing })
+    }
+
     /// Waits until the driver has executed all commands.
     pub fn finish(&self) {
         // SAFETY: the context is current on this thread.
@@ -204,6 +252,36 @@ impl std::ops::Deref for Gl {
     fn deref(&self) -> &glow::Context {
         &self.functions
     }
+}
+
+/// Returns the function that returns the status of the GPU. Loaders return pointers even for functions that the driver
+/// lacks, so the extension decides.
+fn reset_status_of(
+    gl: &glow::Context,
+    mut loader: impl FnMut(&CStr) -> *const c_void,
+) -> Option<ResetStatus> {
+    let extensions = gl.supported_extensions();
+    let is_embedded = gl.version().is_embedded;
+    let mut known = RESET_STATUS.iter();
+    let (.., name) =
+        known.find(|(of_es, extension, _)| *of_es == is_embedded && extensions.contains(*extension))?;
+    let function = loader(name);
+    // SAFETY: the driver has the extension, and in it this function has this signature.
+    (!function.is_null()).then(|| unsafe { std::mem::transmute::<*const c_void, ResetStatus>(function) })
+}
+
+/// Returns the time for which the computer has been suspended since its start; 0 on systems that do not tell.
+fn suspended() -> Duration {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::time::{ClockId, clock_gettime};
+        // In this order, a pause between the two calls makes the difference smaller.
+        let [all, awake] = [ClockId::Boottime, ClockId::Monotonic]
+            .map(|clock| Duration::try_from(clock_gettime(clock)).unwrap_or_default());
+        all.saturating_sub(awake)
+    }
+    #[cfg(not(target_os = "linux"))]
+    Duration::ZERO
 }
 
 /// GL_MAX_TEXTURE_MAX_ANISOTROPY, which is part of core OpenGL only since 4.6.

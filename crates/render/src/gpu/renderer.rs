@@ -510,7 +510,7 @@ impl Renderer {
     /// Fails if the driver reports an error.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         self.presenter.show(self.painter.passes(), self.painter.finished(), window)?;
-        self.gl.check("showing a frame")
+        self.gl.check_context("showing a frame")
     }
 
     /// Draws the image to the window's framebuffer of `window` pixels. `map` maps positions in the window to positions
@@ -535,7 +535,7 @@ impl Renderer {
     ) -> Result<(), GpuError> {
         let (passes, finished) = (self.painter.passes(), self.painter.finished());
         self.presenter.show_in_part(passes, finished, (window, area), (map, part))?;
-        self.gl.check("showing a frame")
+        self.gl.check_context("showing a frame")
     }
 
     /// Sends the image to `reader`, placed as by [`Renderer::show_placed`] in a window of the reader's size, top row

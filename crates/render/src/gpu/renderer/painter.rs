@@ -219,7 +219,7 @@ impl Painter {
             self.canvas.making = Some(making);
             Progress::Going { seconds }
         };
-        self.gl.check("drawing a frame")?;
+        self.gl.check_context("drawing a frame")?;
         Ok(progress)
     }
 
