@@ -10,6 +10,7 @@ mod controlled;
 mod files;
 mod format;
 mod frame_options;
+mod headings;
 mod import;
 mod light;
 mod lsp;
@@ -44,7 +45,15 @@ use mariana_player::devices::list_devices;
 
 /// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
-#[command(name = "mariana", version, args_conflicts_with_subcommands = true, after_help = PLAY_EXAMPLES)]
+#[command(
+    name = "mariana",
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = FIRST_EXAMPLES,
+    after_long_help = PLAY_EXAMPLES,
+    mut_args = headings::of_show,
+    mut_subcommands = |command| command.mut_args(headings::under_heading)
+)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -52,6 +61,15 @@ pub struct Arguments {
     #[command(flatten)]
     play: play::PlayArguments,
 }
+
+const FIRST_EXAMPLES: &str = "\
+Examples:
+  mariana                         play the built-in demo track
+  mariana song.flac --scene orb   play a song in another scene
+  mariana --system                show what the computer plays
+  mariana help still              show the flags of a subcommand
+
+Press H in the window to see the keys. 'mariana --help' lists all flags.";
 
 const PLAY_EXAMPLES: &str = "\
 Formats: wav, aiff, flac, mp3, ogg (vorbis, opus), m4a (aac, alac), caf, mkv and webm; any rate, up to 32 channels.

@@ -72,12 +72,6 @@ pub(super) struct PlayArguments {
     /// Duration of the fade between scenes with N and P, in seconds; 0 cuts
     #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
     fade: f64,
-    /// Prepare the next and the previous scene while the current scene is shown
-    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead", value_parser = choice::<bool>(), action = ArgAction::Set)]
-    prepare_ahead: bool,
-    /// Keep the driver's compiled programs in the user's cache folder
-    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
-    program_cache: bool,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
@@ -114,6 +108,12 @@ pub(super) struct PlayArguments {
     /// Open a window even if Mariana is running. Without options, the running one opens the files
     #[arg(long)]
     new_window: bool,
+    /// Prepare the next and the previous scene while the current scene is shown
+    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    prepare_ahead: bool,
+    /// Keep the driver's compiled programs in the user's cache folder
+    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    program_cache: bool,
     /// Print the available OpenGL version, and exit
     #[arg(long)]
     gl_info: bool,

@@ -113,7 +113,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --new-window --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --projection --stereo --eye-distance --dome-tilt --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --new-window --prepare-ahead --program-cache --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --projection --stereo --eye-distance --dome-tilt --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -143,14 +143,6 @@ _mariana() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
-                --prepare-ahead)
-                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
-                    return 0
-                    ;;
-                --program-cache)
-                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
-                    return 0
-                    ;;
                 --size)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -177,6 +169,14 @@ _mariana() {
                     ;;
                 --remote)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --prepare-ahead)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
+                    return 0
+                    ;;
+                --program-cache)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
                     return 0
                     ;;
                 --quality)

@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new new-window gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= projection= stereo= eye-distance= dome-tilt= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new new-window prepare-ahead= program-cache= gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= projection= stereo= eye-distance= dome-tilt= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -32,10 +32,6 @@ complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at th
 complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last delay set with the keys [ and ]]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fade -d 'Duration of the fade between scenes with N and P, in seconds; 0 cuts' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Prepare the next and the previous scene while the current scene is shown' -r -f -a "on\t''
-off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Keep the driver\'s compiled programs in the user\'s cache folder' -r -f -a "on\t''
-off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last size, at first 1280x720]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Let a show change the scenes: \'auto\' to follow the song, \'off\', or a .show file [default: the last choice in the window, at first auto unless a scene is named]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Receive OSC messages on this port from this computer only, or on a network address given as ADDRESS:PORT; docs/osc.md lists the messages' -r
@@ -44,6 +40,10 @@ complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'OSC messag
 complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Listen to MIDI devices; key J maps them' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l remote -d 'Serve a page that lets phones on the network control the show, on this port, or only on a network address given as ADDRESS:PORT. Key J shows the code to scan; docs/remote.md describes the protection' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Prepare the next and the previous scene while the current scene is shown' -r -f -a "on\t''
+off\t''"
+complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Keep the driver\'s compiled programs in the user\'s cache folder' -r -f -a "on\t''
+off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'Quality of the image; auto lowers the resolution when frames take too long [default: the setting in the window, initially auto]' -r -f -a "auto\t'The best that keeps the frame rate'
 low\t'About half the window\'s width and height'
 medium\t''

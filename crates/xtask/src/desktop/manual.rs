@@ -18,17 +18,18 @@ pub(super) fn pages(program: Command) -> std::io::Result<Vec<(String, Vec<u8>)>>
 }
 
 fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
-    let after = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let after = command.get_after_long_help().or(command.get_after_help());
+    let after = after.map(ToString::to_string).unwrap_or_default();
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
-    let command =
-        command.after_help(Resettable::Reset).mut_args(|arg| match arg.get_long_help().or(arg.get_help()) {
-            // A space at the start of a line keeps the line break before it, which lists need.
-            Some(help) => {
-                let lines = help.to_string().replace('\n', "\n ");
-                arg.long_help(lines)
-            }
-            None => arg,
-        });
+    let command = command.after_help(Resettable::Reset).after_long_help(Resettable::Reset);
+    let command = command.mut_args(|arg| match arg.get_long_help().or(arg.get_help()) {
+        // A space at the start of a line keeps the line break before it, which lists need.
+        Some(help) => {
+            let lines = help.to_string().replace('\n', "\n ");
+            arg.long_help(lines)
+        }
+        None => arg,
+    });
     let mut text = Vec::new();
     writeln!(text, ".TH {name} 1 \"\" \"mariana {}\" Mariana", env!("CARGO_PKG_VERSION"))?;
     // Write the title line here: `Man` omits an empty date, and the version would then take the date's place.
