@@ -99,7 +99,7 @@ pub(super) mod tests {
     fn buttons_and_resting_knobs_are_no_encoders() {
         let button = [127, 127, 127, 0, 0, 0].repeat(9);
         let one_way = [65; 99].to_vec();
-        // A fader that repeats its position moves through the middle, and rests beside it.
+        // A fader that repeats its position moves through the middle, and rests near it.
         let middle = [60, 63, 63, 63, 64, 65, 65, 65, 64, 63, 63, 63].repeat(9);
         let ends = [1, 1, 1, 40, 127, 127, 127, 90].repeat(9);
         for values in [button, one_way, middle, ends] {

@@ -114,7 +114,7 @@ pub struct Mapping {
     pub smoothing: f32,
     /// True if the control has no effect until it passes the parameter's value (pick-up). Has no meaning for steps.
     pub picks_up: bool,
-    /// What the control sends; `None` until it is known. A control that is not known sends its position.
+    /// The encoding of the control's values; `None` until it is known, and until then the values are positions.
     pub encoding: Option<Encoding>,
 }
 

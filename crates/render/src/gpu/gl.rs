@@ -37,6 +37,7 @@ struct ContextState {
     suspended: Duration,
 }
 
+// SAFETY: the function may be called only while its context is current.
 type ResetStatus = unsafe extern "system" fn() -> u32;
 
 /// The functions that return the status of the GPU: true for OpenGL ES, the extension, and the function's name.
