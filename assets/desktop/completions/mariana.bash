@@ -753,7 +753,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --output --scene --alpha --show --into --blend --ray --controlled --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --for --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --light --samples --noise --no-filter --output --scene --alpha --show --into --blend --ray --controlled --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -761,6 +761,10 @@ _mariana() {
             case "${prev}" in
                 --at)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --for)
+                    COMPREPLY=($(compgen -W "youtube 4k shorts tiktok reel story square loop" -- "${cur}"))
                     return 0
                     ;;
                 --size)
@@ -892,7 +896,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --for)
-                    COMPREPLY=($(compgen -W "youtube reel story square loop" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "youtube 4k shorts tiktok reel story square loop" -- "${cur}"))
                     return 0
                     ;;
                 --start)

@@ -117,7 +117,15 @@ complete -c mariana -n "__fish_mariana_needs_command" -a "scenes" -d 'List the s
 complete -c mariana -n "__fish_mariana_needs_command" -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
 complete -c mariana -n "__fish_mariana_needs_command" -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l at -d 'The moment, as 80 or 1:20.5' -r
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels [default: 1280x720, or set by --projection and --stereo]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l for -d 'Use the size of a service; --size overrides it' -r -f -a "youtube\t'1920x1080 at 60 frames a second'
+4k\t'3840x2160 at 30 frames a second'
+shorts\t'Portrait, 1080x1920 at 30 frames a second, the first 180 seconds'
+tiktok\t'Portrait, 1080x1920 at 30 frames a second'
+reel\t'Portrait, 1080x1920 at 30 frames a second, the first 90 seconds'
+story\t'Portrait, 1080x1920 at 30 frames a second, the first 60 seconds'
+square\t'1080x1080 at 30 frames a second'
+loop\t'Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose end fades into the beginning'"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
 360\t'The whole sphere, twice as wide as high'
 dome\t'A square dome master: a disc of 180 degrees'
@@ -160,13 +168,16 @@ complete -c mariana -n "__fish_mariana_using_subcommand still" -l controlled -d 
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l for -d 'Use the size, rate and length of a service; other flags override them' -r -f -a "youtube\t'1920x1080 at 60 frames a second'
+4k\t'3840x2160 at 30 frames a second'
+shorts\t'Portrait, 1080x1920 at 30 frames a second, the first 180 seconds'
+tiktok\t'Portrait, 1080x1920 at 30 frames a second'
 reel\t'Portrait, 1080x1920 at 30 frames a second, the first 90 seconds'
 story\t'Portrait, 1080x1920 at 30 frames a second, the first 60 seconds'
 square\t'1080x1080 at 30 frames a second'
 loop\t'Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose end fades into the beginning'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l start -d 'Start, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l duration -d 'Length, as 80 or 1:20.5 [default: to the end, or set by --for]' -r
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l fps -d 'Frames per second [default: 30, or set by --for]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l fps -d 'Frames per second, such as 60, 23.976 or 30000/1001 [default: 30, or set by --for]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l size -d 'Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
 360\t'The whole sphere, twice as wide as high'
@@ -216,7 +227,7 @@ off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l no-filter -d 'With --light path: leave the noise that is left, instead of smoothing it'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l draft -d 'Draw faster, with coarser edges, for a first look'
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist during the first five seconds'
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist during the first five seconds, or less in a short video'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another video: in webm, mov, mkv, webp and PNGs, for scenes whose sky has no color'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Print only errors'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l controlled -d 'Render for a window of Mariana, at a low priority: print reports as JSON on standard output, obey the lines \'pause\' and \'continue\' on standard input, end when standard input ends, and never replace a file'
