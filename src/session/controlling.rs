@@ -32,7 +32,12 @@ impl Session {
                 self.playback.controllers.note_unknown();
             }
         }
-        let levels = if knobs.is_empty() { Vec::new() } else { self.levels() };
+        let mut levels = Vec::new();
+        if !knobs.is_empty() {
+            let tempo = Some(self.playback.tempo()).filter(|tempo| *tempo > 0.0);
+            levels.extend(commands::levels(&self.state()));
+            levels.extend(tempo.map(|tempo| ("tempo", tempo)));
+        }
         let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene, &levels);
         for outcome in outcomes {
             match outcome {
@@ -55,13 +60,6 @@ impl Session {
         self.playback.listening.set_clock(self.playback.controllers.clock());
         self.put_up_board(is_turned, now);
         (actions, since)
-    }
-
-    /// Returns the values of the actions that have one: levels, and the tempo if it is known.
-    fn levels(&mut self) -> Vec<(&'static str, f32)> {
-        let tempo = Some(self.playback.tempo()).filter(|tempo| *tempo > 0.0);
-        let levels = commands::levels(&self.state());
-        levels.into_iter().chain(tempo.map(|tempo| ("tempo", tempo))).collect()
     }
 
     /// Notes that the actions of controllers have changed the scene, if its revision is no longer `before`.

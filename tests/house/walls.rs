@@ -65,6 +65,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
         "render",
         &[
             "bytemuck",
+            "cpu-time",
             "epaint",
             "fontdb",
             "glam",

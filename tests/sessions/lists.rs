@@ -79,7 +79,8 @@ fn the_file_list_adds_and_plays_by_keys_and_remembers_folders() {
     app.wait_until_reported("music is listed");
     app.press(&["BackSpace"]);
     app.wait_until_reported(&format!("{} is listed", place.folder().display()));
-    app.type_text("other");
+    // Without the space, O closes the list.
+    app.type_text(" other");
     app.press(&["Return"]);
     app.wait_until_reported("other is listed");
     // Shift adds the folder and leaves the list open.

@@ -157,7 +157,7 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
         app.wait_for("the list", |picture| is_covered(picture, x, y));
         app.click_at(x, y);
     };
-    app.click_at(from_right(9), y);
+    app.click_at(from_right(7), y);
     click_in_list(right - 200, 14 + 11 + 36 + 24 + 12);
     app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
     app.click_at(from_right(5), y);
