@@ -448,8 +448,8 @@ struct Waiting<'a> {
 }
 
 impl Waiting<'_> {
-    /// Paints the name of the scene being prepared and the bands of the sound. Starts the song if the first frame takes
-    /// long.
+    /// Paints the name of the scene being prepared and the bands of the sound. Starts the song if the first frame is
+    /// late.
     fn paint(
         &mut self,
         scene: &mut SceneSession,

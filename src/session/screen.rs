@@ -88,7 +88,7 @@ pub(crate) trait Screen {
     /// True if texts over the frame would be visible.
     fn shows_words(&self) -> bool;
 
-    /// True if somebody may be waiting for the first frame: then the song starts without it.
+    /// True if a user may be waiting for the first frame: then the song starts before it.
     fn is_awaited(&self) -> bool;
 
     /// True if something other than the window must be redrawn, even with an unchanged frame.

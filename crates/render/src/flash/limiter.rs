@@ -1,9 +1,9 @@
 //! Limits the flashes of a video: dims light that would cause a fourth flash within a second.
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
-//! marks the cell for a second. Marked cells are limited from when more than a certain fraction of a field is marked at
-//! the same time until their marks end. The limit is a ceiling: the lowest luminance of the last second plus a margin too small to count as a flash. After the
-//! flashes the ceiling rises slowly. Flashing red is limited by removing saturation.
+//! marks the cell for a second. If more than a certain fraction of a field is marked at the same time, its marked cells
+//! are limited until their marks end. The limit is a ceiling: the lowest luminance of the last second plus a margin too
+//! small to count as a flash. After the flashes the ceiling rises slowly. Flashing red is limited by removing saturation.
 //!
 //! **Limits have no visible edges.** A ceiling spreads over neighbouring cells, where it rises with the squared
 //! distance. Ceilings are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends

@@ -56,7 +56,7 @@ impl Part {
     }
 }
 
-/// How long a draw took.
+/// The duration of a draw.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawTime {
     passed: Duration,

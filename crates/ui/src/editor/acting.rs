@@ -20,8 +20,11 @@ impl Editor {
         let action = action_of(&press.key, press.latin, held);
         // Esc still closes an editor whose file is not read in time.
         if is_loading(self) && (action != Some(EditAction::Leave) || self.focus.has_early()) {
-            let is_used = press.text.is_some() || action.is_some() || way_of(&press.key, held, 1).is_some();
-            let is_used = is_used || matches!(press.key, Key::Character(_)) || is_editing_key(&press.key);
+            let is_used = press.text.is_some()
+                || action.is_some()
+                || way_of(&press.key, held, 1).is_some()
+                || matches!(press.key, Key::Character(_))
+                || is_editing_key(&press.key);
             if is_used {
                 self.focus.keep(Early::Key(press.clone(), held));
             }
