@@ -51,6 +51,8 @@ pub(crate) struct Decoding {
     track_errors: SharedTrackErrors,
     scratch: Vec<StereoFrame>,
     reported_next: Option<Arc<TrackInfo>>,
+    #[cfg(test)]
+    waiting_for_idle: Vec<Sender<()>>,
 }
 
 enum Step {
@@ -73,6 +75,8 @@ impl Decoding {
             track_errors,
             scratch: Vec::new(),
             reported_next: None,
+            #[cfg(test)]
+            waiting_for_idle: Vec::new(),
         }
     }
 
@@ -102,6 +106,12 @@ impl Decoding {
             self.let_go();
             next = self.fill();
             self.tell_next();
+            #[cfg(test)]
+            if matches!(next, Step::Wait) {
+                for waiting in self.waiting_for_idle.drain(..) {
+                    let _ = waiting.send(());
+                }
+            }
         }
     }
 
@@ -119,6 +129,8 @@ impl Decoding {
         for command in std::iter::once(first).chain(inbox.try_iter()) {
             match command {
                 Command::Quit => return true,
+                #[cfg(test)]
+                Command::AnswerWhenIdle(answer) => self.waiting_for_idle.push(answer),
                 Command::SeekTo(time) => goal = Some(Goal::seek(time)),
                 Command::SeekBy(seconds) => {
                     goal = Some(Goal::seek((self.time_after(goal) + seconds).max(0.0)));

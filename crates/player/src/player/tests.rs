@@ -183,11 +183,19 @@ impl Stepped {
         self.commands.send(command).expect("the thread runs");
     }
 
+    /// Waits until the thread has obeyed all commands and filled its ring, however slow the machine is.
+    fn wait_until_idle(&self) {
+        let (answer, answers) = channel();
+        self.send(Command::AnswerWhenIdle(answer));
+        answers.recv_timeout(Duration::from_secs(60)).expect("the thread becomes idle");
+    }
+
     pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
         let audible_segments = self.audible_segments.clone();
         for _ in 0..frames / 480 {
+            self.wait_until_idle();
             let rate = f64::from(self.history.rate());
             let mut data = [0.0_f32; 960];
             self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
@@ -223,6 +231,7 @@ impl Stepped {
     pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
         let mut samples = Vec::new();
         while samples.len() < frames {
+            self.wait_until_idle();
             let mut data = [0.0_f32; 960];
             self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
             let left = data.iter().step_by(2).skip_while(|sample| samples.is_empty() && **sample == 0.0);

@@ -29,5 +29,8 @@ pub(crate) enum Command {
         id: u64,
         found: Found,
     },
+    /// Answers as soon as the thread has nothing to decode.
+    #[cfg(test)]
+    AnswerWhenIdle(std::sync::mpsc::Sender<()>),
     Quit,
 }
