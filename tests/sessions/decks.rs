@@ -54,9 +54,7 @@ impl Place {
         let app = self.inner.begin(&[&own[..], &more, options].concat());
         app.wait_until_reported("first picture");
         app.wait_until_reported("receiving OSC");
-        app.press(&["space"]);
-        app.wait_for_title("paused", |title| title.contains("paused"));
-        app.press(&["Left"; 3]);
+        app.pause_at_start();
         app
     }
 
@@ -166,6 +164,7 @@ fn the_decks_end_with_the_visible_scene_and_the_show_goes_on_later() {
         .save("led.show", "at start amber.scene\nat 20 s coral.scene cut\nat 40 s amber.scene cut\n");
     let app = place.open(&["--show", show.to_str().unwrap()]);
     app.wait_until_reported("the scenes follow the song");
+    app.wait_for_title("the show's first scene", |title| title.contains("amber"));
     place.decks(&app);
     // The show would change the scene at 20 s.
     app.press(&["Right"; 5]);

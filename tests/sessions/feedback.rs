@@ -63,9 +63,7 @@ fn a_session_shows_the_feedback_of_stills_and_videos_also_after_seeks_and_change
     }
     let app =
         place.open(&place.song(), &["--size", SIZE, "--fade", "0", "--sdf", "compiled", "--scene", &red]);
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    app.press(&["Left"; 20]);
+    app.pause_at_start();
     app.wait_for("the still of 0 s", |picture| *picture == stills[0]);
     for (at, wanted) in times.iter().zip(&stills).skip(1) {
         app.press(&["Right"]);

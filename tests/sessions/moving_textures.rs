@@ -59,9 +59,7 @@ fn a_session_shows_the_frames_of_a_video_that_stills_show_also_after_seeks_and_w
     let shows = |what: &str, number: usize| {
         app.wait_for(what, |picture| stills.get(number).is_some_and(|still| agree(picture, still)));
     };
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    app.press(&["Left"; 4]);
+    app.pause_at_start();
     shows("the first frame", 0);
     app.press(&["Right"; 3]);
     shows("a frame of the second round", 3);

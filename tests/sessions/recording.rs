@@ -116,9 +116,7 @@ fn recorded_actions_are_rendered_again_bit_for_bit() {
     let place = Place::new();
     let sender = &place.sender;
     let app = place.open(&["--fade", "0"]);
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    app.press(&["Left"; 3]);
+    app.pause_at_start();
     app.press(&["F9"]);
     let mut pictures = Vec::new();
     for number in 0..MOMENTS {

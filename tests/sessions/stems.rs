@@ -50,9 +50,7 @@ fn a_session_shows_the_parts_that_a_still_shows_and_reports_broken_stems() {
     assert!(wanted[0] > 100 && wanted[1] > 100, "{wanted:?} does not depend on the parts");
 
     let app = place.open(&song, &["--size", SIZE, "--scene", scene.to_str().unwrap()]);
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    app.press(&["Left"; 8]);
+    app.pause_at_start();
     app.press(&["Right"]);
     // The tone map spreads colours, so the red of silent drums is not 0.
     app.wait_for("the silence of the drums", |picture| {

@@ -247,6 +247,13 @@ impl App {
         }
     }
 
+    /// Pauses a song of at most a minute and returns to its start, even if it played to its end on a busy machine.
+    pub(crate) fn pause_at_start(&self) {
+        self.press(&["space"]);
+        self.wait_for_title("paused", |title| title.contains("paused"));
+        self.press(&["Left"; 60 / 5]);
+    }
+
     fn press_one(&self, written: &str) {
         let (mut held, mut name) = (*self.held.borrow(), written);
         while let Some((modifier, rest)) = name.split_once('+').filter(|(modifier, _)| !modifier.is_empty()) {
