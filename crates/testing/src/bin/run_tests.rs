@@ -31,6 +31,8 @@ mod linux {
     const POLL_PERIOD: Duration = Duration::from_millis(5);
     /// The time between two lines about progress, where there is no terminal.
     const REPORT_PERIOD: Duration = Duration::from_secs(30);
+    /// The number of tests that the report lists with their times.
+    const DEAREST: usize = 40;
     /// The variable with the name of the running test.
     const NAME: &str = "MARIANA_TEST";
     /// Unit of processor times in `/proc`, in seconds.
@@ -57,15 +59,25 @@ mod linux {
         is_killed: bool,
     }
 
+    struct TestTime {
+        name: String,
+        seconds: f64,
+        processor_seconds: f64,
+    }
+
     #[derive(Default)]
     struct Results {
         failed: BTreeSet<String>,
-        /// Seconds and name of each test.
-        times: Vec<(f64, String)>,
+        times: Vec<TestTime>,
     }
 
     impl Results {
-        fn add(&mut self, mut test: Running, progress: &Progress) -> Result<(), String> {
+        fn add(
+            &mut self,
+            mut test: Running,
+            processor_seconds: f64,
+            progress: &Progress,
+        ) -> Result<(), String> {
             let seconds = test.start.elapsed().as_secs_f64();
             let status =
                 test.child.wait().map_err(|error| format!("cannot wait for {}: {error}", test.name))?;
@@ -74,7 +86,7 @@ mod linux {
                 progress.print(&format!("FAILED {} ({status}, {seconds:.1} s)\n{output}", test.name));
                 self.failed.insert(test.name.clone());
             }
-            self.times.push((seconds, test.name));
+            self.times.push(TestTime { name: test.name, seconds, processor_seconds });
             Ok(())
         }
     }
@@ -283,7 +295,7 @@ mod linux {
                 let test = running.swap_remove(place);
                 programs[test.program].processor_seconds += processor_seconds;
                 programs[test.program].seconds += test.start.elapsed().as_secs_f64();
-                results.add(test, &progress)?;
+                results.add(test, processor_seconds, &progress)?;
             }
             let is_late = |test: &&mut Running| !test.is_killed && test.start.elapsed() > TEST_LIMIT;
             for test in running.iter_mut().filter(is_late) {
@@ -322,10 +334,10 @@ mod linux {
         let processor: f64 = rows.iter().map(|program| program.processor_seconds).sum();
         let seconds: f64 = rows.iter().map(|program| program.seconds).sum();
         println!("{:24} {:6} {seconds:9.1} {processor:9.1}", "all", results.times.len());
-        results.times.sort_by(|a, b| b.0.total_cmp(&a.0));
-        println!("\nslowest tests, in seconds");
-        for (seconds, name) in results.times.iter().take(10) {
-            println!("{seconds:7.1}  {name}");
+        results.times.sort_by(|a, b| b.processor_seconds.total_cmp(&a.processor_seconds));
+        println!("\n{:>9} {:>9}  dearest tests", "seconds", "CPU");
+        for TestTime { name, seconds, processor_seconds } in results.times.iter().take(DEAREST) {
+            println!("{seconds:9.1} {processor_seconds:9.1}  {name}");
         }
         if !results.failed.is_empty() {
             println!("\nfailed tests");
