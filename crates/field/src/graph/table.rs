@@ -144,24 +144,35 @@ impl TableData {
     /// rows, and two mirrored rows after the last row. Empty if the table has no entries.
     pub fn rows_of_pieces(&self) -> impl Iterator<Item = &[[f32; 4]]> {
         let width = pieces_between(self.columns);
-        let rows = if self.values.is_some() { -1..self.rows as isize + 2 } else { 0..0 };
-        rows.map(move |row| &self.pieces()[mirrored(row, self.rows) * width..][..width])
+        (0..self.row_of_pieces_count())
+            .map(move |row| &self.pieces()[mirrored(row as isize - 1, self.rows) * width..][..width])
+    }
+
+    /// Returns the number of [`TableData::rows_of_pieces`], without computing the pieces.
+    pub fn row_of_pieces_count(&self) -> usize {
+        if self.values.is_some() { self.rows + 3 } else { 0 }
+    }
+
+    /// Returns the number of pieces of a row.
+    pub fn pieces_in_row(&self) -> usize {
+        pieces_between(self.columns)
     }
 
     fn pieces(&self) -> &[Points] {
         let Some((values, derived)) = self.values.as_ref().zip(self.derived.as_ref()) else { return &[] };
         derived.pieces.get_or_init(|| {
-            let of_row = |row: &[f32]| -> Vec<Points> {
-                let piece = |first: usize| bezier(around(first, self.columns).map(|column| row[column]));
-                (0..pieces_between(self.columns)).map(piece).collect()
-            };
-            values.chunks_exact(self.columns).flat_map(of_row).collect()
+            let width = pieces_between(self.columns);
+            let mut pieces = Vec::with_capacity(self.rows * width);
+            for row in values.chunks_exact(self.columns) {
+                pieces.extend((0..width).map(|first| bezier(around(first, self.columns).map(|at| row[at]))));
+            }
+            pieces
         })
     }
 
     /// Returns the piece at a coordinate, and the coordinate's position in the piece, 0..1.
     #[inline]
-    fn place(coordinate: f32, count: usize, (first, span): (f32, f32)) -> (usize, f32) {
+    fn place(coordinate: f32, count: usize, first: f32, span: f32) -> (usize, f32) {
         let along = (first + unit(coordinate) * span).min((count - 1) as f32);
         let piece = (along as usize).min(count.saturating_sub(2));
         (piece, along - piece as f32)
@@ -169,12 +180,13 @@ impl TableData {
 
     #[inline]
     fn column_place(&self, u: f32) -> (usize, f32) {
-        Self::place(u, self.columns, (0.0, (self.columns - 1) as f32))
+        Self::place(u, self.columns, 0.0, (self.columns - 1) as f32)
     }
 
     #[inline]
     fn row_place(&self, v: f32) -> (usize, f32) {
-        Self::place(v, self.rows, self.scroll())
+        let (first, span) = self.scroll();
+        Self::place(v, self.rows, first, span)
     }
 
     /// Returns the Bézier points of a piece in the four rows around a row.

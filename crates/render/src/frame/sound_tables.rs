@@ -35,11 +35,13 @@ pub fn first_of_swarm(inputs: &FrameInputs, medium: Option<&MediumGrid>) -> usiz
 
 /// Number of texels of the sound, after which the grid over the media begins, four cells in a texel.
 pub fn texel_count(inputs: &FrameInputs) -> usize {
-    HISTORY + history_rows(inputs).count().max(HISTORY_ROWS_MIN) * HISTORY_PIECES
+    HISTORY + history_rows(inputs).max(HISTORY_ROWS_MIN) * HISTORY_PIECES
 }
 
-fn history_rows(inputs: &FrameInputs) -> impl Iterator<Item = &[[f32; 4]]> {
-    inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES)
+/// Number of rows of the history in the list; 0 if its rows have an unexpected length.
+fn history_rows(inputs: &FrameInputs) -> usize {
+    let history = &inputs.history;
+    if history.pieces_in_row() == HISTORY_PIECES { history.row_of_pieces_count() } else { 0 }
 }
 
 /// The texels of the sound: one polynomial per piece, and one number of the parts in the first component of each texel.
@@ -50,7 +52,8 @@ pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
     let numbers = (0..PartInput::COUNT).map(|at| inputs.parts.get(at).copied().unwrap_or(0.0));
     texels.extend(numbers.map(|number| [number, 0.0, 0.0, 0.0]));
-    texels.extend(history_rows(inputs).flatten().map(polynomial));
+    let history = inputs.history.rows_of_pieces().take(history_rows(inputs));
+    texels.extend(history.flatten().map(polynomial));
     texels.resize(texel_count(inputs), [0.0; 4]);
     texels
 }
