@@ -110,7 +110,7 @@ fn main() {
             };
             let mut times = [const { Vec::new() }; 3];
             for (number, (time, fraction, sound)) in moments.iter().enumerate() {
-                let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
+                let params = blended_params(&a.world.scene, &[], &b.world.scene, &[], *fraction);
                 let models = [(&pure[0], &[][..]), (&pure[1], &[]), (&blended, &params)];
                 for ((model, params), times) in models.into_iter().zip(&mut times) {
                     // Draw the first moment twice: a driver does one-time work during the first draw.

@@ -178,7 +178,7 @@ impl Bench<'_> {
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
         let start = Instant::now();
         let cells = if regions { CellUse::Always } else { CellUse::Never };
-        let variant = drawing_variant_of(world, buffers, plan, (mode, cells), self.gl.info())?;
+        let variant = drawing_variant_of(world, buffers, plan, mode, cells, self.gl.info())?;
         let Made { program, shader_ms, again, .. } = match made {
             Some(made) if made.variant == variant => made,
             _ => {

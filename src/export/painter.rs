@@ -142,7 +142,7 @@ impl HeadlessRenderer {
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
         let mut variant = match choice.view {
             Some(_) => as_views(variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::On)?),
-            None => drawing_variant_of(&world, &buffers, &plan, (mode, choice.cells), gl.info())?,
+            None => drawing_variant_of(&world, &buffers, &plan, mode, choice.cells, gl.info())?,
         };
         variant = projected(variant, &choice.projection);
         let mut coverage = None;
@@ -202,8 +202,7 @@ impl HeadlessRenderer {
             return Ok(());
         }
         let picture = (size, self.projection.stereo);
-        while let Some(request) = self.renderer.feedback_before(resources, (0, time), picture, self.is_video)
-        {
+        while let Some(request) = self.renderer.feedback_before(resources, 0, time, picture, self.is_video) {
             let sound = match &mut self.earlier {
                 Some(earlier) => earlier.at(request.time)?,
                 None => sound.clone(),
@@ -212,7 +211,7 @@ impl HeadlessRenderer {
             let mut frame = frame.projected(resources.world(), self.projection);
             frame.size = request.size;
             self.textures.put_into(&mut frame, resources.world());
-            self.renderer.draw_feedback(&request, &frame, (resources, program))?;
+            self.renderer.draw_feedback(&request, &frame, resources, program)?;
         }
         Ok(self.renderer.show_feedback(resources, time)?)
     }
@@ -229,7 +228,7 @@ impl HeadlessRenderer {
         }
         if let Some((drawing, (program, scene))) = self.paths.as_mut().zip(model.paths.as_ref()) {
             drawing.scene = *scene;
-            let done = self.renderer.draw_paths(&frame, (resources, program), drawing.order(), drawing)?;
+            let done = self.renderer.draw_paths(&frame, resources, program, drawing.order(), drawing)?;
             let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
             tracing::info!("{:.1} paths for each pixel", done.paths as f64 / pixels.max(1.0));
             return Ok(());
@@ -239,7 +238,7 @@ impl HeadlessRenderer {
         };
         let setup = ViewSetup::of(*view, &frame, resources.world(), resources.drawn(*mode));
         let legend = legends.picture(setup.legend, frame.size);
-        Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
+        Ok(self.renderer.draw_view(&frame, resources, program, &setup.block, legend.as_deref())?)
     }
 
     /// Draws `over` mixed with `under`, whose light has the weight `fraction` (0..1). Views are not mixed, because

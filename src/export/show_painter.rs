@@ -178,7 +178,7 @@ impl ShowPainter {
                 |clip: &Clip| self.read(clip).map(|read| (read, params_of(&read.ready.world, clip, time)));
             let (from, to) = (of(leaving)?, of(moment.clip)?);
             let scenes = (&from.0.ready.world.scene, &to.0.ready.world.scene);
-            let params = blended_params((scenes.0, &from.1), (scenes.1, &to.1), fraction);
+            let params = blended_params(scenes.0, &from.1, scenes.1, &to.1, fraction);
             let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
             let frame_options = FrameOptions { params: &params, held: &held, camera: None };
             let frame = Frame::staged(model.world(), time, sound, size, &frame_options);

@@ -233,7 +233,7 @@ impl Interface {
         }
         let height = f64::from(screen.size().map_or(1, |(_, height)| height));
         let height = height * self.ui_state.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
-        playback.scene.move_camera(|orbit, own| orbit.drag((way[0] / height, way[1] / height), own));
+        playback.scene.move_camera(|orbit, own| orbit.drag(way[0] / height, way[1] / height, own));
     }
 
     fn zoom_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, notches: f64) {

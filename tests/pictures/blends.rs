@@ -114,7 +114,7 @@ fn check(pair: &Pair) -> Result<(), String> {
     let blended = a.blended(&b, *kind, &Alignment::of(&camera(&a), &camera(&b)), 0.5).unwrap();
     let mut test_renderer = TestRenderer::of_ready(blended, Mode::Compiled, Counting::On);
     test_renderer.resources.set_cells(true, Mode::Interpreted);
-    let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
+    let params = blended_params(&a.world.scene, &[], &b.world.scene, &[], *fraction);
     let [compiled, interpreted] = [Mode::Compiled, Mode::Interpreted].map(|mode| {
         let program = test_renderer.program_of(mode, Counting::On);
         draw(&mut test_renderer, &program, &params)

@@ -35,7 +35,7 @@ impl Paths {
     fn draw(&mut self, order: PathOrder, go_on: &mut dyn FnMut(PathProgress) -> bool) -> PathProgress {
         let frame = self.renderer.frame(0.0, silence(), SIZE);
         let TestRenderer { renderer, resources, .. } = &mut self.renderer;
-        renderer.draw_paths(&frame, (resources, &self.program), order, &mut &mut *go_on).unwrap()
+        renderer.draw_paths(&frame, resources, &self.program, order, &mut &mut *go_on).unwrap()
     }
 
     /// Returns the light of each pixel.

@@ -59,10 +59,9 @@ impl Viewer {
     fn draw(&mut self, choice: impl Into<ViewChoice>, frame: &Frame, with_legend: bool) -> RgbaImage {
         let setup = self.setup(choice, frame);
         let legend = LegendPainter::default().picture(setup.legend, frame.size).filter(|_| with_legend);
-        let view = (&setup.block, legend.as_deref());
         self.test_renderer
             .renderer
-            .draw_view(frame, &self.test_renderer.resources, &self.program, view)
+            .draw_view(frame, &self.test_renderer.resources, &self.program, &setup.block, legend.as_deref())
             .unwrap();
         RgbaImage::from_raw(frame.size.0, frame.size.1, self.test_renderer.renderer.read()).unwrap()
     }

@@ -130,11 +130,11 @@ impl TestRenderer {
         // Another sound is another song.
         self.drawn += 1;
         while let Some(request) =
-            self.renderer.feedback_before(&self.resources, (self.drawn, time), (size, Stereo::None), false)
+            self.renderer.feedback_before(&self.resources, self.drawn, time, (size, Stereo::None), false)
         {
             let mut frame = self.frame(request.time, sound.clone(), size);
             frame.size = request.size;
-            self.renderer.draw_feedback(&request, &frame, (&self.resources, &self.program))?;
+            self.renderer.draw_feedback(&request, &frame, &self.resources, &self.program)?;
         }
         self.renderer.show_feedback(&self.resources, time)
     }

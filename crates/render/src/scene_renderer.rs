@@ -33,7 +33,7 @@ impl SceneRenderer {
         let world = Arc::new(world);
         let (buffers, plan) = (Arc::new(world.tape_buffers()?), Arc::new(RegionPlan::new(&world)));
         let (mode, cells) = (Mode::Compiled, CellUse::default());
-        let variant = drawing_variant_of(&world, &buffers, &plan, (mode, cells), gl.info())?;
+        let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
         let program = link_scene(gl, &library, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);

@@ -36,7 +36,7 @@ impl Scenery {
     /// Wraps a frame of a scene whose region tree is built from scratch.
     pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
         let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
-        let request = RegionRequest::of((&maker.plan, &maker.buffers), &frame, RegionOptions::default());
+        let request = RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default());
         Self { source, world: scene.world, frame, maker, request }
     }
 }

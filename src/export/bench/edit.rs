@@ -63,8 +63,8 @@ pub(super) fn measure_edit(
         });
     }
     let start = Instant::now();
-    let how = (Mode::Compiled, request.scene.cells);
-    let variant = drawing_variant_of(&world, &buffers, &plan, how, gl.info())?;
+    let cells = request.scene.cells;
+    let variant = drawing_variant_of(&world, &buffers, &plan, Mode::Compiled, cells, gl.info())?;
     let compiled_ms = draw(&link_scene(&gl, &request.scene.shaders, &variant)?, start)?;
     Ok(EditReport { interpreted_ms, new_interpreter, compiled_ms })
 }

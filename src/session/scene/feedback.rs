@@ -39,12 +39,14 @@ impl FeedbackPace {
         let size = picture.screen.size.map(|side| side as u32);
         let begun = clock::now();
         for _ in 0..FRAMES_MAX {
-            let moment = (picture.moment.track, time);
             let shown = ((size[0], size[1]), stereo);
-            let Some(request) = renderer.feedback_before(scene, moment, shown, true) else { break };
+            let Some(request) = renderer.feedback_before(scene, picture.moment.track, time, shown, true)
+            else {
+                break;
+            };
             let mut frame = frame_at(request.time);
             frame.size = request.size;
-            renderer.draw_feedback(&request, &frame, (scene, program))?;
+            renderer.draw_feedback(&request, &frame, scene, program)?;
             if clock::since(begun) > PATIENCE {
                 break;
             }

@@ -92,7 +92,7 @@ impl NextPicture {
                 }
             }
         };
-        let sent = renderer.sketch(sketch, &frame, (&scene.resources, program), reader)?;
+        let sent = renderer.sketch(sketch, &frame, &scene.resources, program, reader)?;
         Ok(sent.then(|| scene.title()))
     }
 

@@ -87,7 +87,7 @@ impl Refinement {
             self.stage = Stage::Going { of, picture, said: 0 };
         }
         let Stage::Going { picture, said, .. } = &mut self.stage else { return Ok((false, None)) };
-        let progress = renderer.refine(picture, (&scene.resources, &program), patience)?;
+        let progress = renderer.refine(picture, &scene.resources, &program, patience)?;
         let Some(progress) = progress else { return Ok((false, None)) };
         let paths = progress.paths / picture.pixels().max(1);
         if progress.fraction >= 1.0 {

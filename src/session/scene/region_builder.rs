@@ -164,7 +164,7 @@ mod tests {
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
-        let request = RegionRequest::of((&maker.plan, &maker.buffers), &frame, RegionOptions::default());
+        let request = RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default());
         (builder, wakes, frame, maker, request)
     }
 
@@ -197,7 +197,7 @@ mod tests {
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let job = |tag: usize| {
             let frame = Frame::new(&world, tag as f64, Features::SILENCE, (8, 8));
-            let request = RegionRequest::of((&maker.plan, &maker.buffers), &frame, RegionOptions::default());
+            let request = RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default());
             TreeJob { tag, frame, maker: maker.clone(), request, patience: Duration::MAX }
         };
         for tag in 0..50 {
@@ -230,7 +230,7 @@ mod tests {
             let programs = maker.buffers.worth_shortening().request(&maker.buffers, &frame.inputs);
             let request = RegionRequest {
                 programs,
-                ..RegionRequest::of((&maker.plan, &maker.buffers), &frame, RegionOptions::default())
+                ..RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default())
             };
             let inputs = frame.inputs.clone();
             builder.request(TreeJob { tag, frame, maker: maker.clone(), request, patience: Duration::MAX });

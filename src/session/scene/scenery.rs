@@ -65,7 +65,7 @@ impl SeenPictures {
             world: world.clone(),
             frame: frame.clone(),
             maker: maker.clone(),
-            request: RegionRequest::of((&maker.plan, &maker.buffers), frame, *options),
+            request: RegionRequest::of(&maker.plan, &maker.buffers, frame, *options),
         })
     }
 

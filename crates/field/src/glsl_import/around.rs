@@ -97,7 +97,7 @@ fn uniforms(file: &GlslFile) -> String {
 fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around, Problem> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
-    executed(&mut graph, Session::of_picture(), (file, picture), pixel)?;
+    executed(&mut graph, Session::of_picture(), file, picture, pixel)?;
     let mut scene = uniforms(file);
     let _ = write!(
         scene,
@@ -213,7 +213,8 @@ impl Sampler {
 fn executed(
     graph: &mut Graph,
     mut session: Session,
-    (file, function): (&GlslFile, &GlslFunction),
+    file: &GlslFile,
+    function: &GlslFunction,
     argument: Vec<NodeId>,
 ) -> Result<Vec<NodeId>, Problem> {
     let mut budget = Budget {
@@ -233,7 +234,7 @@ impl Sampled {
     fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self, Problem> {
         let mut graph = Graph::new();
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
-        let nodes = executed(&mut graph, Session::default(), (file, function), point)?;
+        let nodes = executed(&mut graph, Session::default(), file, function, point)?;
         let too_large = |error: crate::graph::GraphError| {
             Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
         };

@@ -108,8 +108,9 @@ fn whole_vectors(
     a: &[NodeId],
     b: &[NodeId],
     c: &[NodeId],
-    (columns, rows): (u8, u8),
+    shape: (u8, u8),
 ) -> Option<Vec<NodeId>> {
+    let (columns, rows) = shape;
     let (columns, rows) = (usize::from(columns), usize::from(rows));
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     Some(match (of, a, b) {

@@ -46,7 +46,8 @@ impl Screen {
     pub(super) const NONE: Self = Self { size: [1.0; 2], pointer: [0.5; 2], pressed: false };
 
     /// Returns a picture with the pointer at its centre, as in stills and videos.
-    pub fn of_size((width, height): (u32, u32)) -> Self {
+    pub fn of_size(size: (u32, u32)) -> Self {
+        let (width, height) = size;
         Self { size: [width.max(1) as f32, height.max(1) as f32], ..Self::NONE }
     }
 

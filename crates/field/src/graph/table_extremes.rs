@@ -63,11 +63,11 @@ impl TableExtremes {
     }
 }
 
-fn each_node(count: usize, (first, last): (usize, usize), mut visit: impl FnMut(usize)) {
+fn each_node(count: usize, span: (usize, usize), mut visit: impl FnMut(usize)) {
     if count == 0 {
         return;
     }
-    let (mut first, mut end) = (first + count, last.min(count - 1) + 1 + count);
+    let (mut first, mut end) = (span.0 + count, span.1.min(count - 1) + 1 + count);
     while first < end {
         if first % 2 == 1 {
             visit(first);

@@ -117,7 +117,7 @@ pub fn function(
         writer.coordinates(&order, name)?;
     }
     let single = roots.len() == 1 && neighbours.is_none();
-    writer.head((name, arguments), (!single).then_some(roots.len()), neighbours);
+    writer.head(name, arguments, (!single).then_some(roots.len()), neighbours);
     writer.statements(&order, roots);
     writer.results(roots, single);
     Ok(writer.text)
@@ -170,12 +170,7 @@ impl<'a> Writer<'a> {
 
     /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the
     /// neighbouring pixels.
-    fn head(
-        &mut self,
-        (name, arguments): (&str, &str),
-        results: Option<usize>,
-        neighbours: Option<[&str; 2]>,
-    ) {
+    fn head(&mut self, name: &str, arguments: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
         let text = &mut self.text;
         match results {
             None => {

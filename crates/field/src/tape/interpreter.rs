@@ -235,9 +235,10 @@ impl Variant {
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
         }
-        for (names, count) in [(("REGION_", "region_file"), region_registers), (("", "tape_file"), registers)]
+        for (name, file, count) in
+            [("REGION_", "region_file", region_registers), ("", "tape_file", registers)]
         {
-            select::write_registers(text, names, count, self.every_case);
+            select::write_registers(text, name, file, count, self.every_case);
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);

@@ -210,8 +210,8 @@ impl<'a> Unrolled<'a> {
                 Node::Binary(op, ..) => (op, false),
                 _ => return None,
             };
-            let first = self.source(start, offset, 0, (length, count))?;
-            let second = if is_unary { first } else { self.source(start, offset, 1, (length, count))? };
+            let first = self.source(start, offset, 0, length, count)?;
+            let second = if is_unary { first } else { self.source(start, offset, 1, length, count)? };
             Some(Step {
                 id,
                 last: self.order[last + offset],
@@ -234,7 +234,8 @@ impl<'a> Unrolled<'a> {
         start: usize,
         offset: usize,
         operand: usize,
-        (length, count): (usize, usize),
+        length: usize,
+        count: usize,
     ) -> Option<Source> {
         let node = |round: usize| {
             // Round 0 precedes the loop.

@@ -29,7 +29,7 @@ pub(crate) fn rounded_registers(needed: usize) -> usize {
 /// Defines macros that access the registers of `file`. `NAMEREAD(word, place)` reads the register whose number is a
 /// byte of a clause's word, `NAMEWRITE(at, value)` writes a register, and `NAMEOPERAND` reads a register or an
 /// immediate.
-pub(super) fn write_registers(text: &mut String, (name, file): (&str, &str), count: usize, every_case: bool) {
+pub(super) fn write_registers(text: &mut String, name: &str, file: &str, count: usize, every_case: bool) {
     let selected_max = if every_case { SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
     let (read, put) = if count <= selected_max {
         let last_bit = count.next_power_of_two().trailing_zeros();
@@ -122,7 +122,7 @@ mod tests {
     fn each_register_is_selected_by_its_number() {
         for count in [4, 8, 10, 12, 16, 20] {
             let mut text = String::new();
-            write_registers(&mut text, ("", "file"), count, true);
+            write_registers(&mut text, "", "file", count, true);
             let [read, written, operand] = text.lines().collect::<Vec<_>>()[..] else { panic!("{text}") };
             let read = read.strip_prefix("#define READ(word, place) (").unwrap();
             let read = read.strip_suffix(')').unwrap();
@@ -145,7 +145,7 @@ mod tests {
     fn large_register_files_recognize_immediates_by_the_form() {
         for (count, by_form) in [(128, false), (256, true)] {
             let mut text = String::new();
-            write_registers(&mut text, ("", "file"), count, true);
+            write_registers(&mut text, "", "file", count, true);
             assert_eq!(text.contains("form_is_immediate"), by_form, "{count}");
         }
     }

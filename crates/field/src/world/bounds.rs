@@ -159,9 +159,7 @@ impl Search<'_> {
             while batch.len() * PIECES <= BATCH {
                 batch = batch.iter().flat_map(|part| pieces(part, face)).collect();
             }
-            self.cut(&program, &mut batch, (face, wanted), reached, |part| {
-                outer.push(Outer::new(part, face))
-            });
+            self.cut(&program, &mut batch, face, wanted, reached, |part| outer.push(Outer::new(part, face)));
         }
         parts.extend(outer.into_iter().map(|outer| outer.part));
         is_known
@@ -207,7 +205,8 @@ impl Search<'_> {
         &mut self,
         program: &BoxProgram,
         batch: &mut Vec<Part>,
-        (face, wanted): (usize, f32),
+        face: usize,
+        wanted: f32,
         reached: &mut f32,
         mut put: impl FnMut(Part),
     ) {

@@ -202,7 +202,7 @@ impl World {
         };
         let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(graph_error)?;
         let medium = media::sum(&mut scene).map_err(graph_error)?;
-        Self::prepared(name, scene, Surfaces { planes, rest, glow, medium }, (traced, frame_tape), pictures)
+        Self::prepared(name, scene, Surfaces { planes, rest, glow, medium }, traced, frame_tape, pictures)
     }
 
     /// Returns this world, seen by the camera with the given index in [`Scene::cameras`]; unchanged if there is no such
@@ -239,7 +239,8 @@ impl World {
         name: &str,
         mut scene: Scene,
         Surfaces { planes, rest, glow, medium }: Surfaces,
-        (traced, frame_tape): (Traced, FrameTape),
+        traced: Traced,
+        frame_tape: FrameTape,
         pictures: Vec<Arc<RgbaImage>>,
     ) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
@@ -250,11 +251,11 @@ impl World {
             }
             None => Bounds::around([0.0; 3], 0.0),
         };
-        let lit = (glow.is_some(), medium.is_some());
-        let roots = roots(&mut scene, rest.as_ref(), (glow, medium));
+        let (has_glow, has_media) = (glow.is_some(), medium.is_some());
+        let roots = roots(&mut scene, rest.as_ref(), glow, medium);
         scene.graph.check().map_err(graph_error)?;
         let Traced { bounds, non_lipschitz, slopes, is_blend } = traced;
-        let features = SceneFeatures::of(&scene, lit, is_blend);
+        let features = SceneFeatures::of(&scene, has_glow, has_media, is_blend);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
@@ -338,7 +339,8 @@ fn untrusted(scene: &mut Scene, distance: NodeId) -> Option<NodeId> {
 fn roots(
     scene: &mut Scene,
     rest: Option<&Rest>,
-    (glow, medium): (Option<[NodeId; 4]>, Option<media::MediumRoots>),
+    glow: Option<[NodeId; 4]>,
+    medium: Option<media::MediumRoots>,
 ) -> Roots {
     let materials = scene.materials.iter().map(Material::numbers).collect();
     let nothing = scene.graph.constant(0.0);

@@ -65,7 +65,7 @@ impl SceneFeatures {
         ..Self::ALL
     };
 
-    pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
+    pub(super) fn of(scene: &Scene, glow: bool, media: bool, blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         // The pixel is the position of the sky's program.
         let used = scene.graph.inputs_used(&scene.sky.color);

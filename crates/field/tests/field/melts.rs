@@ -130,7 +130,7 @@ fn a_melt_shows_both_scenes() {
         let mut is_missing = false;
         for fraction in [0.2, 0.35, 0.5, 0.65, 0.8] {
             let [first, second, capped] =
-                shown(&melt, inputs(blended_params((&from.scene, &[]), (&to.scene, &[]), fraction)));
+                shown(&melt, inputs(blended_params(&from.scene, &[], &to.scene, &[], fraction)));
             line += &format!(" {fraction}: {first:.3} {second:.3} ({capped:.3})");
             is_missing |= first < 0.01 || second < 0.01;
         }

@@ -24,7 +24,8 @@ impl Grid {
     }
 
     /// Builds the grid of a finished image: sRGB, four bytes per pixel, row by row.
-    pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
+    pub fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
+        let (width, height) = size;
         let linear = crate::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
         let (width, height) = (width as usize, height as usize);

@@ -345,7 +345,8 @@ fn spread(own: &[Own], step: impl Fn(isize) -> (isize, isize)) -> Vec<Own> {
     let spread = |place: usize| {
         let mut all = Own::NONE;
         for at in -reach..=reach {
-            let Some(other) = own.get(neighbour(place, step(at))) else { continue };
+            let (right, down) = step(at);
+            let Some(other) = own.get(neighbour(place, right, down)) else { continue };
             let beyond = (at.unsigned_abs().max(1) - 1) as f32;
             let rise = CEILING_RISE * beyond * beyond;
             all.ceiling = all.ceiling.min(other.ceiling + rise);
@@ -364,7 +365,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
 }
 
 /// Returns the cell at an offset from `place`, or the last cell in that direction inside the image.
-fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
+fn neighbour(place: usize, right: isize, down: isize) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);
     row * COLUMNS + column

@@ -37,7 +37,7 @@ impl OrbitControls {
 
     /// Rotates by a pointer movement to the right and downwards, in image heights, as if the user dragged the target.
     /// `own` is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
-    pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
+    pub fn drag(&mut self, right: f64, down: f64, own: f64) {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
         }
@@ -120,12 +120,12 @@ mod tests {
         let near = target + 0.2 * (DVec3::new(1.0, 2.0, -6.0) - target);
         let before = seen(&OrbitControls::OFF, near);
         let mut orbit = OrbitControls::OFF;
-        orbit.drag((0.05, 0.0), 0.0);
+        orbit.drag(0.05, 0.0, 0.0);
         assert!(seen(&orbit, near).0 > before.0 + 0.01, "to the right");
         let mut orbit = OrbitControls::OFF;
-        orbit.drag((0.0, 0.05), 0.0);
+        orbit.drag(0.0, 0.05, 0.0);
         assert!(seen(&orbit, near).1 < before.1 - 0.01, "down");
-        orbit.drag((0.3, 0.1), 0.0);
+        orbit.drag(0.3, 0.1, 0.0);
         orbit.zoom(2.5);
         let (x, y) = seen(&orbit, target);
         assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "the target is at {x}, {y}");
@@ -154,11 +154,11 @@ mod tests {
         let eye = DVec3::new(0.0, 3.0, -3.0);
         let own = OrbitControls::pitch_of(eye, DVec3::ZERO);
         let mut orbit = OrbitControls::OFF;
-        orbit.drag((0.0, 50.0), own);
+        orbit.drag(0.0, 50.0, own);
         let height =
             |orbit: &OrbitControls| OrbitControls::pitch_of(orbit.place(eye, DVec3::ZERO).0, DVec3::ZERO);
         assert!((height(&orbit).to_degrees() - PITCH_MAX).abs() < 1e-4);
-        orbit.drag((0.0, -0.1), own);
+        orbit.drag(0.0, -0.1, own);
         assert!((height(&orbit).to_degrees() - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-4);
     }
 
@@ -174,7 +174,7 @@ mod tests {
             let asked = lang::Camera { position, target, fov: 50.0, ..lang::Camera::of([]) };
             let mut orbit = OrbitControls::OFF;
             for (right, down, notches) in moves {
-                orbit.drag((right, down), 0.3);
+                orbit.drag(right, down, 0.3);
                 orbit.zoom(notches);
             }
             let camera = Camera::by_hand(&asked, 1.6, &orbit);

@@ -282,7 +282,7 @@ impl BackgroundCompiler {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
             let program =
-                texts_of(&self.library, (job.variant, job.product), &self.info).map(ReadyProgram::from);
+                texts_of(&self.library, job.variant, job.product, &self.info).map(ReadyProgram::from);
             return Some(Finished { id: job.id, program });
         }
         self.finished.try_recv().ok()
@@ -371,7 +371,8 @@ fn work(
 
 fn texts_of(
     library: &ShaderLibrary,
-    (variant, product): (VariantMaker, ProgramProduct),
+    variant: VariantMaker,
+    product: ProgramProduct,
     info: &GlInfo,
 ) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, product.shader(), &variant()?, info)?)

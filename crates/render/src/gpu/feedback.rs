@@ -83,8 +83,10 @@ impl SceneFeedback {
 
     pub(super) fn request(
         &mut self,
-        (song, time): (u64, f64),
-        (size, stereo): ((u32, u32), Stereo),
+        song: u64,
+        time: f64,
+        size: (u32, u32),
+        stereo: Stereo,
         ahead: bool,
     ) -> Option<FeedbackRequest> {
         let size = size_for(size, stereo);
@@ -137,8 +139,10 @@ impl SceneFeedback {
     /// Keeps the light of a frame, with its trails, as the last frame of some histories.
     pub(super) fn keep(
         &mut self,
-        (passes, trails): (&Passes, &Trails),
-        (frame, light): (&Frame, &Target),
+        passes: &Passes,
+        trails: &Trails,
+        frame: &Frame,
+        light: &Target,
         slots: &[usize],
     ) -> Result<(), GpuError> {
         fill_grid(&self.grid, &self.rules, frame);
@@ -158,7 +162,7 @@ impl SceneFeedback {
     }
 
     /// Selects the last frame of an image at `time`.
-    pub(super) fn show(&mut self, (passes, trails): (&Passes, &Trails), time: f64) -> Result<(), GpuError> {
+    pub(super) fn show(&mut self, passes: &Passes, trails: &Trails, time: f64) -> Result<(), GpuError> {
         let shown = newest_before(time).and_then(|newest| self.order.shown(newest));
         let of = |slot: usize| self.histories[slot].as_ref().map(|kept| kept.last.clone());
         self.last = match shown {
@@ -170,7 +174,7 @@ impl SceneFeedback {
                             Some(mixed) => mixed,
                             None => self.target(older.size())?,
                         };
-                        trails.mix(passes, (&older, &younger), fraction, &mixed)?;
+                        trails.mix(passes, &older, &younger, fraction, &mixed)?;
                         self.mixed = Some(mixed.clone());
                         mixed
                     }
@@ -205,7 +209,8 @@ pub(super) fn black(gl: &Gl) -> Result<Target, GpuError> {
 
 /// Returns the size of the frames of feedback for an image of `size` pixels: about [`PIXELS`], or as many as the image
 /// has, in its aspect ratio. Each of two eyes has whole pixels. No side is a power of two (see [`black`]).
-fn size_for((width, height): (u32, u32), stereo: Stereo) -> (u32, u32) {
+fn size_for(size: (u32, u32), stereo: Stereo) -> (u32, u32) {
+    let (width, height) = size;
     let pixels = f64::from(width) * f64::from(height);
     let scale = (PIXELS / pixels.max(1.0)).sqrt().min(1.0);
     let side = |side: u32, eyes: u32| {

@@ -363,8 +363,9 @@ fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> R
     let variant = Variant::of(defines);
     match shader {
         "limit_flashes.frag" => {
-            let both = (FLASH_VERTEX_SHADER, shader);
-            Program::of(gl, &ProgramTexts::assemble_both(library, both, &variant, gl.info())?)
+            let texts =
+                ProgramTexts::assemble_both(library, FLASH_VERTEX_SHADER, shader, &variant, gl.info())?;
+            Program::of(gl, &texts)
         }
         _ => Program::link(gl, library, shader, &variant),
     }

@@ -171,8 +171,10 @@ impl Post {
     pub(super) fn add_exposure(
         &self,
         targets: &PostTargets,
-        (picture, samples): (&Picture, &Target),
-        (fade, earlier): (Weighted<'_>, Weighted<'_>),
+        picture: &Picture,
+        samples: &Target,
+        fade: Weighted<'_>,
+        earlier: Weighted<'_>,
         output: &Target,
     ) -> Result<(), GpuError> {
         self.bind_light(targets, picture, samples)?;

@@ -125,12 +125,13 @@ impl ProgramTexts {
         variant: &Variant,
         info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {
-        Self::assemble_both(library, (VERTEX_SHADER, fragment), variant, info)
+        Self::assemble_both(library, VERTEX_SHADER, fragment, variant, info)
     }
 
     pub(super) fn assemble_both(
         library: &ShaderLibrary,
-        (vertex, fragment): (&'static str, &str),
+        vertex: &'static str,
+        fragment: &str,
         variant: &Variant,
         info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {

@@ -180,11 +180,12 @@ impl Renderer {
     pub fn draw_paths(
         &mut self,
         frame: &Frame,
-        (scene, program): (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
         order: PathOrder,
         watcher: &mut dyn PathWatcher,
     ) -> Result<PathProgress, GpuError> {
-        self.painter.draw_paths(frame, (scene, program), order, watcher)
+        self.painter.draw_paths(frame, scene, program, order, watcher)
     }
 
     /// Begins an image by paths of light that [`Renderer::refine`] draws.
@@ -204,10 +205,11 @@ impl Renderer {
     pub fn refine(
         &mut self,
         picture: &mut PathPicture,
-        scene: (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
         patience: Duration,
     ) -> Result<Option<PathProgress>, GpuError> {
-        let progress = self.painter.refine(picture, scene, patience)?;
+        let progress = self.painter.refine(picture, scene, program, patience)?;
         if progress.is_some() {
             self.presenter.flashes.expect_another();
         }
@@ -260,7 +262,7 @@ impl Renderer {
         }
         let is_light =
             self.painter.canvas.making.as_ref().is_none_or(|making| making.product == Product::Light);
-        let progress = self.painter.go_on(&scene.names(), (program, scene.costs()), patience)?;
+        let progress = self.painter.go_on(&scene.names(), program, scene.costs(), patience)?;
         if matches!(progress, Progress::Finished { .. }) && !is_light {
             self.presenter.flashes.expect_another();
         }
@@ -274,11 +276,13 @@ impl Renderer {
     pub fn feedback_before(
         &self,
         scene: &SceneResources,
-        (song, time): (u64, f64),
+        song: u64,
+        time: f64,
         picture: ((u32, u32), Stereo),
         ahead: bool,
     ) -> Option<FeedbackRequest> {
-        scene.feedback()?.request((song, time), picture, ahead)
+        let (size, stereo) = picture;
+        scene.feedback()?.request(song, time, size, stereo, ahead)
     }
 
     /// Draws a frame of feedback. `frame` is the frame at its moment and of its size. A frame in progress is lost.
@@ -289,7 +293,8 @@ impl Renderer {
         &mut self,
         request: &FeedbackRequest,
         frame: &Frame,
-        (scene, program): (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
     ) -> Result<(), GpuError> {
         self.painter.draw_feedback(request, frame, scene, program)
     }
@@ -309,12 +314,13 @@ impl Renderer {
     pub fn draw_block(
         &mut self,
         size: (u32, u32),
-        blocks: (&FrameBlock, &Picture),
+        block: &FrameBlock,
+        picture: &Picture,
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        self.painter.begin_block(Product::Picture, size, blocks)?;
-        self.painter.go_on(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
+        self.painter.begin_block(Product::Picture, size, block, picture)?;
+        self.painter.go_on(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
     }
 
     /// Draws a few paths of light from a frame's blocks and the bound objects of a scene. The image is of no use.
@@ -324,11 +330,12 @@ impl Renderer {
     pub fn draw_path_block(
         &mut self,
         size: (u32, u32),
-        blocks: (&FrameBlock, &Picture),
+        block: &FrameBlock,
+        picture: &Picture,
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        self.painter.warm_up_paths(size, blocks, (scene, program))
+        self.painter.warm_up_paths(size, block, picture, scene, program)
     }
 
     /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], then the view's legend. The
@@ -341,7 +348,8 @@ impl Renderer {
         frame: &Frame,
         scene: &SceneResources,
         program: &Program,
-        (view, legend): (&ViewBlock, Option<&LegendPicture>),
+        view: &ViewBlock,
+        legend: Option<&LegendPicture>,
     ) -> Result<(), GpuError> {
         self.begin_view(frame, scene, view)?;
         self.go_on(scene, program, Duration::MAX)?;
@@ -355,14 +363,15 @@ impl Renderer {
     pub fn draw_view_block(
         &mut self,
         size: (u32, u32),
-        blocks: (&FrameBlock, &Picture),
+        block: &FrameBlock,
+        picture: &Picture,
         scene: &SceneNames,
         program: &Program,
         view: &ViewBlock,
     ) -> Result<(), GpuError> {
         self.painter.sampling.set_view(view);
-        self.painter.begin_block(Product::View, size, blocks)?;
-        self.painter.go_on(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
+        self.painter.begin_block(Product::View, size, block, picture)?;
+        self.painter.go_on(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
     }
 
     /// Draws a legend over the finished view.
@@ -413,14 +422,15 @@ impl Renderer {
         &mut self,
         sketch: &mut Sketch,
         frame: &Frame,
-        (scene, program): (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
         reader: &mut PictureReader,
     ) -> Result<bool, GpuError> {
         let placing = self.presenter.placing.as_ref();
-        self.painter.sketch(&mut sketch.0, (frame, scene, program), |passes, picture| {
+        self.painter.sketch(&mut sketch.0, frame, scene, program, |passes, picture| {
             let Some(placing) = placing else { return Ok(false) };
             let whole = Placement::default();
-            placing.place_in(passes, picture, reader.target(), (&whole.map(), whole.part()))?;
+            placing.place_in(passes, picture, reader.target(), &whole.map(), whole.part())?;
             Ok(reader.begin())
         })
     }
@@ -534,7 +544,7 @@ impl Renderer {
         part: Area,
     ) -> Result<(), GpuError> {
         let (passes, finished) = (self.painter.passes(), self.painter.finished());
-        self.presenter.show_in_part(passes, finished, (window, area), (map, part))?;
+        self.presenter.show_in_part(passes, finished, window, area, map, part)?;
         self.gl.check_context("showing a frame")
     }
 
@@ -550,7 +560,7 @@ impl Renderer {
         part: Area,
     ) -> Result<bool, GpuError> {
         let finished = self.painter.finished();
-        let sent = self.presenter.send(self.painter.passes(), finished, reader, (map, part))?;
+        let sent = self.presenter.send(self.painter.passes(), finished, reader, map, part)?;
         self.gl.check("sending an image").map(|()| sent)
     }
 

@@ -219,7 +219,8 @@ pub fn drawing_variant_of(
     world: &World,
     buffers: &TapeBuffers,
     plan: &RegionPlan,
-    (mode, cells): (Mode, CellUse),
+    mode: Mode,
+    cells: CellUse,
     info: &GlInfo,
 ) -> Result<Variant, GpuError> {
     match mode {

@@ -105,7 +105,7 @@ pub struct RegionMaker {
 
 impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
-    pub fn of((plan, buffers): (&RegionPlan, &TapeBuffers), frame: &Frame, options: RegionOptions) -> Self {
+    pub fn of(plan: &RegionPlan, buffers: &TapeBuffers, frame: &Frame, options: RegionOptions) -> Self {
         let medium = buffers.medium().map(|medium| medium.key(&frame.inputs));
         let swarm = buffers.swarm().map(|swarm| (swarm.key(&frame.inputs), frame.swarm_view()));
         Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium, swarm }
@@ -345,7 +345,7 @@ impl SceneResources {
         } else {
             ShortenRequest::default()
         };
-        RegionRequest { programs, ..RegionRequest::of((&self.plan, &self.buffers), frame, options) }
+        RegionRequest { programs, ..RegionRequest::of(&self.plan, &self.buffers, frame, options) }
     }
 
     /// The builder of the next frame's regions.

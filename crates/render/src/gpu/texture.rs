@@ -59,7 +59,8 @@ impl Level {
 }
 
 /// Halves width and height, rounded down. Each texel is the mean of the area that it covers. `None` for a single texel.
-fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
+fn halved<T>(size: (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
+    let (width, height) = size;
     if width.max(height) < 2 {
         return None;
     }

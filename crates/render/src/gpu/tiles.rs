@@ -47,7 +47,8 @@ pub(super) struct Part {
 }
 
 impl Part {
-    pub(super) fn whole((width, height): (u32, u32)) -> Self {
+    pub(super) fn whole(size: (u32, u32)) -> Self {
+        let (width, height) = size;
         Self { x: 0, y: 0, width, height }
     }
 

@@ -63,7 +63,8 @@ impl Trails {
     pub(super) fn mix(
         &self,
         passes: &Passes,
-        (first, second): (&Target, &Target),
+        first: &Target,
+        second: &Target,
         fraction: f32,
         output: &Target,
     ) -> Result<(), GpuError> {

@@ -153,13 +153,14 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
         column_width = column_width.max(in_units(2.0) + width);
         bottom = bottom.max(row + in_units(1.4));
     }
-    lay_out(letters, &parts, (padding, bottom), picture)
+    lay_out(letters, &parts, padding, bottom, picture)
 }
 
 fn lay_out(
     letters: &mut Letters,
     parts: &[((usize, usize), Part)],
-    (padding, bottom): (usize, usize),
+    padding: usize,
+    bottom: usize,
     picture: (u32, u32),
 ) -> Option<LegendPicture> {
     let texts: Vec<_> = parts

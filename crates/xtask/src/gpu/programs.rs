@@ -85,7 +85,7 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
             let variant = match counting {
                 Counting::On => as_views(variant_of(world, buffers, plan, mode, gl.info(), counting)?),
                 Counting::Off => {
-                    drawing_variant_of(world, buffers, plan, (mode, CellUse::WhereTheyPay), gl.info())?
+                    drawing_variant_of(world, buffers, plan, mode, CellUse::WhereTheyPay, gl.info())?
                 }
             };
             found.push(Wanted { name, file: SCENE_SHADER, variant });

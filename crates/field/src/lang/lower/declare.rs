@@ -155,7 +155,7 @@ impl<'a> SceneBuilder<'a> {
     pub(super) fn fixed(&mut self, value: ExprId, what: &'static str) -> Option<f32> {
         let span = self.lowering.ast.span(value);
         let result = self.lowering.within(uses::NOTHING, what, |this| this.expr(value));
-        let part = self.lowering.one_number(result, (what, A_NUMBER), span)?;
+        let part = self.lowering.one_number(result, what, A_NUMBER, span)?;
         // If the number is not constant, the use of an input was already reported.
         self.lowering.known(part).filter(|number| number.is_finite())
     }

@@ -336,12 +336,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// Returns the only part of a value. `hint` is the advice for vectors.
-    pub(super) fn one_number(
-        &mut self,
-        value: Value,
-        (what, hint): (&str, &str),
-        span: Span,
-    ) -> Option<NodeId> {
+    pub(super) fn one_number(&mut self, value: Value, what: &str, hint: &str, span: Span) -> Option<NodeId> {
         match value {
             Value::Unknown => None,
             Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),

@@ -342,7 +342,7 @@ impl SceneBuilder<'_> {
         }
         if holds != Holds::Vector {
             let hint = if holds == Holds::Shape { A_DISTANCE } else { A_NUMBER };
-            return match self.lowering.one_number(value, (&format!("`{name}`"), hint), span) {
+            return match self.lowering.one_number(value, &format!("`{name}`"), hint, span) {
                 Some(part) => Value::scalar(part),
                 None => Value::Unknown,
             };

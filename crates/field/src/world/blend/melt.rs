@@ -78,7 +78,7 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
         (a, b) => a.or(b).map(|one| one.steps),
     };
     let offset = [left, right].map(|side| side.map(|side| side.offset));
-    let [owner, haze] = owner(graph, (&planes, owner_of_planes, haze), offset, s);
+    let [owner, haze] = owner(graph, &planes, owner_of_planes, haze, offset, s);
     Melt { planes, rest, owner, haze }
 }
 
@@ -145,7 +145,9 @@ fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
 /// Computes [`Melt::owner`] and [`Melt::haze`]. The tuple holds the planes, and the owner and haze of points on them.
 fn owner(
     graph: &mut Graph,
-    (planes, owner_of_planes, haze): (&[NodeId], NodeId, NodeId),
+    planes: &[NodeId],
+    owner_of_planes: NodeId,
+    haze: NodeId,
     offset: [Option<NodeId>; 2],
     s: NodeId,
 ) -> [NodeId; 2] {

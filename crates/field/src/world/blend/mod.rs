@@ -112,8 +112,10 @@ pub enum BlendError {
 /// Returns the parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the
 /// fraction of `to`, which is clamped to 0..1. Missing parameters have the scenes' defaults.
 pub fn blended_params(
-    (from, from_params): (&Scene, &[f32]),
-    (to, to_params): (&Scene, &[f32]),
+    from: &Scene,
+    from_params: &[f32],
+    to: &Scene,
+    to_params: &[f32],
     fraction: f32,
 ) -> Vec<f32> {
     let of = |scene: &Scene, given: &[f32]| -> Vec<f32> {
@@ -157,19 +159,20 @@ impl World {
                 (melt.planes, melt.rest, material)
             }
             BlendKind::Portal(shape) => {
-                let to = (&to.scene, before);
-                portal::through(&mut graph, (&a, &b), shape, to, &camera, s).map_err(graph_error)?
+                let portal =
+                    portal::portal(&mut graph, shape, &to.scene, before, &camera, s).map_err(graph_error)?;
+                portal::through(&mut graph, &a, &b, portal)
             }
         };
-        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b))).transpose();
+        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, &a, &b)).transpose();
         let rest = rest.map_err(graph_error)?;
 
         let reach = graph.mix(a.sky.reach, b.sky.reach, s);
         let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
-        let glow = glow(&mut graph, (&a, &b), reach, s);
-        let medium = medium(&mut graph, (&a, &b), s);
+        let glow = glow(&mut graph, &a, &b, reach, s);
+        let medium = medium(&mut graph, &a, &b, s);
         let picture = picture(&mut graph, &a.picture, &b.picture, s);
-        let (lights, swarms) = (lights(&mut graph, (&a, &b), s), swarms(&mut graph, (&a, &b), s));
+        let (lights, swarms) = (lights(&mut graph, &a, &b, s), swarms(&mut graph, &a, &b, s));
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
@@ -209,7 +212,7 @@ impl World {
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         let frame_tape = FrameTape::build(&scene, &surfaces.planes)
             .map_err(|source| WorldError::Tape { scene: name.clone(), source })?;
-        let world = Self::prepared(&name, scene, surfaces, (traced, frame_tape), pictures)?;
+        let world = Self::prepared(&name, scene, surfaces, traced, frame_tape, pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
 }
@@ -269,7 +272,8 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
 fn clear_of_the_eye(
     graph: &mut Graph,
     rest: Steps,
-    (a, b): (&Side, &Side),
+    a: &Side,
+    b: &Side,
 ) -> Result<Steps, crate::graph::GraphError> {
     let eye = [Input::EyeX, Input::EyeY, Input::EyeZ].map(|input| graph.input(input));
     let (zero, half) = (graph.constant(0.0), graph.constant(0.5));
@@ -320,7 +324,7 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
 
 /// Returns the light of nearby shining objects. Each side's light is already attenuated by that side's distance, so
 /// shaders get the distance 0.
-fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
+fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);
     let mut light: Option<[NodeId; 3]> = None;
@@ -346,7 +350,7 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
 
 /// Returns the media of both sides, weighted by the fractions. The side with the larger fraction sets the
 /// direction of scattering.
-fn medium(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Option<MediumRoots> {
+fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoots> {
     let (one, half) = (graph.constant(1.0), graph.constant(0.5));
     let rest = graph.sub(one, s);
     let weighted = |graph: &mut Graph, numbers: MediumRoots, fraction: NodeId| -> MediumRoots {
@@ -370,7 +374,7 @@ fn medium(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Option<Medium
 
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
 /// because near the ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
-fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
+fn lights(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);
     let s = graph.add(s, s);
@@ -389,7 +393,7 @@ fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
 }
 
 /// Returns the swarms of both sides. Balls shrink and light fades with the fraction.
-fn swarms(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Swarm> {
+fn swarms(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Swarm> {
     let one = graph.constant(1.0);
     let rest = graph.sub(one, s);
     let mut swarms: Vec<Swarm> = Vec::with_capacity(a.swarms.len() + b.swarms.len());

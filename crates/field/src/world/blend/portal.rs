@@ -101,7 +101,9 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
-    (scene, shape, before): (&Scene, NodeId, Before),
+    scene: &Scene,
+    shape: NodeId,
+    before: Before,
     s: NodeId,
 ) -> Result<NodeId, GraphError> {
     let grown = growth(graph, s);
@@ -110,7 +112,7 @@ fn own_shape(
     let size = graph.mul(grown, seen.length);
     let size = graph.max(size, least);
     let point = seen.point(graph).map(|part| graph.div(part, size));
-    let value = side::copied_at(graph, (&scene.graph, shape), before, point)?;
+    let value = side::copied_at(graph, &scene.graph, shape, before, point)?;
     let value = graph.mul(value, size);
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let quarters = graph.constant(1.0 / QUARTER);
@@ -125,17 +127,19 @@ fn own_shape(
 }
 
 /// Returns the distance to the portal, negative inside. At the middle of the transition, the size of the portal is the
-/// distance from the eye to the target. Towards the end the portal grows without limit.
-fn portal(
+/// distance from the eye to the target. Towards the end the portal grows without limit. `to` is the second scene, and
+/// `before` counts the images and parameters of the first scene, which precede its own.
+pub(super) fn portal(
     graph: &mut Graph,
     shape: PortalShape,
-    (to, before): (&Scene, Before),
+    to: &Scene,
+    before: Before,
     camera: &Camera,
     s: NodeId,
 ) -> Result<NodeId, GraphError> {
     let seen = Seen::by(graph, camera);
     Ok(match (shape, to.about.portal) {
-        (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, (to, shape, before), s)?,
+        (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, to, shape, before, s)?,
         (PortalShape::Plane, _) => half_space(graph, &seen, s),
         (PortalShape::Ball | PortalShape::Own, _) => ball(graph, &seen, s),
     })
@@ -144,17 +148,8 @@ fn portal(
 /// Planes, other surfaces, and the values of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
-/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene, with how many images
-/// and parameters of the first scene precede its own.
-pub(super) fn through(
-    graph: &mut Graph,
-    (a, b): (&Side, &Side),
-    shape: PortalShape,
-    to: (&Scene, Before),
-    camera: &Camera,
-    s: NodeId,
-) -> Result<Through, GraphError> {
-    let portal = portal(graph, shape, to, camera, s)?;
+/// Puts the first scene outside of the portal and the second one inside.
+pub(super) fn through(graph: &mut Graph, a: &Side, b: &Side, portal: NodeId) -> Through {
     // Planes that both scenes have in common stay planes.
     let (planes, [a_rest, b_rest]) = if a.planes == b.planes {
         (a.planes.clone(), [a.rest, b.rest])
@@ -176,5 +171,5 @@ pub(super) fn through(
     let is_second = graph.binary(Op::Less, b_near, a_near);
     let numbers = a.material.iter().zip(&b.material);
     let material = numbers.map(|(&a, &b)| graph.select(is_second, b, a)).collect();
-    Ok((planes, rest, material))
+    (planes, rest, material)
 }

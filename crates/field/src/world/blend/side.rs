@@ -63,7 +63,7 @@ impl Side {
         // The sky's point is the picture's pixel, which stays in its place.
         let in_sky = Own { point: position(graph), ..own.turned(graph, alignment) };
         let in_sky =
-            copied_roots(graph, (&scene.graph, &scene.sky.color), before, &|input| in_sky.value(input))?;
+            copied_roots(graph, &scene.graph, &scene.sky.color, before, &|input| in_sky.value(input))?;
         let color = scene.sky.color.map(|id| at_index(&in_sky, id));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
@@ -137,7 +137,7 @@ fn swarms(
 ) -> Result<Vec<Swarm>, GraphError> {
     let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
     let own = Own { point: position(graph), ..Own::of(graph, alignment) };
-    let copies = copied_roots(graph, (&scene.graph, &roots), before, &|input| own.value(input))?;
+    let copies = copied_roots(graph, &scene.graph, &roots, before, &|input| own.value(input))?;
     let copied = scene.swarms.iter().map(|swarm| {
         let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| at_index(&copies, id)));
         let position = alignment.common_point(graph, own.position);
@@ -198,7 +198,8 @@ fn copied(graph: &mut Graph, from: &Graph, before: Before, own: &Own) -> Vec<Nod
 /// Copies `root` and its operands, with the point at `place`.
 pub(super) fn copied_at(
     graph: &mut Graph,
-    (from, root): (&Graph, NodeId),
+    from: &Graph,
+    root: NodeId,
     before: Before,
     place: Vector,
 ) -> Result<NodeId, GraphError> {
@@ -208,13 +209,14 @@ pub(super) fn copied_at(
         Input::Z => Some(place[2]),
         _ => None,
     };
-    Ok(at_index(&copied_roots(graph, (from, &[root]), before, &value)?, root))
+    Ok(at_index(&copied_roots(graph, from, &[root], before, &value)?, root))
 }
 
 /// Copies the roots and their operands. Returns the copies by the index of their nodes.
 fn copied_roots(
     graph: &mut Graph,
-    (from, roots): (&Graph, &[NodeId]),
+    from: &Graph,
+    roots: &[NodeId],
     before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
 ) -> Result<Vec<NodeId>, GraphError> {

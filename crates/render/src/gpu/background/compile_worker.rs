@@ -57,7 +57,7 @@ impl CompileWorker {
         if faults::strikes(Fault::SlowCompiler) || is_interpreter && faults::strikes(Fault::SlowInterpreter) {
             std::thread::sleep(SLOW_COMPILER);
         }
-        let texts = texts_of(library, (job.variant, job.product), self.gl.info())?;
+        let texts = texts_of(library, job.variant, job.product, self.gl.info())?;
         if texts.len() > LONG_PROGRAM && faults::strikes(Fault::EndlessCompiler) {
             std::thread::sleep(ENDLESS_COMPILER);
         }
@@ -127,13 +127,15 @@ impl CompileWorker {
     /// Draws with a program, so that the driver finishes compiling. All data in this context can be dropped afterwards.
     fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
-        let blocks = (&asked.block, &asked.picture);
+        let (block, picture) = (&asked.block, &asked.picture);
         let drawn = match asked.product {
-            ProgramProduct::Frames => self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program),
-            ProgramProduct::Paths => self.renderer.draw_path_block(WARM_UP_SIZE, blocks, &scene, program),
+            ProgramProduct::Frames => self.renderer.draw_block(WARM_UP_SIZE, block, picture, &scene, program),
+            ProgramProduct::Paths => {
+                self.renderer.draw_path_block(WARM_UP_SIZE, block, picture, &scene, program)
+            }
             ProgramProduct::Views => {
                 let view = [[0.0, 1.0, 0.0, 0.0]; 2];
-                self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, program, &view)
+                self.renderer.draw_view_block(WARM_UP_SIZE, block, picture, &scene, program, &view)
             }
         };
         // The program can be used even if the warm-up fails.

@@ -116,14 +116,16 @@ impl Making {
         &mut self,
         tools: &Tools<'_>,
         targets: &mut Targets,
-        (program, cost): (&Program, &mut PixelCost),
-        (begun, patience): (Instant, Duration),
+        program: &Program,
+        cost: &mut PixelCost,
+        begun: Instant,
+        patience: Duration,
     ) -> Result<bool, GpuError> {
         let mut is_finished = false;
         while !is_finished && begun.elapsed() < patience {
             is_finished = match self.parts.next(*cost) {
                 Some(part) => {
-                    self.draw_measured(tools.sampling, targets, (program, cost), part);
+                    self.draw_measured(tools.sampling, targets, program, cost, part);
                     false
                 }
                 None => self.finish_pass(tools, targets, *cost)?,
@@ -136,7 +138,8 @@ impl Making {
         &mut self,
         sampling: &Sampling,
         targets: &Targets,
-        (program, cost): (&Program, &mut PixelCost),
+        program: &Program,
+        cost: &mut PixelCost,
         part: Part,
     ) {
         let gl = sampling.gl();

@@ -118,7 +118,7 @@ impl Painter {
     ) -> Result<(), GpuError> {
         let tree = scene.tree_of(frame);
         scene.upload_inputs(frame)?;
-        self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
+        self.begin_block(product, frame.size, &frame.block(scene.world(), &tree), &frame.picture)
     }
 
     /// Draws a frame of feedback for each group of histories with its own last frame.
@@ -139,11 +139,11 @@ impl Painter {
                 scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
                 self.elsewhere(&mut canvas, |painter| {
                     painter.begin_without_trails(Product::Light, frame, scene)?;
-                    painter.go_on(&scene.names(), (program, scene.costs()), Duration::MAX)?;
+                    painter.go_on(&scene.names(), program, scene.costs(), Duration::MAX)?;
                     let Some(targets) = &painter.canvas.targets else { return Ok(()) };
                     let Some(mut feedback) = scene.feedback() else { return Ok(()) };
-                    let tools = (painter.post.passes(), painter.post.programs_of_trails());
-                    feedback.keep(tools, (frame, targets.post.light()), slots)
+                    let (passes, trails) = (painter.post.passes(), painter.post.programs_of_trails());
+                    feedback.keep(passes, trails, frame, targets.post.light(), slots)
                 })
             })
         });
@@ -158,7 +158,7 @@ impl Painter {
     pub(super) fn show_feedback(&self, scene: &SceneResources, time: f64) -> Result<(), GpuError> {
         let Some(mut feedback) = scene.feedback() else { return Ok(()) };
         self.post.passes().prepare();
-        feedback.show((self.post.passes(), self.post.programs_of_trails()), time)?;
+        feedback.show(self.post.passes(), self.post.programs_of_trails(), time)?;
         self.gl.check("mixing frames of feedback")
     }
 
@@ -166,7 +166,8 @@ impl Painter {
         &mut self,
         product: Product,
         size: (u32, u32),
-        (block, picture): (&FrameBlock, &Picture),
+        block: &FrameBlock,
+        picture: &Picture,
     ) -> Result<(), GpuError> {
         self.need_targets(size, picture)?;
         self.sampling.set_frame(block);
@@ -178,7 +179,8 @@ impl Painter {
     pub(super) fn go_on(
         &mut self,
         scene: &SceneNames,
-        (program, costs): (&Program, &Costs),
+        program: &Program,
+        costs: &Costs,
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         let begun = Instant::now();
@@ -201,7 +203,7 @@ impl Painter {
             }
         }
         let tools = Tools { sampling: &self.sampling, post: &self.post, fade: self.fade.as_ref() };
-        let finished = making.go_on(&tools, &mut targets, (program, &mut cost), (begun, patience));
+        let finished = making.go_on(&tools, &mut targets, program, &mut cost, begun, patience);
         self.clock.end();
         making.spent += begun.elapsed();
         if matches!(finished, Ok(true)) {
@@ -227,10 +229,11 @@ impl Painter {
         &mut self,
         frame: &Frame,
         scene: &SceneResources,
-        (program, costs): (&Program, &Costs),
+        program: &Program,
+        costs: &Costs,
     ) -> Result<(), GpuError> {
         self.begin(Product::Picture, frame, scene)?;
-        self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
+        self.go_on(&scene.names(), program, costs, Duration::MAX).map(|_| ())
     }
 
     pub(super) fn draw_reference(
@@ -272,10 +275,10 @@ impl Painter {
     ) -> Result<(), GpuError> {
         self.elsewhere(&mut Canvas::default(), |painter| {
             // The driver may compile during this draw, so do not record its time as the scene's cost.
-            painter.draw(frame, scene, (program, &Costs::default()))?;
+            painter.draw(frame, scene, program, &Costs::default())?;
             painter.keep_light()?;
             painter.set_fade(Some(0.5));
-            painter.draw(frame, scene, (program, scene.costs()))
+            painter.draw(frame, scene, program, scene.costs())
         })
     }
 
@@ -283,12 +286,14 @@ impl Painter {
     pub(super) fn sketch(
         &mut self,
         canvas: &mut Canvas,
-        (frame, scene, program): (&Frame, &SceneResources, &Program),
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
         send: impl FnOnce(&Passes, &Target) -> Result<bool, GpuError>,
     ) -> Result<bool, GpuError> {
         let edges = std::mem::replace(&mut self.sampling.edge_samples, EdgeSamples::Two);
         let sent = self.elsewhere(canvas, |painter| {
-            painter.draw(frame, scene, (program, scene.costs()))?;
+            painter.draw(frame, scene, program, scene.costs())?;
             let Some(picture) = painter.finished() else { return Ok(false) };
             let sent = send(painter.passes(), picture)?;
             painter.gl.check("sending an image").map(|()| sent)
@@ -327,7 +332,7 @@ impl Painter {
         self.post.bind_picture(picture, self.sampling.edge_samples);
         let fade = self.fade.as_ref().map(Fade::mixed_in);
         let earlier = earlier.as_ref().map(|mean| (mean, 1.0 / (number as f32 + 1.0)));
-        self.post.add_exposure(&targets.post, (picture, &targets.first), (fade, earlier), &mean)?;
+        self.post.add_exposure(&targets.post, picture, &targets.first, fade, earlier, &mean)?;
         self.mean = Some(mean);
         self.gl.check("adding an exposure")
     }

@@ -41,7 +41,8 @@ impl Painter {
     pub(super) fn draw_paths(
         &mut self,
         frame: &Frame,
-        (scene, program): (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
         order: PathOrder,
         watcher: &mut dyn PathWatcher,
     ) -> Result<PathProgress, GpuError> {
@@ -75,7 +76,7 @@ impl Painter {
                 drawing.guide(guides, &mut cost, endless());
             });
             let guides = guides.as_ref().map(|guides| &guides.state);
-            drawing.resolve((&run.state, guides), &self.path_results, targets.post.light())?;
+            drawing.resolve(&run.state, guides, &self.path_results, targets.post.light())?;
             state = Some(run.state);
         }
         scene.costs().keep(program, cost);
@@ -93,7 +94,8 @@ impl Painter {
     pub(super) fn refine(
         &mut self,
         picture: &mut PathPicture,
-        (scene, program): (&SceneResources, &Program),
+        scene: &SceneResources,
+        program: &Program,
         patience: Duration,
     ) -> Result<Option<PathProgress>, GpuError> {
         let patience = (Instant::now(), patience);
@@ -113,7 +115,7 @@ impl Painter {
             return Ok(None);
         };
         let guides = guides.as_ref().map(|guides| &guides.state);
-        drawing.resolve((&run.state, guides), &self.path_results, targets.post.light())?;
+        drawing.resolve(&run.state, guides, &self.path_results, targets.post.light())?;
         *shown = paths;
         self.finish_paths(frame, scene, targets)?;
         let fraction = paths as f64 / (u64::from(most) * area.pixels()) as f64;
@@ -124,10 +126,12 @@ impl Painter {
     pub(super) fn warm_up_paths(
         &mut self,
         size: (u32, u32),
-        (block, picture): (&FrameBlock, &Picture),
-        (scene, program): (&SceneNames, &Program),
+        block: &FrameBlock,
+        picture: &Picture,
+        scene: &SceneNames,
+        program: &Program,
     ) -> Result<(), GpuError> {
-        self.begin_block(Product::Light, size, (block, picture))?;
+        self.begin_block(Product::Light, size, block, picture)?;
         self.canvas.making = None;
         self.post.passes().prepare();
         if let Some(targets) = &self.canvas.targets {

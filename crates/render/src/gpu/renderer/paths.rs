@@ -122,7 +122,8 @@ const GUIDE_PASSES: u32 = 8;
 const LOOK_PASSES: u32 = 16;
 
 /// Returns the areas of an image: bands of whole rows, the lowest first.
-pub(super) fn areas((width, height): (u32, u32)) -> Vec<Part> {
+pub(super) fn areas(size: (u32, u32)) -> Vec<Part> {
+    let (width, height) = size;
     let rows = (AREA_PIXELS / width.max(1)).max(1);
     let area = |y: u32| Part { x: 0, y, width, height: rows.min(height - y) };
     (0..height).step_by(rows as usize).map(area).collect()
@@ -211,7 +212,7 @@ impl PathArea<'_> {
     ) -> Option<Look> {
         loop {
             let kind = if run.passes == 0 { BEGINNING } else { 0.0 };
-            if !self.draw_pass(run, cost, (most, kind), patience) {
+            if !self.draw_pass(run, cost, most, kind, patience) {
                 return None;
             }
             if run.passes.is_multiple_of(LOOK_PASSES) {
@@ -234,9 +235,11 @@ impl PathArea<'_> {
         &self,
         run: &mut PathRun,
         cost: &mut PixelCost,
-        (most, kind): (u32, f32),
-        (begun, patience): Patience,
+        most: u32,
+        kind: f32,
+        patience: Patience,
     ) -> bool {
+        let (begun, patience) = patience;
         let PathOrder { noise, first, sampling, .. } = self.order;
         let (x, y) = (self.area.x as f32, self.area.y as f32);
         let numbers = [x, y, first as f32, f32::from(sampling as u8), most as f32, noise, kind, 0.0];
@@ -278,7 +281,7 @@ impl PathArea<'_> {
     /// of `guides`.
     pub(super) fn guide(&self, guides: &mut PathRun, cost: &mut PixelCost, patience: Patience) -> bool {
         while guides.passes < GUIDE_PASSES {
-            if !self.draw_pass(guides, cost, (1, GUIDES + guides.passes as f32), patience) {
+            if !self.draw_pass(guides, cost, 1, GUIDES + guides.passes as f32, patience) {
                 return false;
             }
         }
@@ -288,7 +291,8 @@ impl PathArea<'_> {
     /// Writes the light of the paths to the area of `light`, smoothed if there are guides.
     pub(super) fn resolve(
         &self,
-        (state, guides): (&PathState, Option<&PathState>),
+        state: &PathState,
+        guides: Option<&PathState>,
         programs: &PathResults,
         light: &Target,
     ) -> Result<(), GpuError> {
@@ -315,7 +319,8 @@ impl PathArea<'_> {
 }
 
 /// Returns rows of blocks with pixels whose paths are not all finished.
-fn unfinished_blocks(pixels: &[(u32, bool)], (width, height): (u32, u32)) -> Vec<Part> {
+fn unfinished_blocks(pixels: &[(u32, bool)], size: (u32, u32)) -> Vec<Part> {
+    let (width, height) = size;
     let mut parts: Vec<Part> = Vec::new();
     for y in (0..height).step_by(BLOCK as usize) {
         let rows = BLOCK.min(height - y);

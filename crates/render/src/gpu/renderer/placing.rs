@@ -61,12 +61,15 @@ impl Placing {
         &self,
         passes: &Passes,
         picture: &Target,
-        (window, [left, top, right, bottom]): ((u32, u32), Area),
-        (map, part): (&Map, Area),
+        window: (u32, u32),
+        area: Area,
+        map: &Map,
+        part: Area,
     ) -> Result<(), GpuError> {
         self.block.set(&numbers(map, part));
         passes.prepare();
         picture.bind_color(0, unit_of("picture"));
+        let [left, top, right, bottom] = area;
         let edge = |fraction: f64, side: u32| (fraction * f64::from(side)).round() as i32;
         let (from, to) = (edge(left, window.0), edge(right, window.0));
         let (low, high) = (edge(1.0 - bottom, window.1), edge(1.0 - top, window.1));
@@ -79,7 +82,8 @@ impl Placing {
         passes: &Passes,
         picture: &Target,
         target: &Target,
-        (map, part): (&Map, Area),
+        map: &Map,
+        part: Area,
     ) -> Result<(), GpuError> {
         // OpenGL's first row is the lowest row.
         self.block.set(&numbers(&within([0.0, 1.0, 1.0, 0.0], map), part));

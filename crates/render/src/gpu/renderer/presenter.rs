@@ -94,11 +94,13 @@ impl Presenter {
         &mut self,
         passes: &Passes,
         finished: Option<&Target>,
-        window: ((u32, u32), Area),
-        map: (&Map, Area),
+        window: (u32, u32),
+        area: Area,
+        map: &Map,
+        part: Area,
     ) -> Result<(), GpuError> {
         let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(()) };
-        placing.place(passes, picture, window, map)
+        placing.place(passes, picture, window, area, map, part)
     }
 
     /// Sends an image to `reader`. Returns `false` if the reader is still busy with earlier images.
@@ -107,10 +109,11 @@ impl Presenter {
         passes: &Passes,
         finished: Option<&Target>,
         reader: &mut PictureReader,
-        map: (&Map, Area),
+        map: &Map,
+        part: Area,
     ) -> Result<bool, GpuError> {
         let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(false) };
-        placing.place_in(passes, picture, reader.target(), map)?;
+        placing.place_in(passes, picture, reader.target(), map, part)?;
         Ok(reader.begin())
     }
 
