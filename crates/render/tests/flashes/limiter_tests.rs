@@ -1,5 +1,10 @@
-use super::*;
-use crate::flash::{Analyser, Flashes};
+//! Tests of the limiter on the CPU.
+
+use crate::witness::grid::luminance;
+use crate::witness::limiter::*;
+use crate::witness::{Analyser, Flashes};
+use mariana_render::flash::rules::*;
+use mariana_render::flash::{CELLS, COLUMNS, Grid};
 
 const WHITE: [f32; 3] = [1.0; 3];
 const BLACK: [f32; 3] = [0.0; 3];
@@ -14,7 +19,7 @@ fn small(cell: usize) -> bool {
 }
 
 fn shown_of(frame: &Grid, corrections: &[Correction]) -> Grid {
-    Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| correction.apply(*color)))
+    Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| limited(*color, correction)))
 }
 
 /// Feeds the limiter with frames: `color` in the `lit` cells, black elsewhere. Analyses the displayed frames.
@@ -34,10 +39,10 @@ impl Show {
         let frame = Grid::new((0..CELLS).map(|cell| if lit(cell) { color } else { BLACK }));
         self.time += seconds;
         let corrections = self.limiter.limit(seconds, &frame);
-        self.touched += usize::from(corrections.iter().any(Correction::limits));
+        self.touched += usize::from(corrections.iter().any(limits));
         let shown = shown_of(&frame, corrections);
-        self.limiter.note_shown(&shown);
-        self.analyser.note(self.time, &shown);
+        self.limiter.record_shown(&shown);
+        self.analyser.add(self.time, &shown);
         luminance(shown.colors()[0])
     }
 
@@ -197,8 +202,8 @@ fn flashing(cell_of: impl Fn(usize, bool) -> [f32; 3], mut look: impl FnMut(&Gri
         let grid = Grid::new((0..CELLS).map(|cell| cell_of(cell, frame % 6 < 3)));
         let corrections = limiter.limit(1.0 / 60.0, &grid).to_vec();
         let shown = shown_of(&grid, &corrections);
-        limiter.note_shown(&shown);
-        if corrections.iter().any(Correction::limits) {
+        limiter.record_shown(&shown);
+        if corrections.iter().any(limits) {
             limited += 1;
             look(&shown, &corrections);
         }
@@ -221,7 +226,7 @@ fn cells_far_from_a_flash_do_not_change() {
     let limited = flashing(color, |_, corrections| {
         for (cell, correction) in corrections.iter().enumerate() {
             let far = cell % COLUMNS >= COLUMNS / 2 + REACH;
-            assert!(!far || *correction == Correction::NONE, "cell {cell}: {correction:?}");
+            assert!(!far || *correction == NONE, "cell {cell}: {correction:?}");
         }
     });
     assert!(limited > 60);
@@ -277,7 +282,7 @@ fn every_frame_time_and_colour_is_accepted() {
                 let grid = Grid::new(std::iter::repeat_n([color * (frame % 2) as f32; 3], CELLS));
                 let shown = shown_of(&grid, limiter.limit(seconds, &grid));
                 assert!(shown.colors().iter().flatten().all(|value| (0.0..=1.0).contains(value)));
-                limiter.note_shown(&shown);
+                limiter.record_shown(&shown);
             }
         }
     }
