@@ -1,10 +1,8 @@
-//! Generates files for the program and its documentation, and measures performance: `cargo xtask TOOL [ARGUMENTS]`.
+//! Generates files for the program and its documentation, and checks shaders: `cargo xtask TOOL [ARGUMENTS]`.
 
 #![allow(unreachable_pub, reason = "a program has no public interface")]
 
 mod animation;
-#[cfg(unix)]
-mod controllers;
 mod desktop;
 mod gallery;
 mod gpu;
@@ -13,20 +11,11 @@ mod language_page;
 mod melt;
 mod root;
 mod thumbnails;
-#[cfg(unix)]
-mod typing;
 
 /// A tool: its name, arguments, description and function.
 type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::Result<()>);
 
 const TOOLS: &[Tool] = &[
-    #[cfg(unix)]
-    (
-        "controllers",
-        "PROGRAM [SECONDS]",
-        "measures in a window how fast MIDI and OSC messages take effect, and the effect of message floods",
-        controllers::run,
-    ),
     ("desktop", "[FOLDER]", "writes manual pages, completions and the icon to assets/desktop", desktop::run),
     (
         "gallery",
@@ -54,13 +43,6 @@ const TOOLS: &[Tool] = &[
         "[SCENE ...]",
         "draws assets/thumbnails for these shipped scenes, or for all shipped scenes",
         thumbnails::run,
-    ),
-    #[cfg(unix)]
-    (
-        "typing",
-        "PROGRAM [KEYS]",
-        "measures in a window the time from a key press in the editor to the letter and to the changed frame",
-        typing::run,
     ),
 ];
 
