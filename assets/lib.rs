@@ -17,5 +17,5 @@ pub const DEMO_TRACK: &[u8] = include_bytes!("demo.ogg");
 /// The show of the demo track.
 pub const DEMO_SHOW: &str = include_str!("demo.show");
 
-/// The icon as a PNG of 128 x 128 pixels. Made by `cargo xtask desktop`.
+/// The icon as a PNG of 128 x 128 pixels. Made by the tool `icon` in `tools/`.
 pub const ICON: &[u8] = include_bytes!("desktop/icons/128x128/apps/org.mariana.Mariana.png");

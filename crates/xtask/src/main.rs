@@ -8,7 +8,6 @@ mod gallery;
 mod gpu;
 mod grammars;
 mod language_page;
-mod melt;
 mod root;
 mod thumbnails;
 
@@ -16,7 +15,7 @@ mod thumbnails;
 type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::Result<()>);
 
 const TOOLS: &[Tool] = &[
-    ("desktop", "[FOLDER]", "writes manual pages, completions and the icon to assets/desktop", desktop::run),
+    ("desktop", "[FOLDER]", "writes manual pages and completions to assets/desktop", desktop::run),
     (
         "gallery",
         "[SCENE ...]",
@@ -37,7 +36,6 @@ const TOOLS: &[Tool] = &[
     ),
     ("grammars", "[FOLDER]", "writes the grammars for editors to editors", grammars::run),
     ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
-    ("melt", "PROGRAM", "draws docs/images/melt.webp, the moving image of the README", melt::run),
     (
         "thumbnails",
         "[SCENE ...]",

@@ -1,4 +1,4 @@
-//! Generates the desktop files: the icon, manual pages and shell completions.
+//! Generates the manual pages and shell completions of `assets/desktop`.
 //!
 //! ```text
 //! cargo xtask desktop [FOLDER]
@@ -7,7 +7,6 @@
 //! `FOLDER` defaults to `assets/desktop`. Manual pages and completions come from the definition of the command line
 //! (`mariana::cli`). Every run writes the same bytes.
 
-mod icon;
 mod manual;
 mod scene_names;
 
@@ -23,8 +22,7 @@ const SHELLS: [(Shell, &str); 3] =
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
         arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/desktop"), PathBuf::from);
-    let mut files = icon::files()?;
-    files.extend(manual::pages(Arguments::command())?);
+    let mut files = manual::pages(Arguments::command())?;
     for (shell, name) in SHELLS {
         let mut text = Vec::new();
         clap_complete::generate(shell, &mut Arguments::command(), "mariana", &mut text);

@@ -2,10 +2,13 @@
 //! right half the colour of the right channel. The SVG and the PNGs come from the same list of layers.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
-use mariana::shell::identity::APP_ID;
+
+/// The name of the files: the program's application id.
+const APP_ID: &str = "org.mariana.Mariana";
 
 /// Sides of the PNGs in pixels, as required by the hicolor theme.
 const SIDES: [u32; 9] = [16, 22, 24, 32, 48, 64, 128, 256, 512];
@@ -38,12 +41,10 @@ const LAYERS: [(Outline, u32); 10] = [
     (Disc(29.3, 2.4), 0xFF_F0CC),
 ];
 
-/// Returns the names and bytes of the SVG and of every PNG.
-///
-/// # Errors
-/// Fails with the error of the PNG encoder.
-pub(super) fn files() -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-    let mut files = vec![(format!("icons/scalable/apps/{APP_ID}.svg"), svg()?.into_bytes())];
+/// Writes the icon, in the layout of the hicolor theme, to a folder, by default `assets/desktop/icons`.
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let folder = arguments.first().map_or("assets/desktop/icons", String::as_str);
+    write(folder, &format!("scalable/apps/{APP_ID}.svg"), svg()?.as_bytes())?;
     for side in SIDES {
         let mut bytes = Vec::new();
         PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive).write_image(
@@ -52,9 +53,15 @@ pub(super) fn files() -> anyhow::Result<Vec<(String, Vec<u8>)>> {
             side,
             ExtendedColorType::Rgba8,
         )?;
-        files.push((format!("icons/{side}x{side}/apps/{APP_ID}.png"), bytes));
+        write(folder, &format!("{side}x{side}/apps/{APP_ID}.png"), &bytes)?;
     }
-    Ok(files)
+    Ok(())
+}
+
+fn write(folder: &str, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    let path = Path::new(folder).join(name);
+    std::fs::create_dir_all(path.parent().unwrap_or(Path::new("")))?;
+    Ok(std::fs::write(path, bytes)?)
 }
 
 fn svg() -> Result<String, std::fmt::Error> {
@@ -123,7 +130,7 @@ fn pixel(scale: f32, x: f32, y: f32) -> [u8; 4] {
 
 /// Converts a colour such as 0xFF8000 to linear components.
 fn rgb(hex: u32) -> [f32; 3] {
-    [16, 8, 0].map(|shift| mariana::srgb::linear((hex >> shift & 0xFF) as f32 / 255.0))
+    [16, 8, 0].map(|shift| to_linear((hex >> shift & 0xFF) as f32 / 255.0))
 }
 
 /// Converts a linear component to an sRGB byte.
@@ -131,4 +138,9 @@ fn to_srgb(x: f32) -> u8 {
     let x = x.clamp(0.0, 1.0);
     let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (s * 255.0).round() as u8
+}
+
+/// Converts a value of sRGB, 0..=1, to linear light.
+fn to_linear(value: f32) -> f32 {
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

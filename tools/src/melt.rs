@@ -12,7 +12,7 @@ const START: &str = "24";
 const DURATION: &str = "5.6";
 
 /// Renders the part with `PROGRAM`, the `mariana` binary, and encodes it with ffmpeg as an animated WebP.
-pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [program] = arguments else { anyhow::bail!("name the program: target/release/mariana") };
     let folder = tempfile::tempdir()?;
     let (show, video) = (folder.path().join("melt.show"), folder.path().join("melt.mp4"));
@@ -20,7 +20,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let mut render = Command::new(program);
     render.arg("video").arg("--show").arg(&show).args(["--start", START, "--duration", DURATION]);
     render.args(["--size", "640x360", "--fps", "20", "--quality", "best", "-o"]).arg(&video);
-    let images = Path::new(crate::root::ROOT).join("docs/images");
+    let images = Path::new("docs/images");
     let mut encode = Command::new("ffmpeg");
     encode.args(["-v", "error", "-y", "-i"]).arg(&video);
     encode.args(["-an", "-c:v", "libwebp_anim", "-q:v", "70", "-loop", "0"]).arg(images.join("melt.webp"));
