@@ -27,6 +27,11 @@ pub enum SdfChoice {
     Auto,
 }
 
+impl Choice for SdfChoice {
+    const ALL: &'static [(Self, &'static str, &'static str)] =
+        &[(Self::Interpreted, "interpreted", ""), (Self::Compiled, "compiled", ""), (Self::Auto, "auto", "")];
+}
+
 /// A live input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListenChoice {

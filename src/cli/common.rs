@@ -9,8 +9,9 @@ use clap::Args;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
 
-use super::choices::{Sdf, choice};
+use super::choices::choice;
 use super::files::scene_of;
+use crate::config::SdfChoice;
 use crate::ending::{self, Signal};
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
@@ -28,8 +29,8 @@ type WantedToneMap = Option<ToneMap>;
 #[derive(Args)]
 pub(super) struct CommonArguments {
     /// Interpret or compile the scene's formulas; auto interprets at once and compiles in the background
-    #[arg(long, value_name = "HOW", default_value = "auto")]
-    sdf: Sdf,
+    #[arg(long, value_name = "HOW", default_value = "auto", value_parser = choice::<SdfChoice>())]
+    sdf: SdfChoice,
     /// Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default:
     /// on where that is faster; bench measures both]
     #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
@@ -153,7 +154,7 @@ impl CommonArguments {
 
     pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
-            sdf: self.sdf.into(),
+            sdf: self.sdf,
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             cells: match self.regions {
                 None => CellUse::WhereTheyPay,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 
-use super::choices::{RepeatChoice, choice};
+use super::choices::choice;
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::frame_options::StagingArguments;
@@ -15,7 +15,7 @@ use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::config::{
-    Choices, ControllerSettings, Folders, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
+    Choice, Choices, ControllerSettings, Folders, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
     Snapshot,
 };
 use crate::demo_track::DEMO_TRACK;
@@ -47,8 +47,8 @@ pub(super) struct PlayArguments {
     #[arg(long)]
     shuffle: bool,
     /// Tracks to repeat
-    #[arg(long, value_name = "WHAT", default_value = "all")]
-    repeat: RepeatChoice,
+    #[arg(long, value_name = "WHAT", default_value = "all", value_parser = choice::<Repeat>())]
+    repeat: Repeat,
     /// Output device, or input with --mic and --system: an id or name from 'mariana devices', a part of an id or name,
     /// or 'default' for the system's device [default: the last choice in the window, at first the system's device]
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
@@ -221,12 +221,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         gl_info: arguments.gl_info,
     };
     arguments.frame_options.tell(&mut settings)?;
-    let repeat = match arguments.repeat {
-        _ if arguments.once => Repeat::Off,
-        RepeatChoice::All => Repeat::All,
-        RepeatChoice::One => Repeat::One,
-        RepeatChoice::Off => Repeat::Off,
-    };
+    let repeat = if arguments.once { Repeat::Off } else { arguments.repeat };
     let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
     settings.names_scene |= scene.is_some();
     let resumed = last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default());

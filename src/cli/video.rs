@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::{ArgAction, Args};
 
-use super::choices::{CodecChoice, EncodingChoice, choice};
+use super::choices::choice;
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
 use super::controlled::Controlled;
 use super::files::{Files, scene_of};
@@ -20,7 +20,9 @@ use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::export::showing::Showing;
-use crate::export::video::{Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video};
+use crate::export::video::{
+    Codec, EncodingQuality, Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video,
+};
 use crate::gpu::edge_samples::EdgeSamples;
 use mariana_player::lyrics::Lyrics;
 
@@ -50,11 +52,11 @@ pub(super) struct VideoArguments {
     #[command(flatten)]
     light: LightArguments,
     /// Video codec [default: chosen by the extension of the file's name]
-    #[arg(long, value_name = "CODEC")]
-    codec: Option<CodecChoice>,
+    #[arg(long, value_name = "CODEC", value_parser = choice::<Codec>())]
+    codec: Option<Codec>,
     /// Quality of the encoding
-    #[arg(long, value_name = "HOW", default_value = "high")]
-    quality: EncodingChoice,
+    #[arg(long, value_name = "HOW", default_value = "high", value_parser = choice::<EncodingQuality>())]
+    quality: EncodingQuality,
     /// Draw faster, with coarser edges, for a first look
     #[arg(long)]
     draft: bool,
@@ -149,8 +151,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
             ..scene
         })?,
         set: arguments.set.set,
-        codec: arguments.codec.map(Into::into),
-        quality: arguments.quality.into(),
+        codec: arguments.codec,
+        quality: arguments.quality,
         sound: preset.sound,
         sound_rate: preset.sound_rate,
         title_card: arguments.title_card,

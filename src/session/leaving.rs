@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::{Playback, Session};
 use crate::clock;
-use crate::config::{LastShow, PlaySettings, Snapshot};
+use crate::config::{Choice, LastShow, PlaySettings, Snapshot};
 use crate::scenes::SceneSource;
 use mariana_player::ListedTracks;
 

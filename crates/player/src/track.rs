@@ -197,20 +197,6 @@ pub enum Repeat {
     Off,
 }
 
-impl Repeat {
-    const NAMES: [(Self, &'static str); 3] = [(Self::All, "all"), (Self::One, "one"), (Self::Off, "off")];
-
-    /// The mode's name.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.into_iter().find(|(repeat, _)| *repeat == self).map_or("", |(_, name)| name)
-    }
-
-    /// Returns the mode called `name`.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::NAMES.into_iter().find(|(_, known)| *known == name).map(|(repeat, _)| repeat)
-    }
-}
-
 /// A request to a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wanted {

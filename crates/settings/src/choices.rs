@@ -3,6 +3,7 @@
 
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
+use mariana_player::track::Repeat;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -62,6 +63,14 @@ impl Choice for FollowChoice {
             Self::Off => "never",
         }
     }
+}
+
+impl Choice for Repeat {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::All, "all", "All tracks, over and over"),
+        (Self::One, "one", "One track, over and over"),
+        (Self::Off, "off", "Each track once; the window stays open"),
+    ];
 }
 
 impl Choice for Flip {

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::request::VideoRequest;
 use super::sink::is_folder;
 use super::spherical::is_marked;
+use crate::config::Choice;
 use crate::export::error::ExportError;
 use crate::export::output::Output;
 
@@ -21,6 +22,15 @@ pub enum Codec {
     Av1,
 }
 
+impl Choice for Codec {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::H264, "h264", "Plays everywhere"),
+        (Self::H265, "h265", "Half the bytes of h264"),
+        (Self::Vp9, "vp9", "For webm"),
+        (Self::Av1, "av1", "The smallest files, and the slowest encoding"),
+    ];
+}
+
 /// Quality of the encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EncodingQuality {
@@ -33,6 +43,15 @@ pub enum EncodingQuality {
     High,
     /// For services that encode the video again.
     Best,
+}
+
+impl Choice for EncodingQuality {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Low, "low", "A small preview"),
+        (Self::Medium, "medium", ""),
+        (Self::High, "high", "Differences are hardly visible"),
+        (Self::Best, "best", "For services that encode the video again"),
+    ];
 }
 
 /// Filters: even sides, which most players need for 4:2:0, and conversion to the colours of [`COLORS`].
