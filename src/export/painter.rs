@@ -175,7 +175,7 @@ impl HeadlessRenderer {
     /// # Errors
     /// Fails if the song cannot be decoded.
     pub(super) fn hear(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
-        self.textures.hear(song.song().clone(), song.name().to_owned());
+        self.textures.hear(song.song.clone(), song.name.to_owned());
         if let Some(lyrics) = song.lyrics() {
             self.textures.sing(lyrics.clone());
         }

@@ -32,7 +32,7 @@ struct Read {
 }
 
 pub(super) struct ShowPainter {
-    headless_renderer: HeadlessRenderer,
+    pub(super) headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
     prepared_show: Arc<PreparedShow>,
     timeline: Arc<Timeline>,
@@ -100,10 +100,6 @@ impl ShowPainter {
     /// The graphs of all scenes.
     pub(super) fn graphs(&self) -> impl Iterator<Item = &Graph> {
         self.scenes.iter().map(|read| &read.ready.world.scene.graph)
-    }
-
-    pub(super) fn headless_renderer(&mut self) -> &mut HeadlessRenderer {
-        &mut self.headless_renderer
     }
 
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {

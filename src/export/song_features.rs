@@ -28,14 +28,15 @@ const TRACK_SECONDS: f64 = 4.0;
 /// Decodes and analyses a song as far as necessary.
 pub struct SongFeatures {
     decoder: Decoder,
-    name: String,
+    /// Returns the song's title for messages.
+    pub name: String,
     analyzer: Analyzer,
     track: FeatureTrack,
     block: Vec<StereoFrame>,
     frames: u64,
     ended: bool,
-    song: Song,
-    gain: Gain,
+    pub(super) song: Song,
+    pub(super) gain: Gain,
     structure: Option<SongStructure>,
     lyrics: Option<Lyrics>,
     parts: Option<Arc<PartTracks>>,
@@ -163,22 +164,9 @@ impl SongFeatures {
         features
     }
 
-    pub(super) fn gain(&self) -> Gain {
-        self.gain
-    }
-
-    pub(super) fn song(&self) -> &Song {
-        &self.song
-    }
-
     /// Returns the lyrics, if they are known already.
     pub(super) fn lyrics(&self) -> Option<&Lyrics> {
         self.lyrics.as_ref()
-    }
-
-    /// Returns the song's title for messages.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 
     /// Returns the song's length in seconds, once it is known from the container or by decoding to the end.

@@ -124,13 +124,13 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
             let prepared_show = show.prepared_show(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
-            painter.headless_renderer().hear(&song)?;
-            painter.headless_renderer().watch_paths(watch, store.clone());
+            painter.headless_renderer.hear(&song)?;
+            painter.headless_renderer.watch_paths(watch, store.clone());
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
             painter.draw(request.at, exposures, held, request.size)?;
-            painter.headless_renderer().read()
+            painter.headless_renderer.read()
         }
         None => drawn(request, &mut song, sound, (watch, store.clone()))?,
     };

@@ -71,7 +71,7 @@ pub fn write_video(
             }
             written += 1;
         }
-        progress(drawn, drawing.expected());
+        progress(drawn, drawing.expected);
     }
     if seam.is_some() {
         drawing.require_all(asked, drawn)?;

@@ -18,7 +18,7 @@ const BLOCKS_AFTER: Duration = Duration::from_secs(2);
 pub(super) struct LatestFrame {
     state: Mutex<State>,
     changed: Condvar,
-    to: String,
+    pub(super) to: String,
 }
 
 #[derive(Default)]
@@ -36,10 +36,6 @@ struct State {
 impl LatestFrame {
     pub(super) fn new(to: String) -> Self {
         Self { state: Mutex::default(), changed: Condvar::new(), to }
-    }
-
-    pub(super) fn to(&self) -> &str {
-        &self.to
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -103,11 +103,11 @@ fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
         }
     }
     latest_frame.has_receiver();
-    tracing::info!("{} has a reader", latest_frame.to());
+    tracing::info!("{} has a reader", &latest_frame.to);
     let _ = stream.set_write_timeout(Some(ANSWER_TIME));
     let gone = answer(stream, latest_frame, readers).err();
     latest_frame.has_lost_receiver();
-    tracing::info!("a reader of {} has gone ({gone:?})", latest_frame.to());
+    tracing::info!("a reader of {} has gone ({gone:?})", &latest_frame.to);
 }
 
 fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {

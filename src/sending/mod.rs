@@ -38,7 +38,8 @@ pub enum SendError {
 /// Sends frames to a target until it is dropped.
 pub struct Sending {
     latest_frame: Arc<LatestFrame>,
-    target: SenderTarget,
+    /// Returns the target.
+    pub target: SenderTarget,
 }
 
 impl Sending {
@@ -59,11 +60,6 @@ impl Sending {
             SenderTarget::Mjpeg(port) => mjpeg::start(*port, latest_frame.clone())?,
         }
         Ok(Self { latest_frame, target: target.clone() })
-    }
-
-    /// Returns the target.
-    pub fn target(&self) -> &SenderTarget {
-        &self.target
     }
 
     /// Replaces the frame that is sent.

@@ -47,24 +47,24 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
         match receiver.open() {
             Ok(()) => latest_frame.has_receiver(),
             Err(error) => {
-                latest_frame.tell(format!("no more frames can be sent to {}: {error}", latest_frame.to()));
+                latest_frame.tell(format!("no more frames can be sent to {}: {error}", &latest_frame.to));
                 return;
             }
         }
-        tracing::info!("{} has a receiver", latest_frame.to());
+        tracing::info!("{} has a receiver", &latest_frame.to);
         let ended = feed(&mut receiver, period, latest_frame);
         latest_frame.has_lost_receiver();
         let Some(error) = ended else { return };
         if !receiver.can_come_again() {
             latest_frame.tell(format!(
                 "the reader of {} has disconnected: no more frames are sent there",
-                latest_frame.to()
+                &latest_frame.to
             ));
             return;
         }
         latest_frame.tell(format!(
             "the reader of {} has disconnected: the next reader gets frames",
-            latest_frame.to()
+            &latest_frame.to
         ));
         tracing::debug!("{error}");
         if latest_frame.rest(PAUSE) {

@@ -61,7 +61,7 @@ impl Session {
 
 impl Playback {
     fn folder_of_track(&mut self) -> Option<PathBuf> {
-        let entry = self.reports.playing().place.0;
+        let entry = self.reports.playing.place.0;
         let tracks = self.listening.with_song(|player| player.playlist())?;
         let file = tracks.entries.get(entry)?.file.as_deref()?;
         std::path::absolute(file).ok()?.parent().map(Path::to_owned)
@@ -75,7 +75,7 @@ impl Interface {
             files.update();
         }
         // Nothing may delay the first frame.
-        if playback.pace.shown().is_none() {
+        if playback.pace.shown.is_none() {
             return;
         }
         let list = playback.listening.with_song(|player| player.playlist());
@@ -86,7 +86,7 @@ impl Interface {
         match (list, &mut self.ui_state.tracks) {
             (Some(list), Some(panel)) => panel.update(&list),
             (Some(list), none) => {
-                let present = playback.reports.playing().place.0;
+                let present = playback.reports.playing.place.0;
                 *none = Some(TrackPanel::new(list, present, self.lists.tags.clone()));
             }
             (None, tracks) => *tracks = None,
@@ -100,7 +100,7 @@ impl Interface {
         }
         let waker = self.waker.clone();
         let folder = self.lists.last_folder.clone().or_else(|| playback.folder_of_track());
-        let settings = playback.listening.settings();
+        let settings = playback.listening.sound.settings();
         let remembered = RememberedFolders {
             favourites: settings.favourite_folders.clone(),
             recent: settings.recent_folders.clone(),
@@ -111,7 +111,7 @@ impl Interface {
 
     /// Shows the last scene or shader among these files, and plays the other files or appends them to the tracks.
     pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
-        let shown = self.ui_state.files.as_ref().map(|list| list.folder().to_owned());
+        let shown = self.ui_state.files.as_ref().map(|list| list.folder.to_owned());
         let folder = shown.or_else(|| files.last().and_then(|file| file.parent()).map(Path::to_owned));
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         let (shaders, music): (Vec<_>, Vec<_>) = music.into_iter().partition(|file| is_shader_file(file));
@@ -122,7 +122,7 @@ impl Interface {
         }
         if !music.is_empty() {
             if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {
-                playback.listening.remember(move |settings| settings.note_recent_folder(&folder));
+                playback.listening.sound.remember(move |settings| settings.note_recent_folder(&folder));
             }
             let words = playback.listening.play_files(music, append);
             playback.answer(words);

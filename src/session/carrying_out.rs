@@ -12,7 +12,7 @@ impl Session {
     /// Carries out a command. Does nothing if a switch already has the requested state.
     pub(crate) fn carry_out(&mut self, command: Command, sender: Sender) {
         if command.row().is_on.is_some() && command.is_done_already(&self.state()) {
-            return self.playback.hurry_reports();
+            return self.playback.reports.hurry();
         }
         match command {
             Command::Pause(_) => {
@@ -62,18 +62,18 @@ impl Session {
             Command::MoveTrack((from, to)) => self.playback.with_song(|player| player.move_entry(from, to)),
             Command::ClearTracks => self.playback.with_song(|player| player.clear()),
             Command::UndoTracks => self.undo_tracks(),
-            Command::MarkFolders(folders) => self.playback.listening.remember(move |settings| {
+            Command::MarkFolders(folders) => self.playback.listening.sound.remember(move |settings| {
                 settings.favourite_folders.clone_from(&folders);
             }),
             Command::Open(files) => self.interface.open_files(&mut self.playback, files),
             Command::NextSource => self.playback.listening.next_source(),
             Command::Listen(place) => self.playback.listening.choose_source(place),
             Command::DelayBy(steps) => {
-                let words = self.playback.listening.shift(steps);
+                let words = self.playback.listening.sound.shift(steps);
                 self.playback.answer(Some(words));
             }
             Command::Delay(delay) => {
-                self.playback.listening.shift_to(delay.milliseconds, delay.settled);
+                self.playback.listening.sound.shift_to(delay.milliseconds, delay.settled);
                 self.update_settings();
             }
             Command::TogglePanel(panel) => self.toggle_panel(panel),
@@ -85,19 +85,19 @@ impl Session {
                 self.playback.scene.show_source(*source);
                 self.interface.show_scene_in_editor(&mut self.playback);
             }
-            Command::ReloadScene => self.playback.scene.library_mut().load_again(),
+            Command::ReloadScene => self.playback.scene.preparation.library.load_again(),
             Command::Surprise(number) => self.surprise(number),
             Command::SurpriseBack => self.surprise_back(),
             Command::KeepSurprise => self.keep_surprise(),
             Command::TurnNumbers(turned) => {
-                self.playback.scene.parameters_mut().turn_numbers(&turned.file, turned.values)
+                self.playback.scene.parameters.turn_numbers(&turned.file, turned.values)
             }
-            Command::MarkScenes(titles) => self.playback.listening.remember(move |settings| {
+            Command::MarkScenes(titles) => self.playback.listening.sound.remember(move |settings| {
                 settings.favourite_scenes.clone_from(&titles);
             }),
             Command::Cut(switch) => {
-                let cuts = switch.applied_to(self.playback.scene.composer().fading().cuts());
-                let words = self.playback.scene.composer_mut().fading_mut().set_cuts(cuts);
+                let cuts = switch.applied_to(self.playback.scene.composer.fading.cuts());
+                let words = self.playback.scene.composer.fading.set_cuts(cuts);
                 self.playback.answer(Some(words));
             }
             Command::Fade(seconds) => self.playback.set_fade(seconds),
@@ -107,7 +107,7 @@ impl Session {
             Command::Crossfade(position) => self.playback.scene.deck_changes().set_crossfade(position),
             Command::CrossfadeBy(way) => self.playback.scene.deck_changes().crossfade_by(way),
             Command::CrossOver => {
-                let seconds = self.playback.scene.composer().fading().seconds();
+                let seconds = self.playback.scene.composer.fading.seconds();
                 self.playback.scene.deck_changes().cross_over(seconds);
             }
             Command::SwapDecks => self.playback.scene.deck_changes().swap(),
@@ -169,7 +169,7 @@ impl Session {
                 self.interface.learn(&mut self.playback, Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
-                self.playback.controllers.edit(&edit);
+                self.playback.controllers.midi.edit(&edit);
                 self.interface.update_controllers(&mut self.playback);
             }
             Command::Leave => self.leave(),
@@ -177,7 +177,7 @@ impl Session {
             // The main loop carries out this command.
             Command::Quit => {}
         }
-        self.playback.hurry_reports();
+        self.playback.reports.hurry();
     }
 
     pub(super) fn carry_out_all(&mut self, commands: impl IntoIterator<Item = Command>) {
@@ -188,20 +188,20 @@ impl Session {
 
     pub(super) fn state(&mut self) -> ShowState {
         let song = self.playback.listening.with_song(|player| player.status());
-        let playing = self.playback.reports.playing();
+        let playing = &self.playback.reports.playing;
         ShowState {
             paused: self.playback.listening.is_paused(),
             muted: song.as_ref().is_some_and(|song| song.muted),
             shuffled: song.as_ref().is_some_and(|song| song.shuffled),
             follows: self.playback.follows(),
-            kept: self.playback.scene.show().is_locked(),
-            recording: self.playback.is_recording(),
-            cuts: self.playback.scene.composer().fading().cuts(),
+            kept: self.playback.scene.show.is_locked,
+            recording: self.playback.recording.is_on,
+            cuts: self.playback.scene.composer.fading.cuts(),
             decks: self.playback.scene.decks().is_some(),
             crossfade: self.playback.scene.decks().map(|(decks, now)| decks.crossfade(now)),
             snapshots: self.snapshots.keys,
-            black: self.playback.master_output.is_black(),
-            frozen: self.playback.master_output.is_frozen(),
+            black: self.playback.master_output.is_black,
+            frozen: self.playback.master_output.is_frozen,
             clean: self.interface.ui_state.hidden.by_key,
             fullscreen: self.screen.is_fullscreen(),
             brightness: f32::from(self.choices.stage.brightness) / 100.0,
@@ -216,7 +216,14 @@ impl Playback {
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {
-                match self.scene.library().all_sources().into_iter().find(|scene| scene.title() == title) {
+                match self
+                    .scene
+                    .preparation
+                    .library
+                    .all_sources()
+                    .into_iter()
+                    .find(|scene| scene.title() == title)
+                {
                     Some(scene) => self.scene.show_source(scene),
                     None => self.reports.answer(format!("there is no scene '{title}': press B for a list")),
                 }
@@ -246,7 +253,7 @@ impl Interface {
         if let Some(editor) =
             self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open() == Some(Panel::Editor))
         {
-            editor.show_scene(playback.scene.library().wanted());
+            editor.show_scene(&playback.scene.preparation.library.wanted);
         }
     }
 }

@@ -7,7 +7,6 @@ use crate::clock;
 use crate::commands;
 use crate::config::SETTING_LIMITS;
 use crate::export::print::tell;
-use crate::session::frame_times::FrameTimes;
 use crate::session::screen::Screen;
 use mariana_control::action::Action;
 use mariana_control::midi::{Outcome, Target};
@@ -57,7 +56,7 @@ impl Session {
             self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);
-        self.playback.listening.set_clock(self.playback.controllers.clock());
+        self.playback.listening.set_clock(self.playback.controllers.midi.clock());
         self.put_up_board(is_turned, now);
         (actions, since)
     }
@@ -82,7 +81,7 @@ impl Session {
             let scenes = self.playback.numbered_scenes();
             self.playback.controllers.note_scenes(scene.clone(), scenes);
         }
-        let playing = self.playback.reports.playing();
+        let playing = &self.playback.reports.playing;
         let track = match &playing.artist {
             Some(artist) => format!("{artist} – {}", playing.title),
             None => playing.title.clone(),
@@ -94,17 +93,9 @@ impl Session {
 }
 
 impl Playback {
-    pub(super) fn message_times(&self) -> &FrameTimes {
-        self.controllers.times()
-    }
-
     /// Beats per minute; 0 while unknown.
     pub(super) fn tempo(&self) -> f32 {
-        self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo)
-    }
-
-    pub(super) fn controllers_due(&self) -> Option<Instant> {
-        self.controllers.due()
+        self.pace.shown.map_or(0.0, |shown| shown.moment.features.tempo)
     }
 
     pub(crate) fn follows(&self) -> bool {
@@ -113,7 +104,7 @@ impl Playback {
 
     pub(super) fn set_fade(&mut self, seconds: f32) {
         let seconds = f64::from(seconds).clamp(0.0, SETTING_LIMITS.fade_seconds_max);
-        let words = self.scene.composer_mut().fading_mut().set_seconds(seconds);
+        let words = self.scene.composer.fading.set_seconds(seconds);
         self.reports.answer(words);
     }
 
@@ -134,7 +125,7 @@ impl Interface {
             self.ui_state.controllers.get_or_insert_default();
             self.put_up_controllers(playback);
         } else if self.ui_state.controllers.take().is_some() {
-            playback.controllers.stop_learning();
+            playback.controllers.midi.stop_learning();
         }
     }
 
@@ -157,7 +148,7 @@ impl Interface {
                 .reports
                 .answer(format!("cannot learn a knob, because MIDI is not available: {why}"));
         }
-        playback.controllers.learn(target);
+        playback.controllers.midi.learn(target);
         self.update_controllers(playback);
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Cues {
     /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
     /// All entries of the show, with the present key presses.
-    rows: Arc<Vec<CueRow>>,
+    pub(super) rows: Arc<Vec<CueRow>>,
 }
 
 /// The effect of a jump in the cue list.
@@ -62,11 +62,6 @@ impl Cues {
     fn update_rows(&mut self) {
         let rows = self.show.as_ref().map(|(show, song)| show.cue_rows(song, &self.pressed));
         self.rows = Arc::new(rows.into_iter().flatten().map(row_of).collect());
-    }
-
-    /// Returns all entries of the show.
-    pub(super) fn rows(&self) -> &Arc<Vec<CueRow>> {
-        &self.rows
     }
 
     /// Returns the index of the entry that is shown at `time` seconds of the song.

@@ -30,12 +30,13 @@ impl Session {
 impl Playback {
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        self.controllers.note_sound(&moment.features, &moment.song, clock::now());
+        self.controllers.network.note_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
         // An input gets an empty structure, because its sections are unknown in advance.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
-        let (current, scenes) = (scene.library().wanted(), || scene.library().all_sources());
+        let (current, scenes) =
+            (&scene.preparation.library.wanted, || scene.preparation.library.all_sources());
         match self.direction.update(track, playing, song.clone(), current, scenes) {
             Some(ShowNotice::PreparedShow(prepared_show)) => {
                 if prepared_show.is_some() {
@@ -49,13 +50,11 @@ impl Playback {
                     }
                     other => {
                         let cued = self.cues.prepared_show().or(other);
-                        self.scene.show_mut().set_prepared_show(cued, self.cues.next());
+                        self.scene.show.set_prepared_show(cued, self.cues.next());
                     }
                 }
             }
-            Some(ShowNotice::Problem { heading, text }) => {
-                self.scene.messages_mut().set_problem(heading, text)
-            }
+            Some(ShowNotice::Problem { heading, text }) => self.scene.messages.set_problem(heading, text),
             None => {}
         }
         if let Some(live) = &mut self.live {
@@ -64,9 +63,9 @@ impl Playback {
             let (energy, novelty, drop) = (moment.song.energy, features.live.novelty, moment.song.drop);
             let heard = Hearing { time, energy, tempo, phase, novelty, drop };
             if let Some(prepared_show) = live.hear(heard).map(Arc::new) {
-                match self.scene.show().has_prepared_show() {
-                    true => self.scene.show_mut().extend_prepared_show(prepared_show, None),
-                    false => self.scene.show_mut().set_prepared_show(Some(prepared_show), None),
+                match self.scene.show.has_prepared_show() {
+                    true => self.scene.show.extend_prepared_show(prepared_show, None),
+                    false => self.scene.show.set_prepared_show(Some(prepared_show), None),
                 }
             }
         }
@@ -77,7 +76,7 @@ impl Playback {
 
     pub(super) fn next_cue(&mut self) {
         let words = match self.listening.now() {
-            _ if !self.scene.show().has_prepared_show() => {
+            _ if !self.scene.show.has_prepared_show() => {
                 "no show is running: press A to let scenes follow the song".to_owned()
             }
             None => return,
@@ -85,7 +84,7 @@ impl Playback {
                 Pressed::NoCues => "this show has no cues: add `at cue SCENE` to the show file".to_owned(),
                 Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
                 Pressed::Cue { prepared_show, number, of, scene } => {
-                    self.scene.show_mut().extend_prepared_show(prepared_show, self.cues.next());
+                    self.scene.show.extend_prepared_show(prepared_show, self.cues.next());
                     format!("cue {number} of {of}: {scene}")
                 }
             },
@@ -103,9 +102,9 @@ impl Playback {
         match jump.unwrap_or(Jump::Nowhere) {
             Jump::Seek(seconds) => self.with_song(|player| player.seek_to(seconds)),
             Jump::Pressed(prepared_show) => {
-                self.scene.show_mut().extend_prepared_show(prepared_show, self.cues.next());
+                self.scene.show.extend_prepared_show(prepared_show, self.cues.next());
             }
-            Jump::Nowhere if self.cues.rows().is_empty() => {
+            Jump::Nowhere if self.cues.rows.is_empty() => {
                 let words = "no show is running: press A to let scenes follow the song";
                 self.reports.answer(words.to_owned());
             }
@@ -119,14 +118,14 @@ impl Playback {
     /// Returns the entries of the show, for the panel.
     pub(super) fn cue_sheet(&mut self) -> CueSheet {
         let time = self.listening.now().map_or(0.0, |moment| moment.song_time);
-        CueSheet { rows: self.cues.rows().clone(), current: self.cues.current(time) }
+        CueSheet { rows: self.cues.rows.clone(), current: self.cues.current(time) }
     }
 
     /// Locks the current scene until the next call.
     pub(super) fn toggle_keep(&mut self) {
-        let words = match self.scene.show().has_prepared_show() {
+        let words = match self.scene.show.has_prepared_show() {
             false => "the scenes do not follow the song: press A first",
-            true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",
+            true if self.scene.show.toggle_lock() => "this scene stays until K is pressed again",
             true => "the scenes follow the song again",
         };
         self.reports.answer(words.to_owned());

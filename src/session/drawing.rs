@@ -32,7 +32,7 @@ impl Session {
         }
         let begun = clock::now();
         // A frame that waited for its regions has already been counted.
-        if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
+        if !self.playback.scene.composer.regions.have_come() && !self.playback.scene.composer.is_drawing() {
             self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
         }
         let size = self.screen.size();
@@ -44,21 +44,21 @@ impl Session {
             return Ok(false);
         };
         if let Some(pointer) = self.interface.pointer_over_picture(size) {
-            let is_followed = self.playback.scene.scenes().follow_pointer();
-            self.playback.scene.composer_mut().point(pointer, is_followed);
+            let is_followed = self.playback.scene.scenes.follow_pointer();
+            self.playback.scene.composer.point(pointer, is_followed);
         }
         // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let side_max = self.playback.side_max(&*self.screen);
         let (level, drawn) = self.pictures.level(self.playback.level(begun), whole, side_max);
-        if !self.playback.scene.scenes().is_any_shown() {
+        if self.playback.scene.scenes.shown.is_none() {
             return self.show_waiting(size).map(|()| false);
         }
         let wanted =
             Shown { moment, size: drawn, edges: level.edges, revision: self.playback.scene.revision() };
         // While the output is frozen, the shown frame is the wanted frame.
         let held = self.playback.holds_picture();
-        let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
+        let wanted = self.playback.pace.shown.filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
         let Some(dims) = self.playback.finish_picture(new.as_ref(), begun)? else { return Ok(false) };
         // A slow frame of a moving scene shows an earlier moment than the wanted one.
@@ -67,8 +67,8 @@ impl Session {
             *shown == Shown { moment, revision, ..wanted }
         };
         let drawn = new.as_ref().map(|new| new.shown).filter(is_alike);
-        let stands = self.playback.pace.shown().filter(|shown| *shown == wanted);
-        if let Some(shown) = drawn.or(stands).filter(|_| !self.playback.scene.composer().is_drawing()) {
+        let stands = self.playback.pace.shown.filter(|shown| *shown == wanted);
+        if let Some(shown) = drawn.or(stands).filter(|_| !self.playback.scene.composer.is_drawing()) {
             self.take_picture(shown.moment.song_time, whole);
         }
         let lay = Lay { placement, screen, is_held: held };
@@ -78,8 +78,7 @@ impl Session {
     /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.
     pub(super) fn is_at_rest(&self, now: Instant) -> bool {
         let playback = &self.playback;
-        let is_drawn =
-            !playback.scene.composer().is_drawing() && !playback.could_be_better(&*self.screen, now);
+        let is_drawn = !playback.scene.composer.is_drawing() && !playback.could_be_better(&*self.screen, now);
         playback.holds_picture() || playback.pace.stands_still(now) && is_drawn && !playback.refines(now)
     }
 
@@ -87,7 +86,7 @@ impl Session {
     fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
         let Picture { wanted, new, dims, level, begun } = picture;
         let corner = self.interface.corner_line(&self.playback, begun);
-        let is_drawing = self.playback.scene.composer().is_drawing();
+        let is_drawing = self.playback.scene.composer.is_drawing();
         let area = self.interface.note_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
         self.interface.note_map(&mut self.playback, map, size);
@@ -108,7 +107,7 @@ impl Session {
         );
         content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.hidden.is_bare());
         content.ray = self.interface.probing.ray_view();
-        let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
+        let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown) else {
             return self.show_waiting(size).map(|()| false);
         };
         let handing_over = clock::now();
@@ -133,10 +132,10 @@ impl Session {
             })?;
         self.screen.show_on_output(&mut self.playback.renderer, lay, is_new)?;
         // The cost of a refinement does not tell the cost of a frame.
-        let is_refined = self.playback.pace.shown() == Some(shown);
+        let is_refined = self.playback.pace.shown == Some(shown);
         let first = self.playback.pace.show(shown);
         self.interface.typing_times.note_shown(
-            self.playback.scene.scenes().shown_id(),
+            self.playback.scene.scenes.shown_id(),
             new.is_some(),
             laid_out,
             clock::now(),
@@ -198,7 +197,7 @@ impl Playback {
         begun: Instant,
     ) -> Result<Option<Drawn>, SessionError> {
         let waits_for_text = self.scene.awaits_edit(begun).is_some();
-        let is_there = self.pace.shown() == Some(wanted) && !self.scene.composer().is_drawing();
+        let is_there = self.pace.shown == Some(wanted) && !self.scene.composer.is_drawing();
         self.scene.refine_only(Some(wanted));
         if is_there && self.refines(begun) {
             return Ok(self.scene.refine(&mut self.renderer, wanted)?);
@@ -207,7 +206,7 @@ impl Playback {
             return Ok(None);
         }
         // Curves of the sound cost more than all other inputs, so they are computed only for scenes that read them.
-        let hears_curves = self.scene.scenes().hear_curves();
+        let hears_curves = self.scene.scenes.hear_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
         let Shown { moment, size, .. } = wanted;
         let sound = mariana_music::Sound {
@@ -218,8 +217,8 @@ impl Playback {
         };
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;
-        let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
-        let screen = self.scene.composer().screen(whole);
+        let runs = self.scene.composer.fading.is_to_begin() && self.listening.runs();
+        let screen = self.scene.composer.screen(whole);
         let listening = &self.listening;
         let earlier = |time| listening.earlier(&moment, time);
         let earlier: &dyn Fn(f64) -> mariana_music::Sound = &earlier;
@@ -236,11 +235,11 @@ impl Playback {
     /// changes, and `None` if the driver lacks memory.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
-        let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
+        let dims = self.pace.shown.is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
             self.renderer.dim(gain)?;
             let since_last = self.pace.note_picture(begun);
-            if self.pace.shown().is_some() {
+            if self.pace.shown.is_some() {
                 let limited = self.renderer.limit_flashes(since_last);
                 if self.without_room_smaller(limited)?.is_none() {
                     return Ok(None);
@@ -260,12 +259,12 @@ impl Playback {
 
     /// Compiles the programs shared by all scenes while the first scene's program is compiled.
     fn warm_up(&mut self, waiting: &mut Waiting<'_>) -> Result<(), SessionError> {
-        let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
+        let Some(picture) = self.scene.scenes.coming_picture() else { return Ok(()) };
         let (scene, listening) = (&mut self.scene, &mut self.listening);
         let mut updated = Ok(());
         let mut is_wanted = || {
             updated = scene.update().map_err(SessionError::from);
-            let is_wanted = updated.is_ok() && !scene.scenes().is_any_shown();
+            let is_wanted = updated.is_ok() && scene.scenes.shown.is_none();
             if is_wanted {
                 updated = waiting.paint(scene, listening).map(|_| ());
             }
@@ -279,21 +278,21 @@ impl Playback {
 
     /// Reads the parts of the song while scenes need them.
     pub(super) fn follow_parts(&mut self) {
-        self.listening.want_parts(self.scene.scenes().hear_parts());
+        self.listening.want_parts(self.scene.scenes.hear_parts());
         if self.listening.parts_arrive() {
             // While paused, a frame is drawn only if the last one is outdated.
-            self.scene.composer_mut().outdate();
+            self.scene.composer.outdate();
         }
     }
 
     /// Takes the pictures of moving textures that have come.
     pub(super) fn follow_textures(&mut self) {
-        let cover = self.scene.scenes().show_covers().then(|| self.listening.cover_or_painted());
-        for message in self.scene.composer_mut().follow_textures(cover) {
+        let cover = self.scene.scenes.show_covers().then(|| self.listening.cover_or_painted());
+        for message in self.scene.composer.follow_textures(cover) {
             self.reports.say(message);
         }
-        let texts = self.scene.scenes().show_song_texts().then(|| self.listening.song_texts());
-        self.scene.composer_mut().follow_song_texts(texts);
+        let texts = self.scene.scenes.show_song_texts().then(|| self.listening.song_texts());
+        self.scene.composer.follow_song_texts(texts);
     }
 
     pub(super) fn moment(&mut self) -> Option<Moment> {
@@ -302,7 +301,7 @@ impl Playback {
     }
 
     pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
-        self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max(screen))
+        self.pace.could_be_better(now, self.scene.composer.view().is_some(), self.side_max(screen))
     }
 
     /// True if the show is idle, and its frame is being refined.
@@ -311,7 +310,7 @@ impl Playback {
     }
 
     pub(super) fn level(&self, now: Instant) -> Level {
-        self.pace.level(now, self.scene.composer().view().is_some())
+        self.pace.level(now, self.scene.composer.view().is_some())
     }
 
     fn side_max(&self, screen: &dyn Screen) -> u32 {
@@ -320,10 +319,10 @@ impl Playback {
 
     /// If the frame in progress is too slow, draws it with fewer pixels. If that does not help, removes the scene.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
-        let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
+        let Some(seconds) = self.scene.composer.seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
             Verdict::GoOn => {}
-            Verdict::DrawSmaller => self.scene.composer_mut().give_picture_up(),
+            Verdict::DrawSmaller => self.scene.composer.give_picture_up(),
             Verdict::TakeBack => {
                 self.scene.take_back(&format!("a frame of this window would take about {seconds:.0} s"));
             }
@@ -338,7 +337,7 @@ impl Playback {
                 self.reports.answer(
                     "the driver has no memory for a frame of this size: frames get smaller now".to_owned(),
                 );
-                self.scene.composer_mut().give_picture_up();
+                self.scene.composer.give_picture_up();
                 Ok(None)
             }
             made => made.map(Some),
@@ -400,7 +399,7 @@ impl Interface {
         screen: &mut dyn Screen,
         now: Instant,
     ) -> Seen {
-        self.ui_state.hidden.by_blackout = playback.master_output.is_black() && !screen.has_output();
+        self.ui_state.hidden.by_blackout = playback.master_output.is_black && !screen.has_output();
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         // The panel of videos needs the seek bar with its marks.
         let needs_bar = self.ui_state.panels.open() == Some(Panel::Video);
@@ -418,13 +417,13 @@ impl Interface {
     }
 
     fn note_scene(&mut self, playback: &mut Playback) {
-        let Some(source) = playback.scene.scenes().shown_source() else { return };
+        let Some(source) = playback.scene.scenes.shown_source() else { return };
         if self.ui_state.words.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
             let words = match source {
                 SceneSource::Blend(blend) => {
                     format!("{} and {}", blend.from.source.title(), blend.to.source.title())
                 }
-                source => playback.scene.library().placed_name(source),
+                source => playback.scene.preparation.library.placed_name(source),
             };
             self.ui_state.words.placed_scene = Some((source.clone(), words));
         }
@@ -434,7 +433,10 @@ impl Interface {
         let wanted = self.ui_state.panels.corner();
         wanted
             .then(|| {
-                playback.scene.report().line(&playback.pace.about_pictures(now), &playback.pace.quality())
+                playback
+                    .scene
+                    .report()
+                    .line(&playback.pace.about_pictures(now), &playback.pace.resolution.to_string())
             })
             .flatten()
     }
@@ -461,7 +463,7 @@ impl Waiting<'_> {
             listening.follow_request();
         }
         let bands = listening.now().filter(|_| listening.has_started()).map(|now| now.features.bands);
-        let title = scene.library().wanted().title();
+        let title = scene.preparation.library.wanted.title();
         let bands = bands.as_ref().map_or(&[][..], |bands| bands);
         let content = OverlayContent { bands, ..content_of(scene, None, PanelSwitches::default()) };
         paint_waiting(self.screen, self.overlay, &title, content)

@@ -56,10 +56,10 @@ impl PictureRate {
 
 pub(crate) struct DrawingPace {
     pacing: Pacing,
-    resolution: DynamicResolution,
-    times: FrameTimes,
+    pub(crate) resolution: DynamicResolution,
+    pub(crate) times: FrameTimes,
     /// The last shown frame. An equal frame is not drawn again.
-    shown: Option<Shown>,
+    pub(crate) shown: Option<Shown>,
     window_size: Option<(u32, u32)>,
     moved: Instant,
     pictured: Option<Instant>,
@@ -89,14 +89,6 @@ impl DrawingPace {
 
     pub(crate) fn set_quality(&mut self, quality: QualityChoice) {
         self.resolution = self.resolution.chosen_anew(quality);
-    }
-
-    pub(crate) fn shown(&self) -> Option<Shown> {
-        self.shown
-    }
-
-    pub(crate) fn times(&self) -> &FrameTimes {
-        &self.times
     }
 
     /// Returns when the next frame is due. `answers` is true if the frame shows new controller input.
@@ -165,10 +157,6 @@ impl DrawingPace {
         let rate = self.rate.at(now).map(|rate| format!("{rate:.0} fps"));
         let size = self.shown.map(|Shown { size: (width, height), .. }| format!("{width}x{height}"));
         rate.into_iter().chain(size).collect::<Vec<_>>().join(" · ")
-    }
-
-    pub(crate) fn quality(&self) -> String {
-        self.resolution.to_string()
     }
 
     /// Judges a frame that will take `seconds`. While the show is idle, a slow frame is accepted.
@@ -302,7 +290,7 @@ mod tests {
         assert_eq!(pace.note_picture(now), 0.0);
         assert_eq!(pace.note_picture(now + Duration::from_millis(500)), 0.5);
         let mut pace = pace.renewed(now);
-        assert_eq!((pace.shown(), pace.note_picture(now + Duration::from_secs(9))), (None, 0.0));
+        assert_eq!((pace.shown, pace.note_picture(now + Duration::from_secs(9))), (None, 0.0));
         assert!(!pace.make_smaller(), "no frame was shown, so none can be too large");
     }
 

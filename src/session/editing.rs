@@ -25,14 +25,14 @@ impl Session {
                 Err(error) => self.playback.reports.answer(format!("cannot open the editor: {error}")),
             }
         }
-        self.playback.scene.library_mut().set_written(open);
+        self.playback.scene.preparation.library.set_written(open);
         self.screen.allow_composing(open);
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         editor.set_focus(open);
         if !open {
             editor.close_probed();
         }
-        let wanted = self.playback.scene.library().wanted();
+        let wanted = &self.playback.scene.preparation.library.wanted;
         let is_unsaved = self.surprises.is_unsaved(wanted);
         if open && !is_unsaved {
             editor.show_scene(wanted);
@@ -90,7 +90,7 @@ impl Session {
         if editor.tells_mistakes() {
             self.interface.typing_times.note_mistake();
         }
-        let wanted = self.playback.scene.library().wanted();
+        let wanted = &self.playback.scene.preparation.library.wanted;
         if open && !self.surprises.is_unsaved(wanted) {
             editor.show_scene(wanted);
         }
@@ -120,7 +120,7 @@ impl Session {
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.interface.typing_times.note_key(self.playback.scene.scenes().shown_id(), clock::now());
+            self.interface.typing_times.note_key(self.playback.scene.scenes.shown_id(), clock::now());
         }
         self.carry_out_all(reloads.into_iter().next());
         let is_open = self.interface.is_edited();

@@ -43,7 +43,7 @@ impl Interface {
     pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map, size: (u32, u32)) {
         (self.probing.map, self.probing.size) = (Some(map), Some(size));
         if let Some(editor) = &mut self.ui_state.editor {
-            editor.set_view(map, playback.scene.composer().pictures().camera());
+            editor.set_view(map, playback.scene.composer.pictures.camera());
         }
     }
 
@@ -69,7 +69,7 @@ impl Interface {
         }
         let at = screen.size().and_then(|size| self.in_picture(place, size));
         let Some(at) = at else { return };
-        match playback.scene.composer().pictures().scenery() {
+        match playback.scene.composer.pictures.scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
             Err(reason) => self.tell_in_editor(&reason.to_string()),
         }
@@ -92,13 +92,13 @@ impl Interface {
             self.probing.surveyed = None;
             return;
         }
-        let picture = playback.scene.composer().pictures().count();
+        let picture = playback.scene.composer.pictures.count;
         let busy = self.probing.prober.as_ref().is_some_and(Prober::surveys);
         if busy || self.probing.surveyed == Some(picture) {
             return;
         }
         self.probing.surveyed = Some(picture);
-        let scenery: Option<Scenery> = playback.scene.composer().pictures().scenery().ok();
+        let scenery: Option<Scenery> = playback.scene.composer.pictures.scenery().ok();
         if let Some(scenery) = scenery {
             self.with_prober(|prober| prober.ask_ray_statistics(scenery));
         }
@@ -115,9 +115,9 @@ impl Interface {
     fn ask_for_ray(&mut self, playback: &Playback) {
         let busy = self.probing.prober.as_ref().is_some_and(Prober::draws);
         let Some(size) = self.probing.size.filter(|_| self.probing.ray.is_some() && !busy) else { return };
-        let pictures = playback.scene.composer().pictures();
+        let pictures = &playback.scene.composer.pictures;
         let at = self.in_picture(self.input.pointer().0, size).unwrap_or([0.5; 2]);
-        let question = Some((pictures.count(), at, size));
+        let question = Some((pictures.count, at, size));
         let scenery = pictures.scenery();
         let Some(ray) = self.probing.ray.as_mut().filter(|ray| ray.asked != question) else { return };
         ray.asked = question;

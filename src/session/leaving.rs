@@ -86,7 +86,7 @@ impl Session {
         }
         self.remember_tracks();
         let left = self.left();
-        let remembered = self.playback.listening.settings();
+        let remembered = self.playback.listening.sound.settings();
         let before = || Left {
             show: remembered.last_show.clone().unwrap_or_default(),
             scene: left.scene.clone(),
@@ -98,15 +98,21 @@ impl Session {
     }
 
     fn left(&mut self) -> Left {
-        let before = self.playback.listening.settings().last_show.clone().unwrap_or_default();
+        let before = self.playback.listening.sound.settings().last_show.clone().unwrap_or_default();
         let fullscreen = self.screen.is_fullscreen();
         let mut show = LastShow {
             fullscreen,
             size: self.screen.size().filter(|_| !fullscreen).or(before.size),
             place: self.screen.place().or(before.place),
-            scene: name_of(self.surprises.lasting(
-                self.playback.scene.scenes().shown_source().unwrap_or(self.playback.scene.library().wanted()),
-            ))
+            scene: name_of(
+                self.surprises.lasting(
+                    self.playback
+                        .scene
+                        .scenes
+                        .shown_source()
+                        .unwrap_or(&self.playback.scene.preparation.library.wanted),
+                ),
+            )
             .or(before.scene),
             volume: before.volume,
             track: if self.choices.last_tracks { before.track } else { 0 },
@@ -127,7 +133,7 @@ impl Session {
         }
         Left {
             show,
-            scene: self.playback.scene.scenes().name().unwrap_or_default(),
+            scene: self.playback.scene.scenes.name().unwrap_or_default(),
             moved: self.playback.scene.parameters_in_hand().moved(),
         }
     }
@@ -136,14 +142,14 @@ impl Session {
         let Some(list) = self.playback.listening.with_song(|player| player.playlist()) else { return };
         let list = Some(list).filter(|_| self.choices.last_tracks);
         if self.legacy.takes_tracks(list.as_ref().map(|list| list.revision)) {
-            self.playback.listening.keep_tracks(list.and_then(|list| files_of(&list)));
+            self.playback.listening.sound.keep_tracks(list.and_then(|list| files_of(&list)));
         }
     }
 }
 
 impl Playback {
     fn write_left(&mut self, Left { show, scene, moved }: Left) {
-        self.listening.remember(move |settings| {
+        self.listening.sound.remember(move |settings| {
             settings.last_show = Some(show.clone());
             if moved.sliders.is_empty() {
                 settings.sliders.remove(&scene);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use image::RgbaImage;
 
 use crate::clock;
-use crate::config::{Choices, Settings};
+use crate::config::Choices;
 use crate::covers;
 use crate::demo_track::is_demo;
 use crate::session::announcer::{TrackOrder, words_of};
@@ -20,8 +20,7 @@ use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
-use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
-use mariana_player::input::LiveStatus;
+use mariana_music::{LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::track::TrackInfo;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -29,7 +28,7 @@ const NO_SONG: &str = "this show listens to an input: start Mariana without --mi
 
 /// The sound, with everything known about it. Returned strings are messages for the user.
 pub(crate) struct Listening {
-    sound: Sound,
+    pub(crate) sound: Sound,
     /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
     parts: HeardParts,
@@ -45,7 +44,7 @@ pub(crate) struct Listening {
     paused: bool,
     started: bool,
     /// Volume of the sound at the last call of `now`, 0..1.
-    level: f32,
+    pub(crate) level: f32,
     playing: Playing,
     track: u64,
     painted: PaintedCover,
@@ -188,29 +187,9 @@ impl Listening {
         self.sound.choose_from_list(place);
     }
 
-    pub(crate) fn show_sources(&mut self) {
-        self.sound.show_list();
-    }
-
     pub(crate) fn next_source(&mut self) {
         self.taps = TapTempo::default();
         self.sound.next_source();
-    }
-
-    pub(crate) fn shift(&mut self, steps: f64) -> String {
-        self.sound.shift(steps)
-    }
-
-    pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) {
-        self.sound.shift_to(shift, settled);
-    }
-
-    pub(crate) fn choose_output(&mut self, id: Option<String>) {
-        self.sound.choose_output(id);
-    }
-
-    pub(crate) fn set_gain(&mut self, gain: Gain) {
-        self.sound.set_gain(gain);
     }
 
     pub(crate) fn facts<'a>(&'a mut self, choices: &'a Choices, names_output: bool) -> Facts<'a> {
@@ -224,10 +203,6 @@ impl Listening {
             shift: self.sound.shift_ms(),
             device: self.sound.device_name(),
         }
-    }
-
-    pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
-        self.sound.take_reported_problems()
     }
 
     /// The current sound, with its position in the song and the tapped tempo. For a track that is not yet analysed, the
@@ -317,25 +292,8 @@ impl Listening {
         }
     }
 
-    pub(crate) fn level(&self) -> f32 {
-        self.level
-    }
-
     pub(crate) fn curves(&self) -> Tables {
         self.sound.heard().tables
-    }
-
-    pub(crate) fn settings(&self) -> &Settings {
-        self.sound.settings()
-    }
-
-    /// Saves a track list for the next run; `None` removes it.
-    pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
-        self.sound.keep_tracks(tracks);
-    }
-
-    pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
-        self.sound.remember(change);
     }
 
     /// The state of the song, if it is the current source. Requests the analysis of this track and the next.
@@ -393,10 +351,6 @@ impl Listening {
     pub(crate) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song())?;
         Some(songs.get(track)?.structure.clone())
-    }
-
-    pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
-        self.sound.live_status()
     }
 
     /// Adds the hints and the source list to the overlay. `stays_open` is true while the user keeps the list open.

@@ -56,7 +56,7 @@ impl BackgroundWork {
 pub(crate) struct FirstScene {
     starter: LoaderStarter,
     loader: SceneLoader,
-    loaded: Option<LoadedScene>,
+    pub(crate) loaded: Option<LoadedScene>,
     requested: SceneSource,
     /// The scene to show if the requested one cannot be shown; `None` if the user has named the scene.
     substitute: Option<SceneSource>,
@@ -100,10 +100,6 @@ impl FirstScene {
 
     pub(crate) fn title(&self) -> String {
         self.requested.title()
-    }
-
-    pub(crate) fn is_loaded(&self) -> bool {
-        self.loaded.is_some()
     }
 
     /// Waits for the scene.

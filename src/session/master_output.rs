@@ -9,12 +9,12 @@ pub(crate) struct MasterOutput {
     /// Fraction of the light, 0..1.
     brightness: f32,
     /// Duration of fades to and from black, and of the fade after a freeze.
-    fade: Duration,
-    is_black: bool,
+    pub(crate) fade: Duration,
+    pub(crate) is_black: bool,
     /// Light at the start of the last fade to or from black, 0..1, and the start time of that fade.
     light: (f32, Option<Instant>),
-    is_frozen: bool,
-    shown: Picture,
+    pub(crate) is_frozen: bool,
+    pub(crate) shown: Picture,
 }
 
 impl MasterOutput {
@@ -44,10 +44,6 @@ impl MasterOutput {
         self.fade = Duration::try_from_secs_f64(seconds).unwrap_or_default();
     }
 
-    pub(crate) fn fade_seconds(&self) -> f64 {
-        self.fade.as_secs_f64()
-    }
-
     /// Starts or ends a blackout. Returns `true` if it starts.
     pub(crate) fn toggle_blackout(&mut self, now: Instant) -> bool {
         // Start from the current light: an opposite fade may be unfinished.
@@ -56,18 +52,9 @@ impl MasterOutput {
         self.is_black
     }
 
-    /// True during a blackout and the fade to black.
-    pub(crate) fn is_black(&self) -> bool {
-        self.is_black
-    }
-
     /// Freezes or releases the frame. Returns `true` if it is frozen.
     pub(crate) fn toggle_freeze(&mut self) -> bool {
         self.is_frozen = !self.is_frozen;
-        self.is_frozen
-    }
-
-    pub(crate) fn is_frozen(&self) -> bool {
         self.is_frozen
     }
 
@@ -78,10 +65,6 @@ impl MasterOutput {
     /// True if the frame is frozen by the user or held by the show.
     pub(crate) fn hold(&self) -> bool {
         self.is_frozen || self.shown.held.is_some_and(|held| held.fraction >= 1.0)
-    }
-
-    pub(crate) fn is_held_by_show(&self) -> bool {
-        self.shown.held.is_some()
     }
 
     /// Returns `true` if the user's controls do not change a frame that is shown at `now`.
@@ -141,6 +124,6 @@ mod tests {
             assert_eq!(master_output.gain(now), kept);
         }
         master_output.set_fade(f64::NAN);
-        assert_eq!(master_output.fade_seconds(), 0.0);
+        assert_eq!(master_output.fade.as_secs_f64(), 0.0);
     }
 }

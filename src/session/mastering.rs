@@ -77,11 +77,11 @@ impl Playback {
     pub(crate) fn toggle_freeze(&mut self) {
         let words = match self.master_output.toggle_freeze() {
             true => {
-                self.scene.composer_mut().give_picture_up();
+                self.scene.composer.give_picture_up();
                 "frozen: press Z to continue"
             }
             false => {
-                self.scene.fade_from_held(self.master_output.fade_seconds());
+                self.scene.fade_from_held(self.master_output.fade.as_secs_f64());
                 "no longer frozen"
             }
         };
@@ -89,36 +89,36 @@ impl Playback {
     }
 
     pub(super) fn holds_picture(&self) -> bool {
-        self.master_output.hold() && self.pace.shown().is_some()
+        self.master_output.hold() && self.pace.shown.is_some()
     }
 
     pub(super) fn follow_master_output(&mut self, time: f64) {
-        let shown = self.scene.show().picture_at(time);
+        let shown = self.scene.show.picture_at(time);
         let before = self.master_output.follow_show(shown);
         let fraction = |picture: Picture| picture.held.map(|held| held.fraction);
         let (was, is) = (fraction(before), fraction(shown));
-        if was == is || self.master_output.is_frozen() {
+        if was == is || self.master_output.is_frozen {
             return;
         }
         let since = |picture: Picture| picture.held.map(|held| held.since);
         if since(before) != since(shown) {
-            self.scene.composer_mut().fading_mut().hold_anew();
+            self.scene.composer.fading.hold_anew();
         }
         match is {
             // A frame held by the show would hide the frame in progress, so abandon the frame in progress.
-            Some(1.0..) => self.scene.composer_mut().give_picture_up(),
-            fraction => self.scene.composer_mut().mix_held(fraction),
+            Some(1.0..) => self.scene.composer.give_picture_up(),
+            fraction => self.scene.composer.mix_held(fraction),
         }
     }
 
     pub(super) fn is_dimming(&self, now: Instant) -> bool {
-        self.pace.shown().is_some() && self.master_output.gain(now) != self.renderer.gain()
+        self.pace.shown.is_some() && self.master_output.gain(now) != self.renderer.gain()
     }
 
     /// All scenes in the order of their numbers, favourites first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
-        let marks = &self.listening.settings().favourite_scenes;
-        let scenes = self.scene.library().all_sources();
+        let marks = &self.listening.sound.settings().favourite_scenes;
+        let scenes = self.scene.preparation.library.all_sources();
         let (marked, others): (Vec<_>, Vec<_>) =
             scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
         marked.into_iter().chain(others).collect()

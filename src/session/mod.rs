@@ -140,7 +140,7 @@ pub(crate) struct Playback {
     preview: Preview,
     frame_senders: FrameSenders,
     recording: Recording,
-    reports: Reports,
+    pub(super) reports: Reports,
 }
 
 pub(crate) struct Interface {
@@ -153,7 +153,7 @@ pub(crate) struct Interface {
     drafts: Drafts,
     shader_import: shader_import::ShaderImport,
     probing: inspecting::Probing,
-    typing_times: TypingTimes,
+    pub(super) typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,
     /// Time at which to request thumbnails of the folder's scenes; `None` after the request.
     thumbnails_ahead: Option<Instant>,
@@ -256,12 +256,12 @@ impl Session {
         }
         let moves = !self.playback.listening.is_paused() && self.screen.is_seen();
         self.screen.keep_awake(self.choices.stay_awake && (moves || self.screen.has_output()));
-        for complaint in self.playback.listening.take_reported_problems() {
+        for complaint in self.playback.listening.sound.take_reported_problems() {
             self.playback.reports.say(complaint);
         }
         let mut notes = self.playback.scene.report().notes();
         notes.extend(self.videos.title_note());
-        if let Some(live) = self.playback.listening.live_status() {
+        if let Some(live) = self.playback.listening.sound.live_status() {
             let paused = self.playback.listening.is_paused();
             self.playback.reports.look_at_input(&live, paused);
             self.playback.set_title(&mut *self.screen, live_title(&live, notes, paused));
@@ -312,7 +312,7 @@ impl Session {
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();
         let edited = self.playback.scene.saves_samples(now);
         // After an edit, finish the frame in progress before restoring its samples.
-        if edited || !self.playback.scene.composer().is_drawing() {
+        if edited || !self.playback.scene.composer.is_drawing() {
             self.playback.pace.set_edited(edited);
         }
         if let Some(until) = self.playback.scene.awaits_edit(now)
@@ -323,7 +323,7 @@ impl Session {
         {
             return Ok(until);
         }
-        if self.playback.scene.composer().is_drawing() {
+        if self.playback.scene.composer.is_drawing() {
             return Ok(now);
         }
         self.playback.scene.rehearse(&mut self.playback.renderer);
@@ -351,7 +351,7 @@ impl Session {
             || overlay_due.is_some_and(|due| due <= now);
         // Draw the first frame even in a hidden window, because it starts the song.
         let seen = self.screen.is_seen()
-            || self.playback.pace.shown().is_none()
+            || self.playback.pace.shown.is_none()
             || self.playback.frame_senders.are_any();
         if !moving || !seen {
             // While paused, ended or covered, the show waits for an event. In silence, sound may start at any time.
@@ -361,7 +361,7 @@ impl Session {
             let idle = now + self.playback.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.playback.pace.due(self.playback.controllers.are_unseen())
-            || self.playback.scene.composer().has_regions()
+            || self.playback.scene.composer.regions.have_come()
         {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.screen.request_redraw();
@@ -377,7 +377,7 @@ impl Session {
 impl Playback {
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.listening.want_paused(paused);
-        if self.pace.shown().is_some() {
+        if self.pace.shown.is_some() {
             self.listening.follow_request();
         }
     }
@@ -429,13 +429,9 @@ impl Playback {
         self.reports.command_of_desktop()
     }
 
-    pub(super) fn hurry_reports(&mut self) {
-        self.reports.hurry();
-    }
-
     fn note_playing(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
-        if let Some(live) = self.listening.live_status() {
+        if let Some(live) = self.listening.sound.live_status() {
             self.reports.look_at_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
             self.reports.look(&status, self.listening.has_started(), fullscreen);
@@ -454,7 +450,7 @@ impl Playback {
     }
 
     pub(super) fn frame_times(&self) -> &FrameTimes {
-        self.pace.times()
+        &self.pace.times
     }
 }
 
@@ -489,9 +485,5 @@ impl Interface {
     pub(super) fn assist(&mut self, screen: &mut dyn Screen, assistance: Assistance) {
         self.overlay.assist(assistance);
         screen.request_redraw();
-    }
-
-    pub(super) fn typing_times(&self) -> &TypingTimes {
-        &self.typing_times
     }
 }

@@ -20,7 +20,7 @@ impl Session {
 impl Playback {
     pub(super) fn toggle_recording(&mut self) {
         let begins = self.recording.toggle(clock::now());
-        if let Some(shown) = self.pace.shown().filter(|_| begins) {
+        if let Some(shown) = self.pace.shown.filter(|_| begins) {
             self.record(shown.moment, clock::now());
         }
         let words = match begins {
@@ -33,12 +33,8 @@ impl Playback {
         self.reports.answer(words.to_owned());
     }
 
-    pub(super) fn is_recording(&self) -> bool {
-        self.recording.is_on()
-    }
-
     pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
-        if !self.recording.is_on() {
+        if !self.recording.is_on {
             return;
         }
         let track = self.listening.track_of(moment);
@@ -48,7 +44,7 @@ impl Playback {
         // Record a still scene at the current time, because `moment` is the time at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
-        let of = (track, self.reports.playing().title.as_str());
+        let of = (track, self.reports.playing.title.as_str());
         if let Some(words) = self.recording.note(of, time, performed, clock::now()) {
             self.reports.answer(words.to_owned());
         }
@@ -56,7 +52,7 @@ impl Playback {
 
     /// Records that the last frame is still shown: it is frozen, or only its brightness changes.
     pub(super) fn record_again(&mut self, begun: Instant) {
-        if !self.recording.is_on() {
+        if !self.recording.is_on {
             return;
         }
         let Some(now) = self.listening.now() else { return };
@@ -66,10 +62,9 @@ impl Playback {
     }
 
     pub(super) fn finish(&self, begun: Instant) -> Finish {
-        let fraction =
-            if self.holds_picture() { 1.0 } else { self.scene.composer().fading().fraction_held() };
-        let is_shown =
-            self.master_output.are_idle(begun) && (fraction == 0.0 || self.master_output.is_held_by_show());
+        let fraction = if self.holds_picture() { 1.0 } else { self.scene.composer.fading.fraction_held() };
+        let is_shown = self.master_output.are_idle(begun)
+            && (fraction == 0.0 || self.master_output.shown.held.is_some());
         Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 

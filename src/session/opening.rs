@@ -101,7 +101,7 @@ impl Opening<'_> {
         let moved = if first.source == choice.source { settings.moved.clone() } else { Default::default() };
         // Request the scene first: the driver compiles its program while everything else is created.
         let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
-        scene.parameters_mut().remember(&title, &moved);
+        scene.parameters.remember(&title, &moved);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
@@ -188,7 +188,7 @@ fn start_interface(
 
 /// Waits for the first scene. Meanwhile the window shows its name.
 fn load_first(first: FirstScene, screen: &mut dyn Screen) -> Result<Begun, SessionError> {
-    if !first.is_loaded() {
+    if first.loaded.is_none() {
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), || ());
         paint_waiting(screen, &mut overlay, &first.title(), OverlayContent::default())?;
     }

@@ -27,7 +27,7 @@ impl Session {
         let open = self.interface.ui_state.panels.open();
         self.write_text(open == Some(Panel::Editor));
         if open == Some(Panel::Sources) {
-            self.playback.listening.show_sources();
+            self.playback.listening.sound.show_list();
         }
         self.interface.look_through_scenes(&mut self.playback, open == Some(Panel::Scenes));
         self.interface.look_through_files(&mut self.playback, open == Some(Panel::Files));
@@ -55,7 +55,7 @@ impl Session {
 
     /// Closes the topmost panel, or leaves full screen.
     pub(super) fn leave(&mut self) {
-        if self.playback.controllers.stop_learning() {
+        if self.playback.controllers.midi.stop_learning() {
             return self.interface.update_controllers(&mut self.playback);
         }
         let has_sliders = !self.playback.scene.parameters_in_hand().sliders().is_empty();
@@ -116,9 +116,9 @@ impl Interface {
             return;
         }
         self.look_for_thumbnails();
-        let scenes = playback.scene.library().all_sources();
-        let favourites = playback.listening.settings().favourite_scenes.clone();
-        let browser = SceneBrowser::new(scenes, playback.scene.scenes().shown_source(), favourites);
+        let scenes = playback.scene.preparation.library.all_sources();
+        let favourites = playback.listening.sound.settings().favourite_scenes.clone();
+        let browser = SceneBrowser::new(scenes, playback.scene.scenes.shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_descriptions(thumbnails);
         }
@@ -139,8 +139,13 @@ impl Interface {
         if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;
         }
-        let of_folder =
-            playback.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
+        let of_folder = playback
+            .scene
+            .preparation
+            .library
+            .all_sources()
+            .into_iter()
+            .filter(|source| source.file().is_some());
         let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
         if of_folder.is_empty() {
             return;
@@ -163,9 +168,9 @@ impl Interface {
             thumbnails.ask_for_pictures_later(wanted);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
-        found.iter().for_each(|looked| playback.controllers.note_picture(looked));
+        found.iter().for_each(|looked| playback.controllers.phones.note_picture(looked));
         if let Some(browser) = &mut self.ui_state.browser {
-            browser.set_present(playback.scene.scenes().shown_source());
+            browser.set_present(playback.scene.scenes.shown_source());
             browser.take(found);
         }
     }

@@ -11,7 +11,7 @@ impl Session {
     /// the window.
     pub(super) fn take_picture(&mut self, time: f64, whole: (u32, u32)) {
         let folder = &self.interface.folders.pictures;
-        let title = &self.playback.reports.playing().title;
+        let title = &self.playback.reports.playing.title;
         let file = || Some(folder.as_ref()?.join(picture_name(title, time)));
         let renderer = &mut self.playback.renderer;
         if let Err(words) = self.pictures.take((self.screen.gl(), renderer), whole, file) {

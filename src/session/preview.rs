@@ -60,7 +60,7 @@ impl Session {
         let title = self
             .playback
             .scene
-            .scenes()
+            .scenes
             .next_title()
             .filter(|_| is_wanted && !self.interface.ui_state.hidden.is_bare());
         let Some(title) = title else {
@@ -74,9 +74,9 @@ impl Session {
             return Ok(());
         }
         let rest = rest.map_or(AT_REST, |rest| rest.min(AT_REST));
-        let Some(moment) = self.playback.pace.shown().map(|shown| shown.moment) else { return Ok(()) };
+        let Some(moment) = self.playback.pace.shown.map(|shown| shown.moment) else { return Ok(()) };
         self.playback.preview.due = now + EVERY;
-        let (level, beat) = (self.playback.listening.level(), moment.features.beat.clamp(0.0, 1.0));
+        let (level, beat) = (self.playback.listening.level, moment.features.beat.clamp(0.0, 1.0));
         if let Some(next) = &mut self.playback.preview.next
             && (next.level, next.beat) != (level, beat)
         {

@@ -40,7 +40,7 @@ struct Showing {
 pub(crate) struct Recording {
     files: PerformanceFiles,
     take: Option<Take>,
-    is_on: bool,
+    pub(crate) is_on: bool,
     count: u64,
     /// True if the next saved file is to be reported.
     tells: bool,
@@ -49,10 +49,6 @@ pub(crate) struct Recording {
 impl Recording {
     pub(crate) fn new(files: PerformanceFiles) -> Self {
         Self { files, take: None, is_on: false, count: 0, tells: false }
-    }
-
-    pub(crate) fn is_on(&self) -> bool {
-        self.is_on
     }
 
     /// Starts or stops recording. Stopping saves the performance. Returns `true` if it starts.

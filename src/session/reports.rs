@@ -20,7 +20,7 @@ pub(crate) struct Reports {
     reported_silent: bool,
     reported_refused: Option<String>,
     title: String,
-    playing: NowPlaying,
+    pub(crate) playing: NowPlaying,
 }
 
 impl Reports {
@@ -63,10 +63,6 @@ impl Reports {
 
     pub(crate) fn answer_position(&mut self) {
         self.announcer.answer_position(&self.playing);
-    }
-
-    pub(crate) fn playing(&self) -> &NowPlaying {
-        &self.playing
     }
 
     pub(crate) fn say(&mut self, text: String) {

@@ -46,8 +46,8 @@ impl Run {
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
                 ended => {
                     tracing::info!("{}", self.session.playback.frame_times());
-                    tracing::info!("{}", self.session.interface.typing_times());
-                    tracing::info!("from message to frame: {}", self.session.playback.message_times());
+                    tracing::info!("{}", &self.session.interface.typing_times);
+                    tracing::info!("from message to frame: {}", &self.session.playback.controllers.times);
                     // After an error nothing is saved, and the window's thread waits for the error.
                     if ended.is_ok() {
                         self.finish();
@@ -115,7 +115,7 @@ impl Run {
         }
         self.session.follow_editor();
         self.session.video_desk().note_quitting();
-        if redraws || self.session.playback.scene.composer().is_drawing() {
+        if redraws || self.session.playback.scene.composer.is_drawing() {
             self.draw()?;
         }
         Ok(())
@@ -127,7 +127,7 @@ impl Run {
         self.over |= self.session.look_at_status(&self.settings)?;
         self.session.remember_show(&self.settings, clock::now());
         let until = self.session.look_around()?;
-        Ok(self.session.playback.controllers_due().map_or(until, |due| until.min(due)))
+        Ok(self.session.playback.controllers.due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), SessionError> {
@@ -157,7 +157,7 @@ impl Run {
         for action in actions {
             match Command::of_controller(&action) {
                 Some(command) => self.carry_out(command, Sender::Controller),
-                None => self.session.playback.hurry_reports(),
+                None => self.session.playback.reports.hurry(),
             }
         }
         self.session.note_acted(since, before);

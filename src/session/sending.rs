@@ -18,7 +18,7 @@ impl Playback {
             tell(&sentence);
             self.reports.say(sentence);
         }
-        if self.pace.shown().is_none() {
+        if self.pace.shown.is_none() {
             return Ok(None);
         }
         Ok(self.frame_senders.go_on(screen.gl(), &mut self.renderer, now)?)

@@ -37,7 +37,7 @@ impl Session {
     pub(super) fn change_setting(&mut self, SetSetting { setting, settled }: SetSetting) {
         match &setting {
             Setting::Output(id) => {
-                self.playback.listening.choose_output(id.clone());
+                self.playback.listening.sound.choose_output(id.clone());
                 (self.names_output, self.chose_output) = (false, true);
             }
             Setting::Quality(quality) => self.playback.pace.set_quality(*quality),
@@ -48,13 +48,13 @@ impl Session {
             }
             Setting::ToneMap(tone_map) => {
                 self.playback.renderer.set_tone_map(*tone_map);
-                self.playback.scene.composer_mut().look_different();
+                self.playback.scene.composer.look_different();
             }
-            Setting::Gain(gain) => self.playback.listening.set_gain(*gain),
+            Setting::Gain(gain) => self.playback.listening.sound.set_gain(*gain),
             Setting::FollowSong(follow) => self.playback.direction.set_follow(*follow),
             Setting::LastTracks(on) => {
                 if !on {
-                    self.playback.listening.keep_tracks(None);
+                    self.playback.listening.sound.keep_tracks(None);
                 }
             }
             Setting::Screen(name) => self.screen.want_output(name.clone()),
@@ -72,7 +72,7 @@ impl Session {
         }
         self.choices.set(&setting);
         if settled {
-            self.playback.listening.remember(move |settings| settings.choices.set(&setting));
+            self.playback.listening.sound.remember(move |settings| settings.choices.set(&setting));
         }
         self.update_settings();
     }

@@ -85,9 +85,9 @@ impl SnapshotDesk<'_> {
 
     /// Writes the scene's snapshots as a show file in the folder of recordings.
     pub(super) fn write(&mut self) {
-        let Some(source) = self.playback.scene.scenes().shown_source() else { return };
+        let Some(source) = self.playback.scene.scenes.shown_source() else { return };
         let (title, scene) = (source.title(), named(source));
-        let Some(snapshots) = self.playback.listening.settings().snapshots.get(&title) else {
+        let Some(snapshots) = self.playback.listening.sound.settings().snapshots.get(&title) else {
             let words = "this scene has no snapshots: press Shift+1 to take one";
             return self.playback.reports.answer(words.to_owned());
         };
@@ -139,13 +139,13 @@ impl Playback {
     /// The numbers of the shown scene's snapshots, from 1.
     pub(super) fn snapshot_numbers(&self) -> impl Iterator<Item = usize> {
         let title = self.scene.parameters_in_hand().title().unwrap_or_default();
-        let saved = self.listening.settings().snapshots.get(&title);
+        let saved = self.listening.sound.settings().snapshots.get(&title);
         saved.into_iter().flat_map(BTreeMap::keys).filter_map(|number| number.parse().ok())
     }
 
     fn snapshot(&self, number: usize) -> Option<Snapshot> {
         let title = self.scene.parameters_in_hand().title()?;
-        self.listening.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
+        self.listening.sound.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
     }
 
     fn take_snapshot(&mut self, number: usize) {
@@ -156,7 +156,7 @@ impl Playback {
             return self.reports.answer("this scene has no sliders to take a snapshot of".to_owned());
         };
         let title = self.scene.parameters_in_hand().title().unwrap_or_default();
-        self.listening.remember(move |settings| {
+        self.listening.sound.remember(move |settings| {
             let of_scene = settings.snapshots.entry(title.clone()).or_default();
             of_scene.insert(number.to_string(), snapshot.clone());
         });

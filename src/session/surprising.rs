@@ -23,7 +23,7 @@ impl Session {
         if self.surprises.coming.is_some() {
             return;
         }
-        let wanted = match self.playback.scene.library().wanted() {
+        let wanted = match &self.playback.scene.preparation.library.wanted {
             SceneSource::Blend(blend) => blend.to.source.clone(),
             source => source.clone(),
         };
@@ -56,7 +56,7 @@ impl Session {
 
     /// Shows the variation before, and at last the scene itself.
     pub(super) fn surprise_back(&mut self) {
-        let wanted = self.playback.scene.library().wanted();
+        let wanted = &self.playback.scene.preparation.library.wanted;
         let last = self.surprises.variation(wanted).is_some().then(|| self.surprises.shown.pop()).flatten();
         let Some(last) = last else {
             return self
@@ -78,7 +78,7 @@ impl Session {
 
     /// Saves the shown variation in the folder of the scene that it varies; for a shipped scene, of the user's scenes.
     pub(super) fn keep_surprise(&mut self) {
-        let wanted = self.playback.scene.library().wanted();
+        let wanted = &self.playback.scene.preparation.library.wanted;
         let Some(Variation { file, text, .. }) = self.surprises.variation(wanted) else {
             let words = "only a variation can be kept: press F5 for a variation";
             return self.playback.reports.answer(words.to_owned());
@@ -127,8 +127,8 @@ impl Session {
             }
         }
         // A recorded show names its scenes by their files.
-        let shown = self.playback.scene.scenes().shown_source();
-        let may_keep = self.playback.is_recording() && !self.surprises.is_unkeepable;
+        let shown = self.playback.scene.scenes.shown_source();
+        let may_keep = self.playback.recording.is_on && !self.surprises.is_unkeepable;
         if may_keep && shown.is_some_and(|shown| self.surprises.is_unsaved(shown)) {
             self.keep_surprise();
         }
@@ -148,7 +148,7 @@ impl Session {
         let Some(kept) = self.surprises.keeping.take() else { return };
         self.surprises.shown.retain(|one| one.file != kept);
         self.interface.drafts.remove(&kept);
-        let is_shown = self.playback.scene.library().wanted().file() == Some(&kept);
+        let is_shown = self.playback.scene.preparation.library.wanted.file() == Some(&kept);
         if file != kept && is_shown {
             self.playback.scene.show_source(SceneSource::File(file.clone()));
         }

@@ -153,7 +153,7 @@ impl UiState {
         reports: &'a Reports,
         now: Instant,
     ) {
-        let (open, playing) = (self.panels.open(), reports.playing());
+        let (open, playing) = (self.panels.open(), &reports.playing);
         let scene = self.words.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
         content.help = Some(&self.help).filter(|_| self.panels.help());
@@ -207,7 +207,7 @@ impl UiState {
                 song: seen.song.as_deref(),
                 marks: self.video.marks,
                 // While the bar is hidden, a changing level must not cause a new layout.
-                level: if shows_bar { listening.level() } else { 0.0 },
+                level: if shows_bar { listening.level } else { 0.0 },
                 scene,
                 open,
                 help: self.panels.help(),

@@ -59,7 +59,7 @@ impl VideoDesk<'_> {
         if open {
             self.making.form.is_part = self.interface.ui_state.video.marks.is_some();
             // Reads a folder, so only now.
-            let all = self.playback.scene.library().all_sources();
+            let all = self.playback.scene.preparation.library.all_sources();
             let has_files = all.iter().any(|source| source.file().is_some());
             self.making.scenes = all.iter().filter(|_| has_files).map(named).collect();
             self.look_for_performance();
@@ -69,13 +69,13 @@ impl VideoDesk<'_> {
 
     fn look_for_performance(&self) {
         if let Some(videos) = &self.making.videos {
-            videos.look_for_performance(self.playback.reports.playing().title.clone());
+            videos.look_for_performance(self.playback.reports.playing.title.clone());
         }
     }
 
     /// Follows the track and the queue. Returns when to call again.
     pub(super) fn update(&mut self, now: Instant) -> Option<Instant> {
-        let playing = self.playback.reports.playing();
+        let playing = &self.playback.reports.playing;
         if (self.making.track.0, &self.making.track.1) != (playing.place.0, &playing.title) {
             self.making.track = (playing.place.0, playing.title.clone());
             self.interface.ui_state.video.marks = None;
@@ -83,7 +83,7 @@ impl VideoDesk<'_> {
             self.look_for_performance();
         }
         // A notice before the first frame would not be seen.
-        let is_shown = self.playback.pace.shown().is_some();
+        let is_shown = self.playback.pace.shown.is_some();
         let videos = self.making.videos.iter().filter(|_| is_shown);
         let news: Vec<String> = videos.flat_map(|videos| std::iter::from_fn(|| videos.news())).collect();
         news.into_iter().for_each(|words| self.playback.reports.say(words));
@@ -107,7 +107,7 @@ impl VideoDesk<'_> {
 
     /// What the rows of the panel say about the window.
     fn known(&self) -> Known {
-        let playing = self.playback.reports.playing();
+        let playing = &self.playback.reports.playing;
         let song = self.playback.listening.present_structure();
         let section = song.as_ref().and_then(|song| {
             let at =
@@ -117,12 +117,12 @@ impl VideoDesk<'_> {
                 .find(at)
                 .map(|section| (section.letter.clone(), [section.start, section.end]))
         });
-        let shown = self.playback.scene.scenes().shown_source();
+        let shown = self.playback.scene.scenes.shown_source();
         Known {
             section,
             marks: self.interface.ui_state.video.marks,
             duration: playing.duration,
-            scene: shown.unwrap_or(self.playback.scene.library().wanted()).title(),
+            scene: shown.unwrap_or(&self.playback.scene.preparation.library.wanted).title(),
             show: self.show_choice(),
             window: self.window_size(),
             folder: self.interface.folders.videos.clone(),
@@ -208,7 +208,7 @@ impl VideoDesk<'_> {
 
     /// Moves a mark, and chooses the part between the marks.
     pub(super) fn mark(&mut self, Mark { edge, at }: Mark) {
-        let playing = self.playback.reports.playing();
+        let playing = &self.playback.reports.playing;
         let Some(duration) = playing.duration.filter(|_| !playing.live) else {
             let words = "only a song of known length can be marked";
             return self.playback.reports.answer(words.to_owned());
@@ -276,7 +276,7 @@ impl VideoDesk<'_> {
             order.set = self.playback.scene.parameters_in_hand().moved().sliders.into_iter().collect();
         }
         let seconds = order.duration.or(length.map(|length| length - start)).unwrap_or(0.0);
-        let title = self.playback.reports.playing().title.clone();
+        let title = self.playback.reports.playing.title.clone();
         let folder = self.video_folder(&content.song)?;
         // A song without a title has the name of its file.
         let stem = match status.track.title {
@@ -300,8 +300,8 @@ impl VideoDesk<'_> {
     fn ordered_show(&self, choice: ShowChoice) -> Result<OrderedShow, String> {
         Ok(match choice {
             ShowChoice::Scene => {
-                let shown = self.playback.scene.scenes().shown_source();
-                let source = shown.unwrap_or(self.playback.scene.library().wanted());
+                let shown = self.playback.scene.scenes.shown_source();
+                let source = shown.unwrap_or(&self.playback.scene.preparation.library.wanted);
                 if self.surprises.is_unsaved(source) {
                     return Err(
                         "this variation is not saved: press F7 to keep it, then make the video".to_owned()
@@ -315,7 +315,7 @@ impl VideoDesk<'_> {
                 ShowSource::File(path) => OrderedShow::Show(path_text(&path)?, Vec::new()),
             },
             ShowChoice::Performance => {
-                let title = &self.playback.reports.playing().title;
+                let title = &self.playback.reports.playing.title;
                 let videos = self.making.videos.as_ref();
                 let found = videos.and_then(|videos| videos.with_shown(|shown| shown.performance.clone()));
                 let found = found.filter(|(of, _)| of == title);

@@ -1,6 +1,7 @@
 //! A show with its timeline and the sources of its scenes. Errors in the show file and its scenes are found here.
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use super::scene_facts::{facts_of, refusal, source_of};
@@ -9,9 +10,7 @@ use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
-use mariana_show::{
-    Clip, Cue, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline, TransitionKind,
-};
+use mariana_show::{Clip, CueListError, Moment, Show, TimedTransition, Timeline, TransitionKind};
 
 const DEMO_NAME: &str = "demo.show";
 
@@ -84,6 +83,14 @@ enum ChosenBy {
     Demo,
 }
 
+impl Deref for PreparedShow {
+    type Target = Show;
+
+    fn deref(&self) -> &Show {
+        &self.show
+    }
+}
+
 impl PreparedShow {
     pub(super) fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
         Self { show: self.show.with_timeline(timeline), ..self.clone() }
@@ -107,11 +114,6 @@ impl PreparedShow {
         }
         let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
         Some(Self { show: self.show.without(is_refused)?, ..self.clone() })
-    }
-
-    /// Returns descriptions of the scenes; in a director's show, of all scenes that the director may choose.
-    pub(super) fn cards(&self) -> &[SceneCard] {
-        self.show.cards()
     }
 
     /// Returns a show that cuts to each scene at its time, in seconds.
@@ -219,29 +221,9 @@ impl PreparedShow {
         Self { show: self.show.with_cues(song, cues), ..self.clone() }
     }
 
-    /// Returns all entries, with the key for cues pressed at the times `cues`, in seconds.
-    pub fn cue_rows(&self, song: &SongStructure, cues: &[f64]) -> Vec<Cue> {
-        self.show.cue_rows(song, cues)
-    }
-
-    /// Returns the scenes that wait for a key, in order.
-    pub fn cues(&self) -> Vec<&str> {
-        self.show.cues()
-    }
-
-    /// Returns the timeline; `None` while every entry waits for a key.
-    pub fn timeline(&self) -> Option<&Timeline> {
-        self.show.timeline()
-    }
-
     /// Returns the state of the show at `time` seconds; `None` without a timeline.
     pub fn at(&self, time: f64) -> Option<Moment<'_>> {
         self.timeline().map(|timeline| timeline.at(time))
-    }
-
-    /// Returns the clips in order; empty without a timeline.
-    pub fn clips(&self) -> &[Clip] {
-        self.show.clips()
     }
 
     /// Returns the source of a scene in the timeline.
@@ -269,11 +251,6 @@ impl PreparedShow {
             }
         }
         names.into_iter().filter_map(|name| self.source(name)).collect()
-    }
-
-    /// Returns the text of a show file for this show, with `comments` as its first lines.
-    pub fn text(&self, comments: &[String]) -> String {
-        self.show.text(comments)
     }
 }
 

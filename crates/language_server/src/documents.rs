@@ -118,7 +118,7 @@ impl Context {
 
 pub(crate) struct Documents {
     open: BTreeMap<String, Document>,
-    parsed: BTreeMap<String, Arc<Parsed>>,
+    pub(crate) parsed: BTreeMap<String, Arc<Parsed>>,
     files: Arc<dyn Files>,
     pub unit: Unit,
 }
@@ -165,11 +165,6 @@ impl Documents {
         if let Some(closed) = self.open.remove(uri) {
             self.forget_parsed(uri, closed.path.as_deref());
         }
-    }
-
-    /// Discards what was read from files on the disk.
-    pub(crate) fn forget_files(&mut self) {
-        self.parsed.clear();
     }
 
     fn forget_parsed(&mut self, uri: &str, path: Option<&Path>) {

@@ -217,7 +217,7 @@ impl Server {
             (State::Ready, "textDocument/didChange") => self.change(params),
             (State::Ready, "textDocument/didClose") => return self.close(params),
             (State::Ready, "workspace/didChangeWatchedFiles") => {
-                self.documents.forget_files();
+                self.documents.parsed.clear();
                 let uris: Vec<String> = self.documents.uris().cloned().collect();
                 uris.iter().for_each(|uri| self.diagnosing.want(uri));
             }

@@ -14,7 +14,7 @@ use mariana_field::lang;
 pub struct NumberEdits {
     last: Option<(SceneSource, String)>,
     changing: BTreeSet<usize>,
-    settled: bool,
+    pub(super) settled: bool,
 }
 
 impl NumberEdits {
@@ -35,11 +35,6 @@ impl NumberEdits {
         self.last = Some((source.clone(), text.to_owned()));
         &self.changing
     }
-
-    /// True if the last text was unchanged and ended an edit.
-    pub(super) fn has_settled(&self) -> bool {
-        self.settled
-    }
 }
 
 #[cfg(test)]
@@ -52,7 +47,7 @@ mod tests {
         let mut edits = NumberEdits::default();
         let mut follow = |source: &SceneSource, text: &str| {
             let changing: Vec<usize> = edits.follow(source, text, false).iter().copied().collect();
-            (changing, edits.has_settled())
+            (changing, edits.settled)
         };
         assert_eq!(follow(&one, "sphere(p, 1) - 0.5"), (vec![], false));
         assert_eq!(follow(&one, "sphere(p, 2) - 0.5"), (vec![0], false));

@@ -85,7 +85,7 @@ impl SceneSource {
             Ok(compiled) => {
                 let files = self.files(Some(&compiled));
                 let ready = self.prepare(compiled, textures);
-                (ready.map(|ready| ReadyScene { settles: edits.has_settled(), ..ready }), files)
+                (ready.map(|ready| ReadyScene { settles: edits.settled, ..ready }), files)
             }
             Err(error) => (Err(error), self.files(None)),
         }

@@ -6,7 +6,7 @@ use std::thread::Builder;
 /// A handle to the clipboard thread, which starts at the first use.
 pub(crate) struct Clipboard {
     orders: Option<Sender<Order>>,
-    pasted: Receiver<String>,
+    pub(crate) pasted: Receiver<String>,
     /// The answer channel and wake function for the thread; `None` once the thread has started.
     start: Option<(Sender<String>, Wake)>,
 }
@@ -31,11 +31,6 @@ impl Clipboard {
 
     pub(crate) fn paste(&mut self) {
         self.order(Order::Paste);
-    }
-
-    /// Returns the pasted text once it has arrived. Never blocks.
-    pub(crate) fn pasted(&self) -> Option<String> {
-        self.pasted.try_recv().ok()
     }
 
     fn order(&mut self, order: Order) {

@@ -170,31 +170,19 @@ pub struct ControllersState<'a> {
 /// The panel's rows and selection.
 #[derive(Debug, Default)]
 pub struct ControllersPanel {
-    rows: Vec<ControllerRow>,
-    selected: usize,
+    /// The rows, from the top.
+    pub rows: Vec<ControllerRow>,
+    /// The index of the selected row.
+    pub selected: usize,
     field: usize,
-    revision: u64,
+    /// A number that changes whenever the panel looks different.
+    pub revision: u64,
 }
 
 impl ControllersPanel {
-    /// The rows, from the top.
-    pub fn rows(&self) -> &[ControllerRow] {
-        &self.rows
-    }
-
-    /// The index of the selected row.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
     /// The selected part of a mapping.
     pub fn field(&self) -> Field {
         Field::ALL.get(self.field).copied().unwrap_or(Field::From)
-    }
-
-    /// A number that changes whenever the panel looks different.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// Updates the rows.

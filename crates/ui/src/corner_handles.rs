@@ -16,7 +16,8 @@ const LARGE_STEP: f64 = 0.01;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerHandles {
     corners: Corners,
-    selected: usize,
+    /// The index of the selected corner.
+    pub selected: usize,
     /// The part of the window that shows the output's screen, as fractions of the window.
     area: Area,
 }
@@ -56,11 +57,6 @@ impl CornerHandles {
         let [x, y] = <[[f64; 2]; 4]>::from(self.corners).get(self.selected).copied()?;
         let place = [x + way[0], y + way[1]];
         Some(Some(Command::MoveCorner(MovedCorner { corner: self.selected, place, settled: true })))
-    }
-
-    /// The index of the selected corner.
-    pub fn selected(&self) -> usize {
-        self.selected
     }
 
     /// The corners' positions as fractions of the window.
@@ -103,7 +99,7 @@ mod tests {
         let moved = handles.take_key(&key(NamedKey::ArrowDown), false);
         assert_eq!(moved, to([0.9, 0.1 + STEP]));
         assert_eq!(handles.take_key(&key(NamedKey::Tab), true), Some(None));
-        assert_eq!(handles.selected(), 0);
+        assert_eq!(handles.selected, 0);
         assert_eq!(handles.take_key(&key(NamedKey::Home), false), Some(Some(Command::ResetCorners)));
         assert_eq!(handles.take_key(&Key::Character("n".into()), false), None);
     }

@@ -83,23 +83,27 @@ const PAGE: usize = 10;
 
 /// The shown folder, the search text and the selection.
 pub struct FileBrowser {
-    folder: PathBuf,
+    /// The shown folder. Empty until the first folder is known.
+    pub folder: PathBuf,
     remembered: RememberedFolders,
     /// The folders that the system provides, once they are known.
     common: Vec<Place>,
-    places: Vec<Place>,
+    /// Shortcuts to folders, grouped by their kind.
+    pub places: Vec<Place>,
     entries: Vec<FileEntry>,
     /// Indices of the entries that match the search text.
     found: Vec<usize>,
     query: TextQuery,
-    selected: usize,
+    /// Index of the selected entry among the matching entries.
+    pub selected: usize,
     /// The selected shortcut, while keys act on the shortcuts.
-    selected_place: Option<usize>,
+    pub selected_place: Option<usize>,
     trouble: Option<String>,
     /// The folder that the user left by going up. It will be selected in its parent folder.
     came_from: Option<PathBuf>,
     reader: FolderReader,
-    tags: TagLibrary,
+    /// The tags of files.
+    pub tags: TagLibrary,
     revision: u64,
 }
 
@@ -151,21 +155,6 @@ impl FileBrowser {
         browser
     }
 
-    /// The shown folder. Empty until the first folder is known.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    /// Shortcuts to folders, grouped by their kind.
-    pub fn places(&self) -> &[Place] {
-        &self.places
-    }
-
-    /// The selected shortcut, while keys act on the shortcuts.
-    pub fn selected_place(&self) -> Option<usize> {
-        self.selected_place
-    }
-
     /// True if the user has marked the shown folder.
     pub fn is_favourite(&self) -> bool {
         self.folder.to_str().is_some_and(|folder| self.remembered.favourites.contains(folder))
@@ -186,22 +175,12 @@ impl FileBrowser {
         self.query.text()
     }
 
-    /// Index of the selected entry among the matching entries.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
     /// A message that replaces the entries, such as an error.
     pub fn trouble(&self) -> Option<&str> {
         match &self.trouble {
             None if self.found.is_empty() => Some("no file matches: press Backspace to shorten the search"),
             trouble => trouble.as_deref(),
         }
-    }
-
-    /// The tags of files.
-    pub fn tags(&self) -> &TagLibrary {
-        &self.tags
     }
 
     /// A number that grows whenever the list looks different.

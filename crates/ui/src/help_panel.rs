@@ -13,8 +13,9 @@ const PAGE: usize = 8;
 pub struct HelpPanel {
     query: TextQuery,
     /// Index among the matching rows.
-    selected: usize,
-    revision: u64,
+    pub selected: usize,
+    /// A number that grows whenever the table looks different.
+    pub revision: u64,
 }
 
 impl HelpPanel {
@@ -30,16 +31,6 @@ impl HelpPanel {
     /// The search text.
     pub fn query(&self) -> &str {
         self.query.text()
-    }
-
-    /// Index of the selected row among the matching rows of all groups.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
-    /// A number that grows whenever the table looks different.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// Handles a key; `command` is true while Ctrl or Command is held. Letters search, arrows select, and Enter
@@ -135,7 +126,7 @@ mod tests {
         assert_eq!(press(&mut help, NamedKey::Enter), [CLOSE, Command::Freeze(Switch::Toggle)]);
         assert_eq!(press(&mut help, NamedKey::Escape), []);
         typed(&mut help, "k");
-        let kept = help.rows()[help.selected()];
+        let kept = help.rows()[help.selected];
         assert_eq!(kept.command(), Some(Command::Keep(Switch::Toggle)), "the key that was typed is selected");
         let _ = press(&mut help, NamedKey::Escape);
         typed(&mut help, "for developers");
@@ -163,11 +154,11 @@ mod tests {
     #[test]
     fn arrows_stop_at_the_ends_and_repeating_keys_leave_the_table_open() {
         let mut help = HelpPanel::default();
-        assert_eq!((press(&mut help, NamedKey::ArrowUp), help.selected()), (vec![], 0));
+        assert_eq!((press(&mut help, NamedKey::ArrowUp), help.selected), (vec![], 0));
         let _ = press(&mut help, NamedKey::End);
-        let last = help.selected();
+        let last = help.selected;
         let _ = press(&mut help, NamedKey::PageDown);
-        assert_eq!((last, help.selected()), (bindings().count() - 1, last));
+        assert_eq!((last, help.selected), (bindings().count() - 1, last));
         let _ = press(&mut help, NamedKey::Home);
         let _ = press(&mut help, NamedKey::ArrowDown);
         assert_eq!(press(&mut help, NamedKey::Enter), [Command::SeekBy(-mariana_commands::SEEK_SECONDS)]);

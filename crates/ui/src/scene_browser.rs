@@ -58,15 +58,17 @@ pub struct SceneBrowser {
     found: Vec<usize>,
     query: TextQuery,
     /// Index in `found`.
-    selected: usize,
+    pub selected: usize,
     /// Index in `tiles` of the shown scene.
     present: Option<usize>,
     /// Number of tiles side by side at the last drawing.
     columns: usize,
     favourites: BTreeSet<String>,
-    filters: Filters,
+    /// The filters by mood and energy.
+    pub filters: Filters,
     moving: Option<Moving>,
-    revision: u64,
+    /// A number that grows whenever the list looks different.
+    pub revision: u64,
 }
 
 /// The tile that moves.
@@ -139,24 +141,9 @@ impl SceneBrowser {
         self.query.text()
     }
 
-    /// Index of the selected tile among the matching tiles.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
     /// True if the matching tile at an index is the shown scene.
     pub fn is_present(&self, place: usize) -> bool {
         self.present.is_some() && self.found.get(place) == self.present.as_ref()
-    }
-
-    /// A number that grows whenever the list looks different.
-    pub fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    /// The filters by mood and energy.
-    pub fn filters(&self) -> &Filters {
-        &self.filters
     }
 
     /// The frames of the moving thumbnail, if the matching tile at an index moves.
@@ -348,7 +335,7 @@ mod tests {
     #[test]
     fn scenes_are_found_by_typing_and_shown_by_enter() {
         let mut browser = browser(&["barth", "city", "clockwork", "speakers", "quick"]);
-        assert_eq!((browser.selected(), browser.is_present(1)), (1, true));
+        assert_eq!((browser.selected, browser.is_present(1)), (1, true));
         typed(&mut browser, "C");
         assert_eq!(names(&browser), ["city", "clockwork", "quick"], "names that begin with it come first");
         typed(&mut browser, "LO");
@@ -372,7 +359,7 @@ mod tests {
         browser.columns = 3;
         let mut go = |key| {
             let _ = browser.take_key(&Key::Named(key), false);
-            browser.selected()
+            browser.selected
         };
         assert_eq!(go(NamedKey::ArrowDown), 4);
         assert_eq!(go(NamedKey::ArrowDown), 4);
@@ -387,10 +374,10 @@ mod tests {
         let _ = browser.take_key(&Key::Named(NamedKey::End), false);
         let marked = Command::MarkScenes(["c".to_owned()].into());
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Tab), false), [marked]);
-        assert_eq!((names(&browser), browser.selected()), (vec!["c", "a", "b"], 0));
+        assert_eq!((names(&browser), browser.selected), (vec!["c", "a", "b"], 0));
         assert!(browser.is_present(2));
         assert_eq!(browser.mark(0), [Command::MarkScenes(BTreeSet::new())]);
-        assert_eq!((names(&browser), browser.selected()), (vec!["a", "b", "c"], 2));
+        assert_eq!((names(&browser), browser.selected), (vec!["a", "b", "c"], 2));
     }
 
     fn described(names: &[(&str, &[&str], (f32, f32))]) -> SceneBrowser {
@@ -415,7 +402,7 @@ mod tests {
             ("moon", &["calm", "night"], (0.0, 0.4)),
             ("fire", &["wild"], (0.7, 1.0)),
         ]);
-        assert_eq!(browser.filters().moods(), ["calm", "night", "wet"], "moods of one scene are left out");
+        assert_eq!(browser.filters.moods, ["calm", "night", "wet"], "moods of one scene are left out");
         let press = |browser: &mut SceneBrowser, letter: &str| {
             assert_eq!(browser.take_key(&Key::Character(letter.to_owned()), true), []);
         };
@@ -432,7 +419,7 @@ mod tests {
         for _ in 0..4 {
             press(&mut browser, "e");
         }
-        assert!(!browser.filters().are_any(), "after the last energy come all scenes");
+        assert!(!browser.filters.are_any(), "after the last energy come all scenes");
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
         typed(&mut browser, "wild");
         assert_eq!(names(&browser), ["fire"], "moods are found by typing");

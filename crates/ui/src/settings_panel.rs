@@ -50,35 +50,17 @@ pub struct SettingsPanel {
     /// All rows, without the fold.
     all: Vec<SettingRow>,
     /// The visible rows, and the fold.
-    rows: Vec<SettingRow>,
+    pub rows: Vec<SettingRow>,
     shows_advanced: bool,
-    selected: usize,
+    /// The index of the selected row.
+    pub selected: usize,
     /// When the user last changed a setting that the image shows.
-    turned: Option<Instant>,
-    revision: u64,
+    pub turned: Option<Instant>,
+    /// A number that grows whenever the panel looks different.
+    pub revision: u64,
 }
 
 impl SettingsPanel {
-    /// The visible rows, from the top.
-    pub fn rows(&self) -> &[SettingRow] {
-        &self.rows
-    }
-
-    /// The index of the selected row.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
-    /// A number that grows whenever the panel looks different.
-    pub fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    /// When the user last changed a setting that the image shows.
-    pub fn turned(&self) -> Option<Instant> {
-        self.turned
-    }
-
     /// Updates the rows and keeps the same setting selected.
     pub fn update(&mut self, facts: &Facts<'_>) {
         let all = rows(facts);
@@ -296,7 +278,7 @@ pub(crate) mod tests {
     }
 
     fn select(panel: &mut SettingsPanel, name: &str) {
-        let row = panel.rows().iter().position(|row| row.name == name).unwrap();
+        let row = panel.rows.iter().position(|row| row.name == name).unwrap();
         panel.select(row);
     }
 
@@ -304,10 +286,10 @@ pub(crate) mod tests {
     fn arrows_select_and_change_and_enter_cycles() {
         use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter};
         let mut panel = panel(&Choices::default(), None);
-        assert_eq!((press(&mut panel, ArrowUp), panel.selected()), (None, 0));
+        assert_eq!((press(&mut panel, ArrowUp), panel.selected), (None, 0));
         // Enter on the chosen output has no effect, and arrows do not try other outputs.
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
-        assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
+        assert_eq!((press(&mut panel, ArrowDown), panel.selected), (None, 1));
         assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));
         select(&mut panel, "Image delay");
         let shift = |milliseconds| Some(Command::Delay(Delay { milliseconds, settled: true }));
@@ -332,7 +314,7 @@ pub(crate) mod tests {
         update(&mut panel, &off, None, &["usb", "tv"]);
         assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(true)));
         (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
-        assert_eq!(panel.rows()[panel.selected()].name, "Crop");
+        assert_eq!(panel.rows[panel.selected].name, "Crop");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
             assert_eq!(panel.take_key(&key), (false, None), "{key:?} belongs to the show");
@@ -344,15 +326,15 @@ pub(crate) mod tests {
         let choices = Choices::default();
         let mut panel = panel(&choices, None);
         select(&mut panel, "Lift quiet music");
-        let revision = panel.revision();
+        let revision = panel.revision;
         update(&mut panel, &choices, None, &["usb", "tv"]);
-        assert_eq!(panel.revision(), revision, "nothing has changed");
+        assert_eq!(panel.revision, revision, "nothing has changed");
         update(&mut panel, &choices, None, &[]);
-        assert_eq!(panel.rows()[panel.selected()].name, "Lift quiet music");
-        assert!(panel.revision() > revision);
+        assert_eq!(panel.rows[panel.selected].name, "Lift quiet music");
+        assert!(panel.revision > revision);
         select(&mut panel, "THE SYSTEM'S DEFAULT");
         update(&mut panel, &choices, None, &["a", "b"]);
-        assert_eq!(panel.selected(), 0);
+        assert_eq!(panel.selected, 0);
     }
 
     #[test]
@@ -360,9 +342,9 @@ pub(crate) mod tests {
         let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
         let mut panel = panel(&choices, None);
         let marked: Vec<&str> =
-            panel.rows().iter().filter(|row| row.for_this_run).map(|row| &*row.name).collect();
+            panel.rows.iter().filter(|row| row.for_this_run).map(|row| &*row.name).collect();
         assert_eq!(marked, ["Quality"]);
-        let row = panel.rows().iter().position(|row| row.name == "Quality").unwrap();
+        let row = panel.rows.iter().position(|row| row.name == "Quality").unwrap();
         assert_eq!(panel.pick(row, 3), set(Setting::Quality(QualityChoice::High)));
         assert_eq!((panel.pick(row, 99), panel.pick(99, 0)), (None, None));
     }
@@ -371,10 +353,10 @@ pub(crate) mod tests {
     fn every_row_has_a_description_without_flags_and_code() {
         let mut panel = panel(&Choices::default(), Some("tv"));
         select(&mut panel, "Advanced");
-        let folded = panel.rows().len();
+        let folded = panel.rows.len();
         let _ = press(&mut panel, NamedKey::Enter);
-        assert!(panel.rows().len() > folded + 2 && panel.rows()[panel.selected()].name == "Advanced");
-        let mut rows = panel.rows().to_vec();
+        assert!(panel.rows.len() > folded + 2 && panel.rows[panel.selected].name == "Advanced");
+        let mut rows = panel.rows.to_vec();
         // Each value of a setting may have an explanation of its own.
         for tone_map in [None].into_iter().chain(ToneMap::ALL.map(Some)) {
             rows.extend(Choices { tone_map, ..Choices::default() }.rows(&Choices::default()));
@@ -392,7 +374,7 @@ pub(crate) mod tests {
             }
         }
         let _ = press(&mut panel, NamedKey::ArrowLeft);
-        assert_eq!(panel.rows().len(), folded);
+        assert_eq!(panel.rows.len(), folded);
         assert_eq!([whole_steps(12.4), whole_steps(-1e9), whole_steps(-2.6)], [10.0, -5_000.0, -5.0]);
     }
 }

@@ -17,10 +17,11 @@ use crate::text_query::TextQuery;
 /// The tracks, the selected row and the search.
 #[derive(Debug)]
 pub struct TrackPanel {
-    list: Arc<ListedTracks>,
+    /// The whole list.
+    pub list: Arc<ListedTracks>,
     tags: TagLibrary,
     /// The selected row.
-    selected: usize,
+    pub selected: usize,
     /// The search text; `None` if there is no search.
     query: Option<TextQuery>,
     /// The indices of the matching tracks, during a search.
@@ -44,11 +45,6 @@ impl TrackPanel {
         }
     }
 
-    /// The whole list.
-    pub fn list(&self) -> &ListedTracks {
-        &self.list
-    }
-
     /// The number of rows: of matching tracks during a search, otherwise of all tracks.
     pub fn rows(&self) -> usize {
         if self.is_filtered() { self.found.len() } else { self.list.entries.len() }
@@ -63,11 +59,6 @@ impl TrackPanel {
     /// The tags of the track at an index, as far as they are known.
     pub fn tags_of(&self, index: usize) -> TrackTags {
         self.list.entries.get(index).map(|track| self.tags.of_track(track)).unwrap_or_default()
-    }
-
-    /// The selected row.
-    pub fn selected(&self) -> usize {
-        self.selected
     }
 
     /// The search text; `None` if there is no search.
@@ -223,14 +214,14 @@ mod tests {
     #[test]
     fn keys_select_play_move_and_remove() {
         let mut panel = panel(&["a", "b", "c"], 1);
-        assert_eq!(panel.selected(), 1);
+        assert_eq!(panel.selected, 1);
         assert_eq!(key(&mut panel, NamedKey::ArrowDown), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::ArrowDown), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::Enter), Some(vec![Command::PlayTrack(2)]));
         let alt_up = panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT);
-        assert_eq!((alt_up, panel.selected()), (Some(vec![Command::MoveTrack((2, 1))]), 1));
+        assert_eq!((alt_up, panel.selected), (Some(vec![Command::MoveTrack((2, 1))]), 1));
         let alt_home = panel.take_key(&Key::Named(NamedKey::Home), Modifiers::ALT);
-        assert_eq!((alt_home, panel.selected()), (Some(vec![Command::MoveTrack((1, 0))]), 0));
+        assert_eq!((alt_home, panel.selected), (Some(vec![Command::MoveTrack((1, 0))]), 0));
         assert_eq!(panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::Delete), Some(vec![Command::RemoveTrack(0)]));
         assert_eq!(letter(&mut panel, "z", Modifiers::CONTROL), Some(vec![Command::UndoTracks]));
@@ -246,7 +237,7 @@ mod tests {
             assert_eq!(key(&mut panel, pressed), Some(vec![]), "{pressed:?}");
             assert_eq!(panel.take_key(&Key::Named(pressed), Modifiers::ALT).unwrap_or_default(), []);
         }
-        assert_eq!((panel.selected(), panel.track_in(0)), (0, None));
+        assert_eq!((panel.selected, panel.track_in(0)), (0, None));
         assert_eq!(panel.totals(|_| "x".into()), "0 tracks");
     }
 
@@ -267,8 +258,8 @@ mod tests {
         assert_eq!(panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
         // The list changes during the search.
         panel.update(&list(&["x", "Ebb", "y", "Ebb"]));
-        assert_eq!((panel.rows(), panel.selected(), panel.track_in(1)), (2, 1, Some(3)));
+        assert_eq!((panel.rows(), panel.selected, panel.track_in(1)), (2, 1, Some(3)));
         assert_eq!(key(&mut panel, NamedKey::Enter), Some(vec![Command::PlayTrack(3)]));
-        assert_eq!((panel.query(), panel.rows(), panel.selected()), (None, 4, 3));
+        assert_eq!((panel.query(), panel.rows(), panel.selected), (None, 4, 3));
     }
 }

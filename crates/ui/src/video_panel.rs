@@ -56,33 +56,21 @@ pub struct VideoOption {
 /// The rows and the selection.
 #[derive(Debug, Default)]
 pub struct VideoPanel {
-    rows: Vec<VideoRow>,
-    selected: usize,
+    /// The rows, from the top.
+    pub rows: Vec<VideoRow>,
+    /// The index of the selected row.
+    pub selected: usize,
     /// The index of the selected action or option of a row with buttons.
     button: usize,
-    revision: u64,
+    /// A number that grows whenever the panel looks different.
+    pub revision: u64,
 }
 
 impl VideoPanel {
-    /// The rows, from the top.
-    pub fn rows(&self) -> &[VideoRow] {
-        &self.rows
-    }
-
-    /// The index of the selected row.
-    pub fn selected(&self) -> usize {
-        self.selected
-    }
-
     /// The index of the selected button of the selected row, if the row has buttons.
     pub fn selected_button(&self) -> Option<usize> {
         let count = self.rows.get(self.selected).map_or(0, buttons);
         (count > 0).then(|| self.button.min(count - 1))
-    }
-
-    /// A number that grows whenever the panel looks different.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// Replaces the rows and keeps the same row selected. The first time, selects the last row, which makes a video.

@@ -15,7 +15,7 @@ pub(super) struct Drawing<'a> {
     holding: Holding,
     card: Option<TitleCard>,
     captions: Option<LyricCaptions>,
-    expected: Option<u64>,
+    pub(super) expected: Option<u64>,
 }
 
 impl<'a> Drawing<'a> {
@@ -43,18 +43,13 @@ impl<'a> Drawing<'a> {
         let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
         let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
         if request.limit_flashes {
-            painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
+            painter.headless_renderer.add_flash_limiter(&request.scene.shaders)?;
         }
         painter.graphs().for_each(|graph| song.know_for(graph));
-        painter.headless_renderer().hear(&song)?;
-        painter.headless_renderer().expect_video();
+        painter.headless_renderer.hear(&song)?;
+        painter.headless_renderer.expect_video();
         let holding = Holding::new(request.gain, request.start);
         Ok(Self { request, song, painter, holding, card, captions, expected })
-    }
-
-    /// The number of frames, as far as it is known.
-    pub(super) fn expected(&self) -> Option<u64> {
-        self.expected
     }
 
     /// Draws a frame; `None` after the song's end. Numbers must not decrease.
@@ -65,8 +60,8 @@ impl<'a> Drawing<'a> {
         let held = holding.at(painter, song, time)?;
         let exposures = request.shutter.exposures(song, (time, sound), 1.0 / request.fps)?;
         painter.draw(time, exposures, held, request.size)?;
-        painter.headless_renderer().limit_flashes(1.0 / request.fps)?;
-        Ok(Some(painter.headless_renderer().read()))
+        painter.headless_renderer.limit_flashes(1.0 / request.fps)?;
+        Ok(Some(painter.headless_renderer.read()))
     }
 
     /// Writes title and lyrics over the frame with this number in the video.

@@ -165,7 +165,7 @@ pub(super) fn write_part(
     }
     let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
     let mut drawing = Drawing::open(request, asked, false)?;
-    let Some(total) = drawing.expected() else {
+    let Some(total) = drawing.expected else {
         return refused("a song of unknown length", "add --duration");
     };
     let (first, end) = part.range(total);

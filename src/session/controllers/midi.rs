@@ -13,9 +13,9 @@ use mariana_control::midi::{
 };
 use mariana_control::{InputQueue, Param};
 
-pub(super) struct Midi {
+pub(crate) struct Midi {
     hub: Option<MidiHub>,
-    memory: KnobMemory,
+    pub(super) memory: KnobMemory,
     learning: Option<Learning>,
     /// The connected devices in the last report; `None` before the first check.
     reported: Option<Vec<String>>,
@@ -23,7 +23,7 @@ pub(super) struct Midi {
     news: Vec<(String, bool)>,
     zero: Instant,
     /// Counts the changes to the mappings, and the starts and ends of learning.
-    revision: u64,
+    pub(super) revision: u64,
 }
 
 impl Midi {
@@ -79,40 +79,28 @@ impl Midi {
         self.hub.as_ref().map(MidiHub::state)
     }
 
-    pub(super) fn mappings(&self) -> &[Mapping] {
-        self.memory.file().mappings.list()
-    }
-
-    pub(super) fn follows_clock(&self) -> bool {
-        self.memory.file().clock
-    }
-
     /// The last reading of the MIDI clock, if it is followed, and that clock's current time in seconds.
-    pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
-        self.hub.as_ref().filter(|_| self.follows_clock())?.clock()
-    }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
+    pub(crate) fn clock(&self) -> Option<(ClockReading, f64)> {
+        self.hub.as_ref().filter(|_| self.memory.file().clock)?.clock()
     }
 
     pub(super) fn learning(&self) -> Option<&Target> {
         self.learning.as_ref().map(Learning::target)
     }
 
-    pub(super) fn learn(&mut self, target: Target) {
+    pub(crate) fn learn(&mut self, target: Target) {
         let is_same = self.learning() == Some(&target);
         self.learning = (!is_same).then(|| Learning::of(target));
         self.revision += 1;
     }
 
-    pub(super) fn stop_learning(&mut self) -> bool {
+    pub(crate) fn stop_learning(&mut self) -> bool {
         let learned = self.learning.take().is_some();
         self.revision += u64::from(learned);
         learned
     }
 
-    pub(super) fn edit(&mut self, edit: &KnobEdit) {
+    pub(crate) fn edit(&mut self, edit: &KnobEdit) {
         self.memory.change(edit);
         self.revision += 1;
     }
@@ -157,7 +145,7 @@ impl Midi {
     fn note_encoder(&mut self, knob: &KnobMove) {
         let KnobMove { source, device, encoding: Some(encoding), .. } = knob else { return };
         let is_new = |one: &&Mapping| one.encoding.is_none() && one.is_moved_by(knob);
-        let new: Vec<Mapping> = self.mappings().iter().filter(is_new).cloned().collect();
+        let new: Vec<Mapping> = self.memory.file().mappings.list().iter().filter(is_new).cloned().collect();
         if !new.is_empty() {
             self.news.push((format!("{source} of {device} is an endless knob"), true));
         }
@@ -171,7 +159,7 @@ impl Midi {
         let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
         self.learning = None;
-        let is_known = self.mappings().iter().any(|one| {
+        let is_known = self.memory.file().mappings.list().iter().any(|one| {
             (&one.device, one.source, &one.target) == (&mapping.device, mapping.source, &mapping.target)
         });
         let (device, source, target) = (mapping.device.clone(), mapping.source, words_of(&mapping.target));

@@ -16,15 +16,13 @@ use midi::Midi;
 use network::Network;
 use phone::Phones;
 
-use crate::config::{ControllerSettings, Folders, KnobEdit};
+use crate::config::{ControllerSettings, Folders};
 use crate::scenes::SceneSource;
 use crate::session::frame_times::FrameTimes;
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
-use crate::thumbnails::Looked;
-use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
+use mariana_control::midi::{KnobMove, Outcome, Target};
 use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
-use mariana_music::{Features, SongMoment};
 
 /// Minimum interval between two input batches: a flood of messages must not keep the session from drawing.
 const INTERVAL: Duration = Duration::from_millis(4);
@@ -36,14 +34,14 @@ const PANEL_AGE: Duration = Duration::from_millis(100);
 pub(crate) struct Controllers {
     input_queue: InputQueue,
     board: Board,
-    network: Network,
-    phones: Phones,
-    midi: Midi,
+    pub(super) network: Network,
+    pub(super) phones: Phones,
+    pub(super) midi: Midi,
     /// Earliest time of the next input batch.
     free: Instant,
     /// Arrival time of the first input that no frame shows yet, and the first scene revision with this input.
     unseen: Option<(Instant, u64)>,
-    times: FrameTimes,
+    pub(crate) times: FrameTimes,
     board_due: Instant,
     /// Time of the next update of the panel, and the mappings' revision that the panel shows.
     panel_due: Instant,
@@ -82,10 +80,6 @@ impl Controllers {
         self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news())
     }
 
-    pub(crate) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
-        self.network.note_sound(features, song, now);
-    }
-
     /// Returns `true` if the state that controllers can read must be updated. `turned` is true after input.
     pub(crate) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
         let is_asked = self.network.is_asked() || self.phones.is_asked();
@@ -109,10 +103,6 @@ impl Controllers {
         let of =
             |title: String| all.iter().find(|(known, _)| *known == title).map(|(_, source)| source.clone());
         self.phones.wanted_pictures().into_iter().filter_map(of).collect()
-    }
-
-    pub(crate) fn note_picture(&mut self, looked: &Looked) {
-        self.phones.note_picture(looked);
     }
 
     pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
@@ -146,18 +136,6 @@ impl Controllers {
         }
     }
 
-    pub(crate) fn learn(&mut self, target: Target) {
-        self.midi.learn(target);
-    }
-
-    pub(crate) fn stop_learning(&mut self) -> bool {
-        self.midi.stop_learning()
-    }
-
-    pub(crate) fn edit(&mut self, edit: &KnobEdit) {
-        self.midi.edit(edit);
-    }
-
     /// The reason why MIDI is not available, as the end of a message; `None` if MIDI is available.
     pub(crate) fn midi_trouble(&self) -> Option<String> {
         match self.midi.state() {
@@ -174,24 +152,20 @@ impl Controllers {
             osc: self.network.state(),
             phone: self.phones.facts(),
             midi: self.midi.state(),
-            clock: self.midi.follows_clock(),
+            clock: self.midi.memory.file().clock,
             clock_tempo: self.midi.clock().map(|(reading, _)| reading.tempo),
             counts: (messages, refusals.count()),
-            mappings: self.midi.mappings(),
+            mappings: self.midi.memory.file().mappings.list(),
             learning: self.midi.learning(),
         }
     }
 
     pub(crate) fn panel_is_due(&mut self, now: Instant) -> bool {
-        let is_due = now >= self.panel_due || self.midi.revision() != self.panel_revision;
+        let is_due = now >= self.panel_due || self.midi.revision != self.panel_revision;
         if is_due {
-            (self.panel_due, self.panel_revision) = (now + PANEL_AGE, self.midi.revision());
+            (self.panel_due, self.panel_revision) = (now + PANEL_AGE, self.midi.revision);
         }
         is_due
-    }
-
-    pub(crate) fn clock(&self) -> Option<(ClockReading, f64)> {
-        self.midi.clock()
     }
 
     pub(crate) fn are_unseen(&self) -> bool {
@@ -207,10 +181,6 @@ impl Controllers {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
             self.times.note(clock::since(since));
         }
-    }
-
-    pub(crate) fn times(&self) -> &FrameTimes {
-        &self.times
     }
 
     pub(crate) fn due(&self) -> Option<Instant> {

@@ -12,7 +12,7 @@ use mariana_control::{Board, InputQueue};
 use mariana_field::graph::{LevelList, SoundInput};
 use mariana_music::{Features, SongMoment};
 
-pub(super) struct Network {
+pub(crate) struct Network {
     receiver: Option<OscReceiver>,
     sender: Option<OscSender>,
     interval: Duration,
@@ -86,7 +86,7 @@ impl Network {
         self.sender.as_ref().map(|_| self.sample_due)
     }
 
-    pub(super) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
+    pub(crate) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         let Some(sender) = self.sender.as_ref().filter(|_| now >= self.sample_due) else { return };
         self.sample_due = now + self.interval;
         sender.put(sample(features, song));

@@ -8,7 +8,7 @@ use crate::ui::controllers_panel::PhoneFacts;
 use mariana_control::{Board, InputQueue};
 use mariana_remote::{Album, Remote, RemoteState};
 
-pub(super) struct Phones {
+pub(crate) struct Phones {
     remote: Option<Remote>,
     album: Album,
     reported: RemoteState,
@@ -39,7 +39,7 @@ impl Phones {
         self.album.take_wanted()
     }
 
-    pub(super) fn note_picture(&self, looked: &Looked) {
+    pub(crate) fn note_picture(&self, looked: &Looked) {
         if self.remote.is_none() {
             return;
         }

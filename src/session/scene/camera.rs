@@ -4,11 +4,11 @@ use super::active_clips::ActiveClips;
 use crate::frame::orbit_controls::OrbitControls;
 
 pub(super) struct SceneCamera {
-    orbit: OrbitControls,
+    pub(super) orbit: OrbitControls,
     shown: OrbitControls,
     /// The pitch of the scene's own camera above its target in the last frame, in radians.
     own_pitch: f64,
-    revision: u64,
+    pub(super) revision: u64,
 }
 
 impl Default for SceneCamera {
@@ -40,10 +40,6 @@ impl SceneCamera {
         self.orbit = OrbitControls::OFF;
     }
 
-    pub(super) fn orbit(&self) -> OrbitControls {
-        self.orbit
-    }
-
     /// Returns the camera motion at `time` seconds of the song: the user's, or otherwise the show's.
     pub(super) fn at(&self, clips: &ActiveClips<'_>, time: f64) -> OrbitControls {
         match clips.last() {
@@ -58,10 +54,6 @@ impl SceneCamera {
 
     pub(super) fn note_own_pitch(&mut self, pitch: f64) {
         self.own_pitch = pitch;
-    }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
     }
 }
 
@@ -80,6 +72,6 @@ mod tests {
         assert_eq!(camera.at(&ActiveClips::default(), 0.0), wanted);
         assert!(camera.move_by(|orbit, _| orbit.zoom(1.0)).is_none(), "once");
         camera.give_back();
-        assert_eq!((camera.orbit(), camera.revision()), (OrbitControls::OFF, 3));
+        assert_eq!((camera.orbit, camera.revision), (OrbitControls::OFF, 3));
     }
 }

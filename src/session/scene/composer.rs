@@ -87,13 +87,13 @@ pub(crate) struct SceneComposer {
     making: Option<Making>,
     /// True if the last frame was abandoned for a new version of its scene, as when keys are faster than frames.
     has_interrupted: bool,
-    pub(super) pictures: SeenPictures,
-    projection: Projection,
+    pub(crate) pictures: SeenPictures,
+    pub(super) projection: Projection,
     textures: LiveTextures,
     song_shapes: LiveSongShapes,
-    pub(super) regions: SceneRegions,
-    pub(super) fading: Fading,
-    change: SceneChange,
+    pub(crate) regions: SceneRegions,
+    pub(crate) fading: Fading,
+    pub(super) change: SceneChange,
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
@@ -182,7 +182,7 @@ impl SceneComposer {
         (go, revision): (Duration, u64),
     ) -> Result<Option<Drawn>, GpuError> {
         let Some((id, mode)) = shown(of) else { return Ok(None) };
-        let now = (id, mode, self.views.choice());
+        let now = (id, mode, self.views.choice);
         let drawn = loop {
             if self.making.is_none() {
                 self.making = self.begin(of, renderer, now, picture, revision)?;
@@ -223,7 +223,7 @@ impl SceneComposer {
     /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in progress now.
     fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture<'_>) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
-        let now = (id, mode, self.views.choice());
+        let now = (id, mode, self.views.choice);
         let is_of_use = |making: &Making| {
             (making.shown.size, making.shown.edges) == (wanted.size, wanted.edges) && making.of == now
         };
@@ -312,10 +312,6 @@ impl SceneComposer {
         Ok(begun)
     }
 
-    pub(super) fn projection(&self) -> Projection {
-        self.projection
-    }
-
     /// Draws frames of feedback before the image `frame` of a scene at `now` seconds. Views show none.
     fn feed_back(
         &mut self,
@@ -325,7 +321,7 @@ impl SceneComposer {
         (now, frame): (f64, &Frame),
         picture: &WantedPicture<'_>,
     ) -> Result<(), GpuError> {
-        let Some(program) = scene.program(mode).filter(|_| self.views.choice().is_none()) else {
+        let Some(program) = scene.program(mode).filter(|_| self.views.choice.is_none()) else {
             return Ok(());
         };
         let mut pace = std::mem::take(&mut self.feedback);
@@ -347,7 +343,7 @@ impl SceneComposer {
         match below {
             Some(below) => (
                 self.change.numbers(scene, below, time, of.parameters),
-                self.change.camera(below, time, self.camera.orbit()),
+                self.change.camera(below, time, self.camera.orbit),
             ),
             None => (numbers_of(of, scene, time), self.camera_at(of, time)),
         }
@@ -382,7 +378,7 @@ impl SceneComposer {
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
-        if self.views.choice().is_some() {
+        if self.views.choice.is_some() {
             return None;
         }
         if self.fading.goes_on() {
@@ -393,10 +389,11 @@ impl SceneComposer {
     }
 
     fn fades_with_both(&self, of: Ingredients<'_>) -> bool {
-        if self.views.choice().is_some() || self.fading.goes_on() {
+        if self.views.choice.is_some() || self.fading.goes_on() {
             return false;
         }
-        let outgoing = of.show.last_time().and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
+        let outgoing =
+            of.show.course.last_time.and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
         outgoing.is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.stands_still())
     }
 
@@ -406,21 +403,21 @@ impl SceneComposer {
     }
 
     pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
-        self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
+        self.change.note_left(left, self.pictures.took(), self.camera.orbit, show, parameters);
     }
 
     /// Starts a fade from the outgoing to the incoming scene. Cuts during a view, whose colours encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
             self.fading.cut();
-        } else if self.views.choice().is_none() {
+        } else if self.views.choice.is_none() {
             self.fading.want();
         }
     }
 
     /// Fades the frozen frame out within `seconds`. Cuts if a view is shown, or if a show's fade draws both scenes.
     pub(super) fn fade_from_held(&mut self, seconds: f64, of: Ingredients<'_>) {
-        if self.views.choice().is_some() || self.fades_with_both(of) {
+        if self.views.choice.is_some() || self.fades_with_both(of) {
             self.fading.cut();
         } else {
             self.fading.release(seconds);
@@ -430,7 +427,7 @@ impl SceneComposer {
 
     /// Mixes a `fraction` of the frame that a show holds into the next frames. `None` ends the mixing.
     pub(crate) fn mix_held(&mut self, fraction: Option<f32>) {
-        if self.views.choice().is_none() {
+        if self.views.choice.is_none() {
             self.fading.mix_held(fraction);
         }
         self.revision += 1;
@@ -455,7 +452,7 @@ impl SceneComposer {
     pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
         // Ignore the times of views, which use other programs, and of fades, which draw two scenes.
-        if self.views.choice().is_some() || of.scenes.fading_out.is_some() {
+        if self.views.choice.is_some() || of.scenes.fading_out.is_some() {
             return;
         }
         let built = scene.resources.regions();
@@ -472,18 +469,13 @@ impl SceneComposer {
     pub(super) fn rests_on(&self, scene: u64) -> bool {
         self.pictures.scene() == Some(scene)
             && self.making.is_none()
-            && self.views.choice().is_none()
+            && self.views.choice.is_none()
             && !self.fading.goes_on()
     }
 
     /// True if the frame in progress must be finished: an edit may cancel a frame, but never two in a row.
     pub(super) fn must_finish(&self) -> bool {
         self.making.is_some() && self.has_interrupted
-    }
-
-    /// True while a frame of two scenes is in progress. Both are drawn with the values of one moment.
-    pub(super) fn is_between_scenes(&self) -> bool {
-        self.change.is_begun()
     }
 
     pub(crate) fn seconds_of_picture(&self) -> Option<f64> {
@@ -494,24 +486,8 @@ impl SceneComposer {
         self.making = None;
     }
 
-    pub(crate) fn has_regions(&self) -> bool {
-        self.regions.have_come()
-    }
-
-    pub(crate) fn pictures(&self) -> &SeenPictures {
-        &self.pictures
-    }
-
-    pub(crate) fn fading(&self) -> &Fading {
-        &self.fading
-    }
-
-    pub(crate) fn fading_mut(&mut self) -> &mut Fading {
-        &mut self.fading
-    }
-
     pub(crate) fn view(&self) -> Option<ViewChoice> {
-        self.views.choice()
+        self.views.choice
     }
 
     pub(crate) fn look_different(&mut self) {
@@ -556,7 +532,7 @@ impl SceneComposer {
     }
 
     pub(super) fn revision(&self) -> u64 {
-        self.revision + self.views.revision() + self.camera.revision()
+        self.revision + self.views.revision + self.camera.revision
     }
 }
 

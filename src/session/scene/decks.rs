@@ -27,11 +27,11 @@ pub(crate) struct Decks {
     /// 0 shows the first deck, 1 the second.
     crossfade: Glide,
     /// Index in [`MIXES`].
-    mix: usize,
+    pub(crate) mix: usize,
     /// When a deck was loaded last, in seconds of the song.
-    loaded: f64,
+    pub(super) loaded: f64,
     /// Index of the deck whose parameters the sliders and controllers change.
-    in_hand: usize,
+    pub(crate) in_hand: usize,
 }
 
 impl Decks {
@@ -52,10 +52,6 @@ impl Decks {
 
     pub(super) fn transition(&self) -> TransitionKind {
         MIXES[self.mix].0
-    }
-
-    pub(super) fn loaded_at(&self) -> f64 {
-        self.loaded
     }
 
     /// Returns the position of the fader of [`Self::show`].
@@ -109,11 +105,6 @@ impl Decks {
         self.mix = mix.min(MIXES.len() - 1);
     }
 
-    /// Index in [`MIXES`].
-    pub(crate) fn mix(&self) -> usize {
-        self.mix
-    }
-
     pub(crate) fn scenes(&self) -> &[SceneSource; 2] {
         &self.scenes
     }
@@ -134,10 +125,6 @@ impl Decks {
         self.in_hand = deck.min(1);
     }
 
-    pub(crate) fn in_hand(&self) -> usize {
-        self.in_hand
-    }
-
     /// The scene whose parameters the sliders and controllers change.
     pub(super) fn scene_in_hand(&self) -> &SceneSource {
         &self.scenes[self.in_hand]
@@ -156,7 +143,7 @@ mod tests {
         decks.set_crossfade(0.75);
         assert_eq!((decks.fader(0.0), decks.cued(0.0)), (0.75, 0));
         assert!(decks.load(0, heart.clone(), 4.0));
-        assert_eq!((decks.pair(), decks.fader(0.0), decks.loaded_at()), ([&city, &heart], 0.25, 4.0));
+        assert_eq!((decks.pair(), decks.fader(0.0), decks.loaded), ([&city, &heart], 0.25, 4.0));
         assert!(!decks.load(0, city.clone(), 5.0), "a scene cannot be mixed with itself");
         let show = decks.show();
         let moment = show.timeline().map(|timeline| timeline.at_end_with(decks.fader(0.0))).unwrap();
@@ -178,6 +165,6 @@ mod tests {
         decks.set_crossfade(-3.0);
         assert_eq!(decks.crossfade(14.0), 0.0);
         decks.mix_by(99);
-        assert_eq!(MIXES[decks.mix()].1, "plane");
+        assert_eq!(MIXES[decks.mix].1, "plane");
     }
 }

@@ -14,7 +14,7 @@ pub(super) struct Knob {
 
 #[derive(Default)]
 pub(super) struct SceneKnobs {
-    sliders: Vec<Slider>,
+    pub(super) sliders: Vec<Slider>,
     knobs: Vec<Knob>,
 }
 
@@ -42,14 +42,6 @@ impl SceneKnobs {
         });
         let (sliders, knobs) = pairs.unzip();
         Self { sliders, knobs }
-    }
-
-    pub(super) fn sliders(&self) -> &[Slider] {
-        &self.sliders
-    }
-
-    pub(super) fn sliders_mut(&mut self) -> &mut [Slider] {
-        &mut self.sliders
     }
 
     /// Updates the bindings that the sliders show. `bound` returns the binding of a scene's parameter.

@@ -13,23 +13,19 @@ const GO: Duration = Duration::from_millis(100);
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
 pub(crate) struct SceneLibrary {
-    loader: SceneLoader,
+    pub(super) loader: SceneLoader,
     list: SceneList,
     /// The last requested scene: shown, or being loaded.
-    wanted: SceneSource,
+    pub(crate) wanted: SceneSource,
     edit: AwaitedEdit,
     /// True while the scene's text is being edited: mistakes in it are temporary.
-    is_written: bool,
+    pub(super) is_written: bool,
 }
 
 impl SceneLibrary {
     pub(super) fn new(loader: SceneLoader, wanted: SceneSource) -> Self {
         let list = SceneList::around(&wanted);
         Self { loader, list, wanted, edit: AwaitedEdit::default(), is_written: false }
-    }
-
-    pub(crate) fn wanted(&self) -> &SceneSource {
-        &self.wanted
     }
 
     /// All scenes of the list. Reads a folder.
@@ -58,10 +54,6 @@ impl SceneLibrary {
 
     pub(crate) fn set_written(&mut self, written: bool) {
         self.is_written = written;
-    }
-
-    pub(super) fn is_written(&self) -> bool {
-        self.is_written
     }
 
     /// Reloads the scene, because its draft has changed but its file has not.
@@ -105,10 +97,6 @@ impl SceneLibrary {
             }
         }
         None
-    }
-
-    pub(super) fn loader_mut(&mut self) -> &mut SceneLoader {
-        &mut self.loader
     }
 
     pub(super) fn into_loader(self) -> (SceneLoader, SceneSource) {

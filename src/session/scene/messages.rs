@@ -9,7 +9,7 @@ use mariana_control::Slider;
 pub(crate) struct Messages {
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
-    hint: Option<String>,
+    pub(super) hint: Option<String>,
     /// The latest technical remark, and the task it is about.
     remark: Option<(String, Option<u64>)>,
 }
@@ -40,10 +40,6 @@ impl Messages {
 
     pub(super) fn set_hint(&mut self, hint: Option<String>) {
         self.hint = hint;
-    }
-
-    pub(super) fn is_scene_awaited(&self) -> bool {
-        self.hint.is_some()
     }
 
     /// Replaces the remark in the status line (key I). The remark disappears when its `task` ends.
@@ -84,6 +80,6 @@ mod tests {
         assert_eq!(words.problem, Some(("orb has mistakes", "line 3")));
         assert_eq!(words.notice.map(|(text, _)| text), Some("compiled"));
         messages.clear_problem();
-        assert!(messages.with(&mut []).problem.is_none() && !messages.is_scene_awaited());
+        assert!(messages.with(&mut []).problem.is_none() && messages.hint.is_none());
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct DeckChanges<'a> {
 impl DeckChanges<'_> {
     /// Begins with the requested scene and the next one.
     pub(super) fn begin(&mut self) {
-        let shown = match self.library.wanted() {
+        let shown = match &self.library.wanted {
             SceneSource::Blend(blend) => blend.to.source.clone(),
             source => source.clone(),
         };
@@ -66,10 +66,10 @@ impl DeckChanges<'_> {
 
     /// Mixes the decks in another way, by its index in [`MIXES`]; `None` for the next way.
     pub(crate) fn mix_by(&mut self, mix: Option<usize>) {
-        self.change(|decks, _| decks.mix_by(mix.unwrap_or((decks.mix() + 1) % MIXES.len())));
+        self.change(|decks, _| decks.mix_by(mix.unwrap_or((decks.mix + 1) % MIXES.len())));
         self.show();
         if let Some(decks) = &*self.decks {
-            self.messages.answer(format!("the decks mix by {}", MIXES[decks.mix()].1));
+            self.messages.answer(format!("the decks mix by {}", MIXES[decks.mix].1));
         }
     }
 
@@ -77,7 +77,7 @@ impl DeckChanges<'_> {
     pub(crate) fn take_in_hand(&mut self, deck: usize) {
         self.change(|decks, _| decks.take_in_hand(deck));
         if let Some(decks) = &*self.decks {
-            let (title, letter) = (decks.scene_in_hand().title(), LETTERS[decks.in_hand()]);
+            let (title, letter) = (decks.scene_in_hand().title(), LETTERS[decks.in_hand]);
             self.messages.answer(format!("{title} on deck {letter} in hand: the sliders change it"));
         }
     }
@@ -88,7 +88,7 @@ impl DeckChanges<'_> {
         let mut is_loaded = false;
         self.change(|decks, _| {
             is_loaded = decks.load(deck, source, time);
-            decks.take_in_hand(if is_loaded { deck } else { decks.in_hand() });
+            decks.take_in_hand(if is_loaded { deck } else { decks.in_hand });
         });
         if is_loaded {
             self.show();

@@ -23,11 +23,11 @@ pub(crate) struct Parameters {
     /// The moment of the shown frame, in seconds of the model's clock.
     now: f64,
     /// The moment of the shown frame, in seconds of the song.
-    song_time: f64,
+    pub(super) song_time: f64,
     beats: BeatCount,
     turned: Option<TurnedNumbers>,
     /// Counts the changes after which a frame of the same moment would look different.
-    revision: u64,
+    pub(super) revision: u64,
 }
 
 /// New values for numbers in a text, by their offsets in it. They become inputs: nothing is parsed or compiled.
@@ -51,14 +51,6 @@ impl Parameters {
     pub(super) fn take_over(&mut self, (model, begun): (Model, Instant)) {
         let (beats, turned) = (self.beats, self.turned.take());
         *self = Self { revision: self.revision, beats, turned, ..Self::new(model, begun) };
-    }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    pub(super) fn song_time(&self) -> f64 {
-        self.song_time
     }
 
     /// Returns the time of the model's clock, in seconds.
@@ -90,7 +82,7 @@ impl Parameters {
     pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;
-        for (slider, reading) in scene.knobs.sliders_mut().iter_mut().zip(readings) {
+        for (slider, reading) in scene.knobs.sliders.iter_mut().zip(readings) {
             // Ignore parameters that the show moves: a running show draws new frames anyway.
             is_turned |=
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
@@ -124,7 +116,7 @@ impl Parameters {
 
     pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let before = self.read(scene, clips, self.song_time);
-        let moved: Vec<(usize, f32)> = (scene.knobs.sliders().iter().zip(before).enumerate())
+        let moved: Vec<(usize, f32)> = (scene.knobs.sliders.iter().zip(before).enumerate())
             .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
             .map(|(place, (slider, _))| (place, slider.value))
             .collect();
@@ -237,7 +229,7 @@ impl Parameters {
     pub(super) fn moved(&self, scene: &PreparedScene) -> Snapshot {
         let title = scene.title();
         let turned = self.model.turned(&title).filter(|(name, value, _)| {
-            let slider = scene.knobs.sliders().iter().find(|slider| slider.name == *name);
+            let slider = scene.knobs.sliders.iter().find(|slider| slider.name == *name);
             slider.is_some_and(|slider| slider.default.to_bits() != value.to_bits())
         });
         let sliders = turned.map(|(name, value, _)| (name.to_owned(), value)).collect();
@@ -313,15 +305,15 @@ mod tests {
             !parameters.turn(&mut scene, &clips, &change("width", 2.0, ChangedBy::Midi)),
             "no such parameter"
         );
-        assert_eq!(parameters.revision(), 0);
+        assert_eq!(parameters.revision, 0);
         assert!(parameters.turn(&mut scene, &clips, &change("size", 2.5, ChangedBy::Midi)));
         assert_eq!(parameters.numbers(&scene, &clips, 0.0), [2.5]);
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((2.5, ChangedBy::Midi)));
-        assert!(parameters.revision() > 0, "the same moment looks different");
+        assert!(parameters.revision > 0, "the same moment looks different");
         let moved = parameters.moved(&scene);
         assert_eq!(moved.sliders.get("size"), Some(&2.5));
         // A slider moved back to the text's default follows the text again.
-        if let Some(slider) = scene.knobs.sliders_mut().first_mut() {
+        if let Some(slider) = scene.knobs.sliders.first_mut() {
             slider.value = slider.default;
         }
         parameters.note_moved(&mut scene, &clips);

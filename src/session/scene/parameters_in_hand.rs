@@ -20,7 +20,7 @@ impl<'a> ParametersInHand<'a> {
     }
 
     pub(crate) fn sliders(&self) -> &'a [Slider] {
-        self.scene.map_or(&[], |scene| scene.knobs.sliders())
+        self.scene.map_or(&[], |scene| &scene.knobs.sliders)
     }
 
     pub(crate) fn are_turning(&self) -> bool {
@@ -33,7 +33,7 @@ impl<'a> ParametersInHand<'a> {
 
     pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
         let scene = self.scene?;
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
         self.parameters.target(scene, &clips, name)
     }
 
@@ -44,7 +44,7 @@ impl<'a> ParametersInHand<'a> {
     /// A snapshot of the sliders; `None` if the scene has no sliders.
     pub(crate) fn snapshot(&self) -> Option<Snapshot> {
         let scene = self.scene?;
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
         Some(self.parameters.snapshot(scene, &clips)).filter(|snapshot| !snapshot.sliders.is_empty())
     }
 }
@@ -59,33 +59,33 @@ pub(crate) struct TurnedParameters<'a> {
 impl TurnedParameters<'_> {
     pub(super) fn update_sliders(self) {
         if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
             self.parameters.update_sliders(scene, &clips);
         }
     }
 
     pub(crate) fn turn(self, change: &ParamChange) -> bool {
         let Some(scene) = self.scene else { return false };
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
         self.parameters.turn(scene, &clips, change)
     }
 
     pub(crate) fn bind(self, name: &str, binding: Option<SoundBinding>) -> bool {
         let Some(scene) = self.scene else { return false };
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
         self.parameters.bind(scene, &clips, name, binding)
     }
 
     pub(crate) fn recall(self, snapshot: &Snapshot, seconds: f32) {
         if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
             self.parameters.recall(scene, &clips, snapshot, seconds);
         }
     }
 
     pub(crate) fn note_moved(self) {
         if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
             self.parameters.note_moved(scene, &clips);
         }
     }

@@ -53,7 +53,7 @@ impl<'a> Performed<'a> {
         let split = scene.resources.world().blended.unwrap_or(0);
         let staged = clips.last();
         // Ignore the show's values if the user chose or locked the scene: then the show only turns the camera.
-        let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked());
+        let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked);
         let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
         let params = params.map(|(slider, _)| Turned {
             name: &slider.name,
@@ -90,7 +90,7 @@ impl<'a> Performed<'a> {
     ) -> Self {
         let [from, to] = decks.pair();
         let of = |source: &SceneSource| turned_of(source, scenes, parameters);
-        let orbit_if = |is_its: bool| if is_its { camera.orbit() } else { OrbitControls::OFF };
+        let orbit_if = |is_its: bool| if is_its { camera.orbit } else { OrbitControls::OFF };
         let (of_from, of_to) = (fader < 1.0, fader > 0.0);
         let other = OtherPerformed {
             source: from,
@@ -101,7 +101,7 @@ impl<'a> Performed<'a> {
         Self {
             source: to,
             camera: None,
-            directed: Some((TimedTransition::by_fader(decks.transition()), decks.loaded_at())),
+            directed: Some((TimedTransition::by_fader(decks.transition()), decks.loaded)),
             faded: None,
             fades: false,
             params: if of_to { of(to) } else { Vec::new() },
@@ -120,7 +120,7 @@ fn turned_of<'a>(
     parameters: &Parameters,
 ) -> Vec<Turned<'a>> {
     let Some(scene) = scenes.all().find(|scene| scene.source == *source) else { return Vec::new() };
-    let numbers = parameters.numbers(scene, &ActiveClips::default(), parameters.song_time());
+    let numbers = parameters.numbers(scene, &ActiveClips::default(), parameters.song_time);
     let turned = scene.knobs.iter().map(|(slider, knob)| Turned {
         name: &slider.name,
         value: numbers.get(knob.place).copied().unwrap_or(slider.value),

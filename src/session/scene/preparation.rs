@@ -47,15 +47,15 @@ pub(super) enum TreeVerdict {
     Refused(Refusal),
 }
 
-pub(super) struct ScenePreparation {
+pub(crate) struct ScenePreparation {
     gl: Gl,
-    choice: DrawingChoice,
+    pub(super) choice: DrawingChoice,
     pub library: SceneLibrary,
-    trials: TreeTrials,
+    pub(super) trials: TreeTrials,
     next_scene: u64,
     asked_mode: Option<Mode>,
     // The last field, because its threads draw with objects of the fields above.
-    pub programs: ProgramLibrary,
+    pub(super) programs: ProgramLibrary,
 }
 
 impl ScenePreparation {
@@ -67,10 +67,6 @@ impl ScenePreparation {
         programs: ProgramLibrary,
     ) -> Self {
         Self { gl: gl.clone(), choice, library, trials, next_scene: 0, asked_mode: None, programs }
-    }
-
-    pub(super) fn choice(&self) -> DrawingChoice {
-        self.choice
     }
 
     pub(super) fn set_cells(&mut self, cells: CellUse) {
@@ -86,14 +82,14 @@ impl ScenePreparation {
         ready: Result<ReadyScene, SceneError>,
         scenes: &mut PreparedScenes,
     ) -> Result<Option<Refusal>, GpuError> {
-        let source = self.library.wanted().clone();
+        let source = self.library.wanted.clone();
         let name = source.title();
         let mut warning = None;
         // The editor shows warnings beside the text.
         if let Ok(ready) = &ready
             && let Some(first) = ready.warnings.diagnostics.first()
             && !ready.settles
-            && !self.library.is_written()
+            && !self.library.is_written
             && matches!(source, SceneSource::File(_))
         {
             tracing::warn!("{}", render_all(&ready.warnings.diagnostics, &ready.warnings.sources, false));
@@ -118,7 +114,7 @@ impl ScenePreparation {
                     SceneError::World(_) => ("is too complex to be drawn", error.to_string()),
                     other => ("cannot be read", other.to_string()),
                 };
-                match self.library.is_written() {
+                match self.library.is_written {
                     true => tracing::debug!("{error}"),
                     false => tracing::warn!("{error}"),
                 }
@@ -334,10 +330,6 @@ impl ScenePreparation {
         None
     }
 
-    pub(super) fn poll_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
-        self.trials.poll()
-    }
-
     /// Takes the first tree of a new scene; `None` if the build was too slow.
     pub(super) fn take_tree(
         &mut self,
@@ -422,7 +414,7 @@ impl ScenePreparation {
 
     /// When idle, requests interpreters that no scene has needed yet, because they speed up later edits.
     pub(super) fn prepare_for_edits(&mut self, scenes: &PreparedScenes) {
-        let is_idle = self.programs.is_idle() && self.programs.has_shown();
+        let is_idle = self.programs.is_idle() && self.programs.has_shown;
         if let Some(shown) = scenes.shown.as_ref().filter(|_| is_idle)
             && self.choice.sdf != SdfChoice::Compiled
         {
@@ -469,9 +461,9 @@ impl ScenePreparation {
     /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
     pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
         // Only a scene that is already shown can take a neighbour's place.
-        let from = scenes.shown_source().filter(|shown| *shown == self.library.wanted()).cloned();
+        let from = scenes.shown_source().filter(|shown| *shown == &self.library.wanted).cloned();
         let PreparedScenes { ahead, fading_out, .. } = scenes;
-        let prepared = from.and_then(|from| ahead.take(&source, from, self.library.loader_mut(), fading_out));
+        let prepared = from.and_then(|from| ahead.take(&source, from, &mut self.library.loader, fading_out));
         self.library.want(source);
         match prepared {
             Some(scene) => {
@@ -489,7 +481,7 @@ impl ScenePreparation {
     pub(super) fn settle_numbers(&self, scenes: &mut PreparedScenes) {
         let is_coming = scenes.coming.is_some();
         let Some(shown) = scenes.shown.as_mut().filter(|scene| scene.is_changing()) else { return };
-        let is_wanted = shown.source == *self.library.wanted();
+        let is_wanted = shown.source == self.library.wanted;
         if clock::since(shown.since) > REST && !shown.is_resting && is_wanted && !is_coming {
             shown.is_resting = true;
             self.library.load();
@@ -559,7 +551,7 @@ impl ScenePreparation {
             };
             let sentence = format!("the driver is still compiling {what}: {meanwhile}");
             tracing::warn!("{sentence}");
-            if self.user_waits_for(task, scenes, messages.is_scene_awaited()) {
+            if self.user_waits_for(task, scenes, messages.hint.is_some()) {
                 messages.answer(sentence.clone());
             }
             messages.note_remark(sentence, Some(id));

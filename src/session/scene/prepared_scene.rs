@@ -45,13 +45,13 @@ pub(super) struct ScenePrograms {
     pub compilable: bool,
 }
 
-pub(super) struct PreparedScene {
+pub(crate) struct PreparedScene {
     /// Unique number; each version of the text has its own.
     pub id: u64,
     pub source: SceneSource,
     pub resources: SceneResources,
-    pub programs: ScenePrograms,
-    pub tree: FirstTree,
+    pub(super) programs: ScenePrograms,
+    pub(super) tree: FirstTree,
     pub moves: bool,
     pub hears_curves: bool,
     /// True if the scene reads parts of the song.
@@ -59,7 +59,7 @@ pub(super) struct PreparedScene {
     pub shows_cover: bool,
     /// True if the scene shows texts of the song.
     pub has_song_texts: bool,
-    pub knobs: SceneKnobs,
+    pub(super) knobs: SceneKnobs,
     pub since: Instant,
     /// True if this version only turns the numbers of the shown scene back into constants.
     pub settles: bool,

@@ -9,7 +9,7 @@ use crate::scenes::SceneSource;
 use mariana_music::Features;
 
 pub(crate) struct PreparedScenes {
-    pub(super) shown: Option<PreparedScene>,
+    pub(crate) shown: Option<PreparedScene>,
     /// The scene that replaces the shown one as soon as a program can draw the new scene.
     pub(super) coming: Option<PreparedScene>,
     /// The previous scene, until the first frame of the current one is finished.
@@ -58,10 +58,6 @@ impl PreparedScenes {
 
     pub(super) fn present_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         [&mut self.shown, &mut self.coming].into_iter().flatten()
-    }
-
-    pub(crate) fn is_any_shown(&self) -> bool {
-        self.shown.is_some()
     }
 
     pub(crate) fn name(&self) -> Option<String> {

@@ -35,7 +35,7 @@ pub(super) struct ProgramLibrary {
     tasks: HashMap<u64, Task>,
     next_task: u64,
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
-    has_shown: bool,
+    pub(super) has_shown: bool,
     // The last field, because its threads draw with objects of the fields above.
     compiler: BackgroundCompiler,
 }
@@ -76,10 +76,6 @@ impl ProgramLibrary {
 
     pub(super) fn note_picture(&mut self) {
         self.has_shown = true;
-    }
-
-    pub(super) fn has_shown(&self) -> bool {
-        self.has_shown
     }
 
     pub(super) fn is_idle(&self) -> bool {

@@ -48,7 +48,7 @@ struct TreeRequest {
     fades_away: bool,
 }
 
-pub(super) struct SceneRegions {
+pub(crate) struct SceneRegions {
     /// True if frames wait for every tree, even a slow one.
     insists: bool,
     builder: RegionBuilder<TreeRequest>,
@@ -161,7 +161,7 @@ impl SceneRegions {
         self.insists = insists;
     }
 
-    pub(super) fn have_come(&self) -> bool {
+    pub(crate) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
 

@@ -42,7 +42,7 @@ impl SceneReport<'_> {
         let coming = coming.map(|scene| format!("{} is being prepared", scene.title()));
         let remark = self.messages.remark(|task| self.programs.task(task).is_some());
         let is_scene = |source: &&SceneSource| !matches!(source, SceneSource::Blend(_));
-        let refused: Vec<_> = self.show.refused().iter().filter(is_scene).map(SceneSource::title).collect();
+        let refused: Vec<_> = self.show.refused.iter().filter(is_scene).map(SceneSource::title).collect();
         let without =
             (!refused.is_empty()).then(|| format!("too much for this machine: {}", refused.join(", ")));
         coming.into_iter().chain(remark.map(str::to_owned)).chain(without).collect()

@@ -94,7 +94,7 @@ impl SceneChange {
         parameters: &Parameters,
     ) {
         self.orbit = orbit;
-        let time = parameters.song_time();
+        let time = parameters.song_time;
         let (clips, fraction) = show.clips(scene, time);
         if fraction.is_some() || took > LIVE_MAX {
             self.left = None;

@@ -43,7 +43,7 @@ impl Pictured {
 pub(crate) struct SeenPictures {
     begun: Option<Pictured>,
     seen: Option<Pictured>,
-    count: u64,
+    pub(crate) count: u64,
     of: Option<u64>,
     /// Times of the last two frames, the newest first.
     took: [Duration; 2],
@@ -78,10 +78,6 @@ impl SeenPictures {
     /// The inputs of the shown frame.
     pub(super) fn frame(&self) -> Option<&Frame> {
         self.seen.as_ref().map(|picture| &picture.frame)
-    }
-
-    pub(crate) fn count(&self) -> u64 {
-        self.count
     }
 
     pub(super) fn begin(&mut self, picture: Pictured) {

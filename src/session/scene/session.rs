@@ -42,17 +42,17 @@ use mariana_player::Moment;
 mod refining;
 
 pub(crate) struct SceneSession {
-    scenes: PreparedScenes,
-    show: ShowFollower,
-    parameters: Parameters,
-    messages: Messages,
-    composer: SceneComposer,
+    pub(crate) scenes: PreparedScenes,
+    pub(crate) show: ShowFollower,
+    pub(crate) parameters: Parameters,
+    pub(crate) messages: Messages,
+    pub(crate) composer: SceneComposer,
     next_picture: NextPicture,
     refinement: Refinement,
     decks: Option<Decks>,
     announced: Option<(u64, Mode)>,
     // The last field, because the compiler's threads draw with objects of the fields above.
-    preparation: ScenePreparation,
+    pub(crate) preparation: ScenePreparation,
 }
 
 impl SceneSession {
@@ -95,12 +95,12 @@ impl SceneSession {
 
     /// Drops everything that belongs to the OpenGL context, and returns the state for another session.
     pub(crate) fn let_go(self) -> KeptScenes {
-        let DrawingChoice { sdf, cells } = self.preparation.choice();
+        let DrawingChoice { sdf, cells } = self.preparation.choice;
         let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
         let shown = shown.or(coming).map(PreparedScene::into_ready);
         let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
-        let (view, fade) = (self.composer.view(), self.composer.fading().seconds());
-        let projection = self.composer.projection();
+        let (view, fade) = (self.composer.view(), self.composer.fading.seconds());
+        let projection = self.composer.projection;
         let (loader, wanted) = self.preparation.library.into_loader();
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
@@ -123,38 +123,6 @@ impl SceneSession {
         (self.show, self.decks) = (show, decks);
     }
 
-    pub(crate) fn scenes(&self) -> &PreparedScenes {
-        &self.scenes
-    }
-
-    pub(crate) fn library(&self) -> &SceneLibrary {
-        &self.preparation.library
-    }
-
-    pub(crate) fn library_mut(&mut self) -> &mut SceneLibrary {
-        &mut self.preparation.library
-    }
-
-    pub(crate) fn composer(&self) -> &SceneComposer {
-        &self.composer
-    }
-
-    pub(crate) fn composer_mut(&mut self) -> &mut SceneComposer {
-        &mut self.composer
-    }
-
-    pub(crate) fn show(&self) -> &ShowFollower {
-        &self.show
-    }
-
-    pub(crate) fn show_mut(&mut self) -> &mut ShowFollower {
-        &mut self.show
-    }
-
-    pub(crate) fn parameters_mut(&mut self) -> &mut Parameters {
-        &mut self.parameters
-    }
-
     /// The parameters of the scene in hand: the shown scene, or the scene on the deck in hand.
     pub(crate) fn parameters_in_hand(&self) -> ParametersInHand<'_> {
         let scene = self.scenes.in_hand(self.decks.as_ref().map(Decks::scene_in_hand));
@@ -174,7 +142,7 @@ impl SceneSession {
     /// The content of the strip of decks; `None` while there is one scene.
     pub(crate) fn deck_strip(&self) -> Option<DeckStrip> {
         let decks = self.decks.as_ref()?;
-        let is_ready = |source: &SceneSource| self.scenes.has_ready(source, self.preparation.choice().sdf);
+        let is_ready = |source: &SceneSource| self.scenes.has_ready(source, self.preparation.choice.sdf);
         Some(decks.strip(self.parameters.clock(), is_ready))
     }
 
@@ -184,7 +152,7 @@ impl SceneSession {
             show: &mut self.show,
             library: &self.preparation.library,
             messages: &mut self.messages,
-            times: (self.parameters.clock(), self.parameters.song_time()),
+            times: (self.parameters.clock(), self.parameters.song_time),
         }
     }
 
@@ -196,7 +164,9 @@ impl SceneSession {
         if self.decks.is_none() {
             return self.deck_changes().begin();
         }
-        if let Some(stays) = self.deck_changes().end().filter(|stays| stays != self.library().wanted()) {
+        if let Some(stays) =
+            self.deck_changes().end().filter(|stays| stays != &self.preparation.library.wanted)
+        {
             self.composer.fading.next_takes_the_usual();
             self.ask_for(stays);
         }
@@ -209,12 +179,8 @@ impl SceneSession {
             composer: &self.composer,
             messages: &self.messages,
             programs: &self.preparation.programs,
-            choice: self.preparation.choice(),
+            choice: self.preparation.choice,
         }
-    }
-
-    pub(crate) fn messages_mut(&mut self) -> &mut Messages {
-        &mut self.messages
     }
 
     /// Takes the results of the loader and the compilers.
@@ -231,7 +197,7 @@ impl SceneSession {
             let refused = self.preparation.take_program(&task, program, scenes, messages)?;
             refused.into_iter().for_each(|refusal| self.refuse(refusal));
         }
-        while let Some((id, tree)) = self.preparation.poll_tree() {
+        while let Some((id, tree)) = self.preparation.trials.poll() {
             match self.preparation.take_tree(id, tree, &mut self.scenes) {
                 TreeVerdict::Fine => {}
                 TreeVerdict::DrawnWithout(id) => self.composer.regions.do_without(id),
@@ -243,7 +209,7 @@ impl SceneSession {
         self.preparation.prepare_for_edits(&self.scenes);
         self.preparation.take_loaded_ahead(&mut self.scenes);
         if self.is_complete() {
-            let wanted = self.show.wanted_ahead(self.library().wanted());
+            let wanted = self.show.wanted_ahead(&self.preparation.library.wanted);
             self.preparation.prepare_ahead(wanted, &mut self.scenes);
         }
         self.preparation.report_slow_programs(&self.scenes, &mut self.messages);
@@ -266,7 +232,7 @@ impl SceneSession {
         self.messages.set_hint(None);
         let Refusal { source, heading, text } = refusal;
         let is_edit = self.scenes.shown_source() == Some(&source);
-        if is_edit || self.library().is_written() || !self.show.is_own_choice() {
+        if is_edit || self.preparation.library.is_written || !self.show.is_own_choice() {
             self.messages.set_problem(heading, text);
         } else {
             self.show.refuse(source);
@@ -300,7 +266,7 @@ impl SceneSession {
             self.composer.note_left(left, &self.show, &self.parameters);
         }
         // Do not keep a scene that was never drawn.
-        if self.composer.pictures().scene() == replaced.as_ref().map(|scene| scene.id) {
+        if self.composer.pictures.scene() == replaced.as_ref().map(|scene| scene.id) {
             self.scenes.before = replaced;
         }
         self.preparation.forget_obsolete(&self.scenes);
@@ -310,8 +276,9 @@ impl SceneSession {
         if is_another {
             let (composer, of) = self.composing();
             composer.fade_if_it_can(of);
-            if !self.show.asks_for(self.library().wanted()) {
-                let words = self.scenes.shown_source().map(|source| self.library().placed_name(source));
+            if !self.show.asks_for(&self.preparation.library.wanted) {
+                let words =
+                    self.scenes.shown_source().map(|source| self.preparation.library.placed_name(source));
                 self.messages.answer(words.unwrap_or_default());
             }
             self.composer.camera.forget();
@@ -337,7 +304,7 @@ impl SceneSession {
 
     fn composing(&mut self) -> (&mut SceneComposer, Ingredients<'_>) {
         let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
-        let choice = self.preparation.choice();
+        let choice = self.preparation.choice;
         (&mut self.composer, Ingredients { scenes, show, parameters, choice })
     }
 
@@ -347,8 +314,8 @@ impl SceneSession {
         renderer: &mut Renderer,
         picture: WantedPicture<'_>,
     ) -> Result<Option<Drawn>, GpuError> {
-        let (way, known) = ((self.library().length_of_go(), self.revision()), self.scenes.ids());
-        let of = (&self.show, &self.parameters, self.preparation.choice());
+        let (way, known) = ((self.preparation.library.length_of_go(), self.revision()), self.scenes.ids());
+        let of = (&self.show, &self.parameters, self.preparation.choice);
         let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, way)?;
         if self.scenes.ids() != known {
             self.preparation.forget_obsolete(&self.scenes);
@@ -392,7 +359,7 @@ impl SceneSession {
         if !self.is_complete() {
             return Ok(None);
         }
-        let of = (&self.scenes.ahead, &self.parameters, self.preparation.choice());
+        let of = (&self.scenes.ahead, &self.parameters, self.preparation.choice);
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
@@ -400,14 +367,14 @@ impl SceneSession {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
         };
-        shown.source == *self.library().wanted()
+        shown.source == self.preparation.library.wanted
             && self.composer.rests_on(shown.id)
             && self.preparation.programs.is_idle()
     }
 
     pub(crate) fn go(&mut self, forward: bool) {
         let of_deck = self.deck_changes().neighbour(forward);
-        self.show_source(of_deck.unwrap_or_else(|| self.library().beside(forward)));
+        self.show_source(of_deck.unwrap_or_else(|| self.preparation.library.beside(forward)));
     }
 
     /// Shows a scene. With decks, loads it into the deck that is less visible.
@@ -421,7 +388,7 @@ impl SceneSession {
     /// Requests a scene, and shows a hint if the user has to wait for it.
     fn ask_for(&mut self, source: SceneSource) {
         let is_prepared = self.preparation.ask_for(source, &mut self.scenes);
-        let wanted = self.library().wanted();
+        let wanted = &self.preparation.library.wanted;
         let waits = self.scenes.shown_source() != Some(wanted) && !self.show.asks_for(wanted);
         let hint = waits.then(|| format!("{} is being prepared", wanted.title()));
         self.messages.set_hint(hint);
@@ -434,10 +401,10 @@ impl SceneSession {
     pub(crate) fn follow(&mut self, time: f64) {
         let known = self.scenes.ids();
         let now = Circumstances {
-            wanted: self.preparation.library.wanted(),
-            is_written: self.preparation.library.is_written(),
-            is_awaited: self.messages.is_scene_awaited(),
-            sdf: self.preparation.choice().sdf,
+            wanted: &self.preparation.library.wanted,
+            is_written: self.preparation.library.is_written,
+            is_awaited: self.messages.hint.is_some(),
+            sdf: self.preparation.choice.sdf,
         };
         if let Some(decks) = &self.decks {
             let now = self.parameters.clock();
@@ -460,7 +427,7 @@ impl SceneSession {
 
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let how = (&self.composer.fading, &self.composer.camera);
-        let performed = Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)?;
+        let performed = Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice.sdf)?;
         match &self.decks {
             Some(decks) => {
                 let fader = self.show.fader().unwrap_or_default();
@@ -472,7 +439,7 @@ impl SceneSession {
     }
 
     pub(crate) fn follow_controllers(&mut self, moment: &Moment) {
-        if self.composer.is_between_scenes() {
+        if self.composer.change.is_begun() {
             return;
         }
         self.parameters.go_to(moment);
@@ -509,7 +476,7 @@ impl SceneSession {
     pub(crate) fn toggle_regions(&mut self) {
         let drawn = self.scenes.shown.as_ref().zip(self.mode());
         let drawn = drawn.map(|(scene, mode)| ((scene.id, mode), &scene.resources));
-        let cells = self.composer.regions.toggle(drawn, self.preparation.choice().cells);
+        let cells = self.composer.regions.toggle(drawn, self.preparation.choice.cells);
         self.preparation.set_cells(cells);
         let words = if cells == CellUse::Never { "no regions" } else { "regions" };
         self.messages.answer(words.to_owned());
@@ -558,7 +525,7 @@ impl SceneSession {
     /// Returns the time until which drawing waits for a changed text; `None` if it need not wait, or if the frame in
     /// progress must be finished.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
-        self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
+        self.preparation.library.awaits_edit(now).filter(|_| !self.composer.must_finish())
     }
 
     pub(crate) fn saves_samples(&self, now: Instant) -> bool {
@@ -571,23 +538,23 @@ impl SceneSession {
     }
 
     pub(crate) fn revision(&self) -> u64 {
-        self.composer.revision() + self.parameters.revision() + self.show.revision()
+        self.composer.revision() + self.parameters.revision + self.show.revision
     }
 
     pub(crate) fn moves_by_itself(&self) -> bool {
         let shown = self.scenes.shown.as_ref();
         self.show.has_prepared_show()
-            || self.composer.fading().follows_song()
+            || self.composer.fading.follows_song()
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
             || self.parameters_in_hand().follow_sound()
     }
 
     fn mode(&self) -> Option<Mode> {
-        self.scenes.shown.as_ref()?.mode(self.preparation.choice().sdf)
+        self.scenes.shown.as_ref()?.mode(self.preparation.choice.sdf)
     }
 
     pub(crate) fn words(&mut self) -> SceneWords<'_> {
         let in_hand = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
-        self.messages.with(in_hand.map_or(&mut [][..], |scene| scene.knobs.sliders_mut()))
+        self.messages.with(in_hand.map_or(&mut [][..], |scene| &mut scene.knobs.sliders))
     }
 }

@@ -18,16 +18,16 @@ const LATE: f64 = 0.5;
 
 #[derive(Default)]
 pub(crate) struct ShowFollower {
-    course: Course,
+    pub(super) course: Course,
     /// The course of the song's show while decks choose the scenes; `None` without decks.
     aside: Option<Course>,
-    is_locked: bool,
-    refused: Vec<SceneSource>,
-    revision: u64,
+    pub(crate) is_locked: bool,
+    pub(super) refused: Vec<SceneSource>,
+    pub(super) revision: u64,
 }
 
 #[derive(Default)]
-struct Course {
+pub(super) struct Course {
     prepared_show: Option<Arc<PreparedShow>>,
     /// Index of the clip in which the user chose another scene.
     overruled: Option<usize>,
@@ -37,7 +37,7 @@ struct Course {
     entered: Option<(usize, bool)>,
     asked: Option<SceneSource>,
     /// Time of the last `follow`, in seconds of the song.
-    last_time: Option<f64>,
+    pub(super) last_time: Option<f64>,
     /// True if the last two calls of `follow` had the same moment.
     stands_still: bool,
     /// The scene of the next cue key press.
@@ -149,18 +149,9 @@ impl ShowFollower {
         self.is_locked
     }
 
-    /// True if the scene stays although there is a show.
-    pub(crate) fn is_locked(&self) -> bool {
-        self.is_locked
-    }
-
     pub(crate) fn picture_at(&self, time: f64) -> Picture {
         let show = self.song_course().prepared_show.as_deref();
-        show.and_then(PreparedShow::timeline).map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
-    }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
+        show.and_then(|show| show.timeline()).map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
     fn prepared_show(&self) -> Option<&PreparedShow> {
@@ -178,10 +169,6 @@ impl ShowFollower {
             [] => prepared_show,
             refused => prepared_show.without(refused).map_or(prepared_show, Arc::new),
         }
-    }
-
-    pub(super) fn refused(&self) -> &[SceneSource] {
-        &self.refused
     }
 
     /// Removes a scene from the show, because this machine cannot draw the scene.
@@ -208,10 +195,6 @@ impl ShowFollower {
 
     pub(super) fn is_overruled(&self) -> bool {
         self.course.entered.is_some_and(|(index, _)| self.course.overruled == Some(index))
-    }
-
-    pub(super) fn last_time(&self) -> Option<f64> {
-        self.course.last_time
     }
 
     pub(super) fn stands_still(&self) -> bool {
@@ -493,7 +476,7 @@ mod tests {
         // The edited scene stays until the show has another scene.
         assert!(show.follow(second, &mut scenes, &now(&one)).is_none());
         show.refuse(other.clone());
-        assert_eq!(show.refused(), std::slice::from_ref(&other));
+        assert_eq!(&show.refused, std::slice::from_ref(&other));
         assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
         let step = show.follow(second, &mut scenes, &now(&one));
         assert!(step.is_none_or(|step| step.source != other), "the show skips it");

@@ -89,7 +89,7 @@ impl Staged {
             SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
         let mut staged = Self { session, folder, context };
         staged.wait_for("calm");
-        staged.session.show_mut().set_prepared_show(Some(Arc::new(show)), None);
+        staged.session.show.set_prepared_show(Some(Arc::new(show)), None);
         staged.session.follow(CALM);
         staged
     }
@@ -102,15 +102,15 @@ impl Staged {
         let session = &mut self.session;
         wait_until(name, || {
             session.update().unwrap();
-            session.scenes().name().as_deref() == Some(name)
+            session.scenes.name().as_deref() == Some(name)
         });
         self.draws(true);
     }
 
     /// Pretends that a frame of the shown scene has been drawn, or has not been drawn.
     fn draws(&mut self, drawn: bool) {
-        let id = self.session.scenes().shown_id().filter(|_| drawn);
-        self.session.composer_mut().pictures.finish(id, Duration::ZERO);
+        let id = self.session.scenes.shown_id().filter(|_| drawn);
+        self.session.composer.pictures.finish(id, Duration::ZERO);
     }
 
     fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {
@@ -149,7 +149,7 @@ fn a_show_without_user_input_shows_no_messages() {
     let mut staged = Staged::new();
     staged.session.follow(LOUD);
     assert_eq!(
-        (staged.session.library().wanted().clone(), staged.words()),
+        (staged.session.preparation.library.wanted.clone(), staged.words()),
         (staged.source("loud"), Vec::new())
     );
     staged.wait_for("loud");
@@ -169,7 +169,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     let before = staged.source("calm");
     staged.session.take_back("a frame of this window would take about 99 s");
     assert_eq!(staged.words(), [""; 0]);
-    assert_eq!(staged.session.scenes().shown_source(), Some(&before));
+    assert_eq!(staged.session.scenes.shown_source(), Some(&before));
     staged.session.follow(LOUD + 0.1);
     staged.wait_for("other");
     assert_eq!(staged.words(), [""; 0]);
@@ -190,16 +190,15 @@ fn a_scene_requested_by_the_user_is_kept_when_the_shows_next_scene_is_due() {
     staged.session.show_source(other.clone());
     // The next scene of the show is due while this scene is being prepared.
     staged.session.follow(LOUD);
-    assert_eq!(*staged.session.library().wanted(), other);
+    assert_eq!(staged.session.preparation.library.wanted, other);
     staged.wait_for("other");
     staged.session.follow(LOUD + 1.0);
     assert_eq!(
-        *staged.session.library().wanted(),
-        other,
+        staged.session.preparation.library.wanted, other,
         "the user's scene stays until the next scene of the show"
     );
     staged.session.follow(CALM);
-    assert_eq!(*staged.session.library().wanted(), staged.source("calm"));
+    assert_eq!(staged.session.preparation.library.wanted, staged.source("calm"));
 }
 
 #[test]
@@ -213,7 +212,7 @@ fn a_text_with_mistakes_keeps_the_last_good_scene_and_shows_a_message_until_fixe
         staged.session.update().unwrap();
         staged.words() == [heading]
     });
-    assert_eq!(staged.session.scenes().name().as_deref(), Some("calm"));
+    assert_eq!(staged.session.scenes.name().as_deref(), Some("calm"));
     fs::write(&other, "object ball { shape = sphere(p, 2) }").unwrap();
     staged.wait_for("other");
     assert!(!staged.words().contains(&heading.to_owned()), "{:?}", staged.words());
@@ -235,25 +234,25 @@ fn a_fade_by_the_user_follows_the_songs_time_and_shows_both_scenes() {
     let mut staged = Staged::with(None, 2.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     staged.draw(&mut renderer, 10.0);
-    let calm = staged.session.scenes().shown_id();
+    let calm = staged.session.scenes.shown_id();
     staged.session.show_source(staged.source("other"));
     wait_until("the other scene", || {
         staged.session.update().unwrap();
-        staged.session.scenes().shown_id() != calm
+        staged.session.scenes.shown_id() != calm
     });
     for (time, fraction) in [(10.25, 1.0), (11.249, 0.5), (11.249, 0.5), (10.749, 0.75)] {
         staged.draw(&mut renderer, time);
-        let found = staged.session.composer().fading().fraction_of_scene(&at(time)).unwrap();
+        let found = staged.session.composer.fading.fraction_of_scene(&at(time)).unwrap();
         assert!((found - fraction).abs() < 0.001, "{found} at {time}");
-        assert_eq!(staged.session.scenes().fading_out.as_ref().map(|scene| scene.id), calm);
+        assert_eq!(staged.session.scenes.fading_out.as_ref().map(|scene| scene.id), calm);
         let performed = staged.session.performed(time).unwrap();
         assert_eq!((performed.faded, performed.fades), (Some((2.0, 10.249)), true));
     }
     // The fade has ended, and the outgoing scene is dropped.
     staged.draw(&mut renderer, 12.5);
-    assert!(!staged.session.composer().fading().goes_on());
+    assert!(!staged.session.composer.fading.goes_on());
     staged.draw(&mut renderer, 12.6);
-    assert!(staged.session.scenes().fading_out.is_none());
+    assert!(staged.session.scenes.fading_out.is_none());
 }
 
 #[test]
@@ -261,7 +260,7 @@ fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     let mut staged = Staged::with(Some([loader(), loader()]), 0.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     // Without a show, the neighbours are the neighbouring files in the folder.
-    staged.session.show_mut().set_prepared_show(None, None);
+    staged.session.show.set_prepared_show(None, None);
     staged.session.show_source(staged.source("loud"));
     staged.wait_for("loud");
     staged.draw(&mut renderer, 1.0);
@@ -269,7 +268,7 @@ fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     wait_until("both neighbours", || {
         staged.session.update().unwrap();
         staged.session.rehearse(&mut renderer);
-        for scene in staged.session.scenes().ahead.rehearsed() {
+        for scene in staged.session.scenes.ahead.rehearsed() {
             if !order.contains(&scene.title()) {
                 order.push(scene.title());
             }
@@ -279,7 +278,7 @@ fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     assert_eq!(order, ["other", "calm"]);
     // A change to a neighbour needs no loader and no compiler.
     staged.session.go(true);
-    assert_eq!(staged.session.scenes().name().as_deref(), Some("other"));
+    assert_eq!(staged.session.scenes.name().as_deref(), Some("other"));
 }
 
 #[test]

@@ -17,11 +17,11 @@ use crate::view::{View, ViewChoice};
 
 #[derive(Default)]
 pub(crate) struct Views {
-    choice: Option<ViewChoice>,
+    pub(crate) choice: Option<ViewChoice>,
     programs: KeptPrograms<ProgramOf>,
     legends: Option<LegendPainter>,
     number: Option<f32>,
-    revision: u64,
+    pub(super) revision: u64,
 }
 
 impl Views {
@@ -46,10 +46,6 @@ impl Views {
 
     pub(super) fn keep(&mut self, kept: &[u64]) {
         self.programs.keep(kept);
-    }
-
-    pub(crate) fn choice(&self) -> Option<ViewChoice> {
-        self.choice
     }
 
     /// Begins a view of a frame. Returns the legend to draw over it.
@@ -117,10 +113,6 @@ impl Views {
             }
         }
     }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
-    }
 }
 
 #[cfg(test)]
@@ -136,7 +128,7 @@ mod tests {
             views.choose(Some(next));
             count += 1;
         }
-        assert!(count > 1 && views.revision() == count);
+        assert!(count > 1 && views.revision == count);
         views.choose(None);
         let last = views.beside(false);
         views.choose(last);

@@ -116,7 +116,7 @@ impl NativeDecoder {
     }
 
     pub(super) fn skipped_packets(&self) -> u64 {
-        self.skipped_before + self.reader.skipped()
+        self.skipped_before + self.reader.skipped
     }
 
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
@@ -177,7 +177,7 @@ impl NativeDecoder {
         let rate = self.info.sample_rate;
         // If the target is past the end, start a second before the end, so that decoding reaches the end.
         let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
-        let skipped = self.reader.skipped();
+        let skipped = self.reader.skipped;
         if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
             return Ok(false);
         }
@@ -188,7 +188,7 @@ impl NativeDecoder {
             return Ok(false);
         }
         // Packets of the pre-roll may depend on earlier packets. Their errors do not count as damage.
-        let by_jump = self.reader.skipped() - skipped;
+        let by_jump = self.reader.skipped - skipped;
         self.skipped_before = self.skipped_before.saturating_sub(by_jump);
         Ok(self.pending.is_empty() || self.position == target)
     }

@@ -75,7 +75,7 @@ pub(super) struct PacketReader {
     demuxer_failures: u32,
     links: u32,
     link_begins: bool,
-    skipped: u64,
+    pub(super) skipped: u64,
 }
 
 /// The track being decoded. Each link of a chained file has its own stream.
@@ -429,10 +429,6 @@ impl PacketReader {
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
         Ok(true)
-    }
-
-    pub(super) fn skipped(&self) -> u64 {
-        self.skipped
     }
 
     pub(super) fn describe(&self) -> (String, String) {

@@ -55,16 +55,16 @@ fn every_target_has_a_row_with_its_mappings_below() {
     let other = Target::Param { scene: "city".to_owned(), name: "fog".to_owned() };
     let panel = panel(&[knob(size()), knob(other)], None);
     let place = panel
-        .rows()
+        .rows
         .iter()
         .position(|row| matches!(row, ControllerRow::Target { target, .. } if *target == size()));
-    let below = &panel.rows()[place.unwrap() + 1];
+    let below = &panel.rows[place.unwrap() + 1];
     assert!(
         matches!(below, ControllerRow::Knob { words, stands: Some(0.25), .. }
             if words == "cc 7 on channel 1 of desk (not connected)"),
         "{below:?}"
     );
-    let targets = panel.rows().iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
+    let targets = panel.rows.iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
     // One parameter, two rows for scenes, and a row for each number.
     let rows_of = |row: &ActionRow| match row.takes {
         ValueType::Index(most) => usize::from(most),
@@ -72,15 +72,13 @@ fn every_target_has_a_row_with_its_mappings_below() {
         _ => 1,
     };
     assert_eq!(targets, 1 + commands::for_controllers().iter().map(rows_of).sum::<usize>());
-    let last = panel.rows().last();
+    let last = panel.rows.last();
     assert!(
         matches!(last, Some(ControllerRow::Knob { words, .. }) if words.starts_with("fog in city")),
         "{last:?}"
     );
     let counts = "7 messages received, 2 of them ignored";
-    assert!(
-        panel.rows().iter().any(|row| matches!(row, ControllerRow::Words { text, .. } if text == counts))
-    );
+    assert!(panel.rows.iter().any(|row| matches!(row, ControllerRow::Words { text, .. } if text == counts)));
 }
 
 #[test]
@@ -125,19 +123,18 @@ fn keys_learn_change_and_forget() {
     for _ in 0..100 {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
-    assert!(panel.selected() < panel.rows().len());
+    assert!(panel.selected < panel.rows.len());
     for _ in 0..100 {
         panel.take_key(&key(NamedKey::ArrowUp));
     }
-    assert!(matches!(panel.rows()[panel.selected()], ControllerRow::Clock(true)));
+    assert!(matches!(panel.rows[panel.selected], ControllerRow::Clock(true)));
 }
 
 #[test]
 fn a_row_that_moves_stays_selected() {
     let mut panel = panel(&[], None);
     let next = Target::Action { name: "next".to_owned(), value: None };
-    while !matches!(&panel.rows()[panel.selected()], ControllerRow::Target { target, .. } if *target == next)
-    {
+    while !matches!(&panel.rows[panel.selected], ControllerRow::Target { target, .. } if *target == next) {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
     panel.update(&ControllersState {
@@ -182,7 +179,7 @@ fn every_field_shows_its_value_and_cycles() {
 #[test]
 fn a_target_that_is_being_learned_asks_for_a_control() {
     let panel = panel(&[], Some(&size()));
-    let row = panel.rows().iter().find(|row| matches!(row, ControllerRow::Target { learns: true, .. }));
+    let row = panel.rows.iter().find(|row| matches!(row, ControllerRow::Target { learns: true, .. }));
     assert!(
         matches!(row, Some(ControllerRow::Target { about, .. }) if about.contains("move a knob")),
         "{row:?}"
@@ -210,12 +207,12 @@ fn the_connection_code_comes_first_and_a_failed_server_shows_the_reason() {
     let url = "http://192.168.0.7:8080/x/".to_owned();
     let pairing_address = PairingAddress { code: mariana_remote::Code::of(&url), url, is_local: false };
     let panel = panel_of(RemoteState::Open(Arc::new(pairing_address.clone())));
-    let Some(ControllerRow::Phone { pairing_address: shown, about }) = panel.rows().first() else {
-        panic!("{:?}", panel.rows().first())
+    let Some(ControllerRow::Phone { pairing_address: shown, about }) = panel.rows.first() else {
+        panic!("{:?}", panel.rows.first())
     };
     assert_eq!((&**shown, &**about), (&pairing_address, "2 phones are connected."));
-    assert!(panel.selected() > 0, "the code cannot be selected");
+    assert!(panel.selected > 0, "the code cannot be selected");
     let panel = panel_of(RemoteState::Refused("why".to_owned()));
-    assert!(panel.rows().contains(&ControllerRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
-    assert!(!panel.rows().iter().any(|row| matches!(row, ControllerRow::Phone { .. })));
+    assert!(panel.rows.contains(&ControllerRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
+    assert!(!panel.rows.iter().any(|row| matches!(row, ControllerRow::Phone { .. })));
 }

@@ -37,7 +37,7 @@ impl Editor {
             self.act_with(action, held.shift_key());
             return true;
         }
-        if let Some(way) = way_of(&press.key, held, self.texts.rows())
+        if let Some(way) = way_of(&press.key, held, self.texts.documents.rows())
             && !held.alt_key()
         {
             self.proposals.close();
@@ -117,7 +117,7 @@ impl Editor {
 
     /// Inserts typed text.
     pub fn type_text(&mut self, text: &str) {
-        self.focus.end_composing();
+        self.focus.preedit.clear();
         if is_loading(self) {
             return self.focus.keep(Early::Text(text.to_owned()));
         }
@@ -189,13 +189,13 @@ impl Editor {
             EditorEvent::SetColor(color) => self.set_color(color),
             EditorEvent::MovePlace(way) => self.move_place(way),
             EditorEvent::Scroll { rows } => {
-                self.texts.scroll(rows);
+                self.texts.documents.scroll(rows);
                 self.revision += 1;
             }
             EditorEvent::Drawn { rows, columns } => {
-                if self.texts.resize(rows, columns) {
+                if self.texts.documents.resize(rows, columns) {
                     self.revision += 1;
-                    self.texts.reveal();
+                    self.texts.documents.reveal();
                 }
             }
             EditorEvent::Act(command) => self.act_with(command, false),
@@ -309,15 +309,15 @@ impl Editor {
         self.close_small();
         self.notice.clear();
         if !small {
-            self.texts.send(CLOSE);
+            self.texts.outbox.send(CLOSE);
         }
     }
 
     pub(super) fn with_text(&mut self, act: impl FnOnce(&mut Document)) -> bool {
-        if let Some(document) = self.texts.document_mut() {
+        if let Some(document) = self.texts.documents.shown_mut() {
             act(document);
         }
-        self.texts.reveal();
+        self.texts.documents.reveal();
         self.revision += 1;
         true
     }
@@ -352,12 +352,12 @@ impl Editor {
     }
 
     fn begin_find(&mut self) {
-        let selected = self.texts.document().map(|document| document.editing.selected());
+        let selected = self.texts.documents.shown().map(|document| document.editing.selected());
         self.finding.begin(selected.unwrap_or_default());
     }
 
     fn find_next(&mut self, forward: bool) {
-        let Some(document) = self.texts.document() else { return };
+        let Some(document) = self.texts.documents.shown() else { return };
         match self.finding.next(&document.editing, forward) {
             Some(Ok(range)) => {
                 self.notice.clear();
@@ -369,7 +369,7 @@ impl Editor {
     }
 
     pub(super) fn show_text(&mut self, number: usize) {
-        if let Some(file) = self.texts.file(number).map(std::path::Path::to_owned) {
+        if let Some(file) = self.texts.found.file(number).map(std::path::Path::to_owned) {
             self.close_small();
             self.texts.show(&file);
         }
@@ -419,7 +419,9 @@ impl Editor {
     /// message says if no name fits.
     fn propose(&mut self, asked: bool) {
         self.proposals.close();
-        let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };
+        let Some(document) = self.texts.documents.shown().filter(|document| document.is_open()) else {
+            return;
+        };
         let found = self.proposals.propose(document, asked);
         self.revision += 1;
         if asked && !found {

@@ -53,7 +53,7 @@ impl Editor {
             editing.select(start..start + length);
             Ok(())
         });
-        if self.notice().words().is_none() {
+        if self.notice.words().is_none() {
             let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
             self.tell(format!(
                 "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",

@@ -16,7 +16,7 @@ pub(super) struct Documents {
     rows: usize,
     columns: usize,
     /// Cursor and scroll position to set when the file of the visible text has been read.
-    carried: Option<(usize, RowPosition)>,
+    pub(super) carried: Option<(usize, RowPosition)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,11 +79,6 @@ impl Documents {
 
     pub(super) fn carry(&mut self, cursor: usize, view: RowPosition) {
         self.carried = Some((cursor, view));
-    }
-
-    /// True while the visible text is being copied to a file.
-    pub(super) fn awaits_copy(&self) -> bool {
-        self.carried.is_some()
     }
 
     pub(super) fn forget_carried(&mut self) {

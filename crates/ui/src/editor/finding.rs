@@ -23,12 +23,12 @@ pub(super) enum QueryKey {
 }
 
 #[derive(Default)]
-pub(super) struct Finding {
+pub(crate) struct Finding {
     line: Option<Find>,
 }
 
 impl Finding {
-    pub(super) fn line(&self) -> Option<&Find> {
+    pub(crate) fn line(&self) -> Option<&Find> {
         self.line.as_ref()
     }
 

@@ -16,20 +16,16 @@ pub(super) enum Early {
 
 #[derive(Default)]
 pub(super) struct Focus {
-    is_on: bool,
+    pub(super) is_on: bool,
     /// True while the user holds a key that was pressed before the editor got the focus.
     ignores_repeats: bool,
-    preedit: String,
+    pub(super) preedit: String,
     early: Vec<Early>,
     /// True while the scene to edit does not exist yet.
     pub(super) awaits_scene: bool,
 }
 
 impl Focus {
-    pub(super) fn is_on(&self) -> bool {
-        self.is_on
-    }
-
     pub(super) fn set(&mut self, on: bool) -> bool {
         let is_new = self.is_on != on;
         self.ignores_repeats |= on && is_new;
@@ -69,13 +65,5 @@ impl Focus {
 
     pub(super) fn compose(&mut self, letters: &str) {
         self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
-    }
-
-    pub(super) fn preedit(&self) -> &str {
-        &self.preedit
-    }
-
-    pub(super) fn end_composing(&mut self) {
-        self.preedit.clear();
     }
 }

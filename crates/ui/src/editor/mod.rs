@@ -47,7 +47,7 @@ use std::ops::Range;
 
 use binding::ToWrite;
 pub(crate) use document::{Document, Owner, Question};
-use finding::{Find, Finding};
+use finding::Finding;
 use focus::Focus;
 pub use keys::EditAction;
 use mariana_editing::{Number, Refused, TurnSpeed};
@@ -140,22 +140,22 @@ pub enum EditorEvent {
 
 /// The state of the editor.
 pub struct Editor {
-    texts: Texts,
+    pub(crate) texts: Texts,
     clipboard: Clipboard,
     focus: Focus,
-    finding: Finding,
-    proposals: Proposals,
-    held_numbers: HeldNumbers,
-    picture: Picture,
-    notice: Notice,
+    pub(crate) finding: Finding,
+    pub(crate) proposals: Proposals,
+    pub(crate) held_numbers: HeldNumbers,
+    pub(crate) picture: Picture,
+    pub(crate) notice: Notice,
     to_write: Option<ToWrite>,
-    revision: u64,
+    pub(crate) revision: u64,
 }
 
 impl std::fmt::Debug for Editor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Editor")
-            .field("source", &self.texts.source())
+            .field("source", &self.texts.found.source())
             .field("revision", &self.revision)
             .finish_non_exhaustive()
     }
@@ -191,7 +191,7 @@ impl Editor {
             SceneSource::Blend(blend) => &blend.to.source,
             other => other,
         };
-        if self.texts.source() == Some(source) {
+        if self.texts.found.source() == Some(source) {
             return;
         }
         self.let_go();
@@ -203,13 +203,13 @@ impl Editor {
 
     /// Handles results of the editor's threads.
     pub fn update(&mut self) {
-        while let Some(file_events) = self.texts.file_events() {
+        while let Some(file_events) = self.texts.files.file_events() {
             self.revision += 1;
             if let Some(words) = self.texts.take_news(file_events) {
                 self.tell(words);
             }
         }
-        while let Some(text) = self.clipboard.pasted() {
+        while let Ok(text) = self.clipboard.pasted.try_recv() {
             self.put_in(text.as_bytes());
         }
         self.write_waiting();
@@ -224,7 +224,7 @@ impl Editor {
 
     /// True if keys are typed into the editor.
     pub fn has_focus(&self) -> bool {
-        self.focus.is_on()
+        self.focus.is_on
     }
 
     /// Gives the keyboard focus to the editor or back to the show.
@@ -242,7 +242,7 @@ impl Editor {
 
     /// Returns the commands that the editor has sent since the last call.
     pub fn take_commands(&mut self) -> Vec<Command> {
-        self.texts.take_commands()
+        self.texts.outbox.take_commands()
     }
 
     /// Backs up unsaved text before the program exits.
@@ -253,7 +253,7 @@ impl Editor {
 
     /// True if the editor shows mistakes of the scene.
     pub fn tells_mistakes(&self) -> bool {
-        self.texts.findings().is_some_and(|found| !found.mistakes.is_empty())
+        self.texts.found.findings().is_some_and(|found| !found.mistakes.is_empty())
     }
 
     /// Shows a message for a moment.
@@ -294,14 +294,14 @@ impl Editor {
             // The session takes it.
             Answer::Diagram(_) => {}
             Answer::TooLong => self.tell("this scene is too large to be inspected while it plays"),
-            Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.source() => {
+            Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.found.source() => {
                 self.picture.take_ray_statistics(ray_statistics);
             }
-            Answer::Point(probed) if Some(&probed.source) == self.texts.source() => {
+            Answer::Point(probed) if Some(&probed.source) == self.texts.found.source() => {
                 self.picture.take_probed(probed);
                 // Scroll to the line that drew the point, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
-                    self.texts.reveal_line(line);
+                    self.texts.documents.reveal_line(line);
                 }
             }
             // Ignore a late answer about a previous scene.
@@ -312,7 +312,7 @@ impl Editor {
 
     fn go_to(&mut self, number: usize, range: Range<usize>) {
         let own = self.document().and_then(Document::file);
-        if self.texts.file(number).is_some_and(|file| own != Some(file)) {
+        if self.texts.found.file(number).is_some_and(|file| own != Some(file)) {
             self.close_small();
         }
         self.texts.go_to(number, range);
@@ -382,7 +382,7 @@ impl Editor {
     }
 
     fn set_color(&mut self, color: [f64; 3]) {
-        if self.held_numbers.picked().is_some_and(|at| self.take_three(at)) {
+        if self.held_numbers.picked.is_some_and(|at| self.take_three(at)) {
             self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
         }
     }
@@ -396,40 +396,12 @@ impl Editor {
 }
 
 impl Editor {
-    pub(crate) fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    pub(crate) fn texts(&self) -> &Texts {
-        &self.texts
-    }
-
     pub(crate) fn document(&self) -> Option<&Document> {
-        self.texts.document()
-    }
-
-    pub(crate) fn find_line(&self) -> Option<&Find> {
-        self.finding.line()
+        self.texts.documents.shown()
     }
 
     pub(crate) fn preedit(&self) -> &str {
-        self.focus.preedit()
-    }
-
-    pub(crate) fn proposals(&self) -> &Proposals {
-        &self.proposals
-    }
-
-    pub(crate) fn held_numbers(&self) -> &HeldNumbers {
-        &self.held_numbers
-    }
-
-    pub(crate) fn notice(&self) -> &Notice {
-        &self.notice
-    }
-
-    pub(crate) fn picture(&self) -> &Picture {
-        &self.picture
+        &self.focus.preedit
     }
 
     /// Returns the index, from 0, of the line that drew the clicked point, if the line's text is visible.

@@ -17,7 +17,7 @@ pub(crate) struct Picture {
     /// Maps positions in the window to positions in the frame.
     map: Option<Map>,
     camera: Option<Camera>,
-    probed: Option<Probed>,
+    pub(crate) probed: Option<Probed>,
     /// True while parts drawn by the lines at the cursor are highlighted.
     lights: bool,
     profiles: bool,
@@ -121,10 +121,6 @@ impl Picture {
 
     pub(crate) fn view(&self) -> Option<(&Map, &Camera)> {
         self.map.as_ref().zip(self.camera.as_ref())
-    }
-
-    pub(crate) fn probed(&self) -> Option<&Probed> {
-        self.probed.as_ref()
     }
 
     pub(crate) fn switches(&self) -> (bool, bool) {

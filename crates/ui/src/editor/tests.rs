@@ -302,7 +302,7 @@ fn turning_a_number_does_not_parse_the_text() {
     setup.editor.obey(EditorEvent::LetGo);
     assert_eq!(setup.reloads(), 1, "the text defines the number again");
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.findings().unwrap().numbers, [0_usize; 0]);
+    assert_eq!(setup.editor.texts.found.findings().unwrap().numbers, [0_usize; 0]);
     setup.ctrl("z");
     assert_eq!(setup.text(), BALL, "one undo step restores it");
 }
@@ -330,7 +330,7 @@ fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
     setup.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.findings().unwrap().numbers, [at + 1]);
+    assert_eq!(setup.editor.texts.found.findings().unwrap().numbers, [at + 1]);
     let _ = setup.commands();
     setup.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
     let commands = setup.commands();
@@ -457,7 +457,7 @@ fn the_search_finds_the_next_match() {
     setup.named(NamedKey::F3);
     assert_eq!(selected(&setup), 4..7, "it wraps around");
     setup.named(NamedKey::Escape);
-    assert!(setup.commands().is_empty() && setup.editor.find_line().is_none());
+    assert!(setup.commands().is_empty() && setup.editor.finding.line().is_none());
     setup.type_text("2");
     assert_eq!(setup.text(), "one 2\ntwo one\n");
 }

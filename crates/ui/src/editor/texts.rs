@@ -9,7 +9,7 @@ use mariana_editing::{Editing, Refused};
 use mariana_field::lang::Turning;
 use mariana_files::Folders;
 use mariana_files::documents::{FileEvent, OnDisk};
-use mariana_scenes::{Drafts, Findings, SceneSource};
+use mariana_scenes::{Drafts, SceneSource};
 
 use super::document::{Change, Document, Marked, Owner, Question};
 use super::documents::{Documents, Tab};
@@ -18,10 +18,10 @@ use super::found::Found;
 use super::outbox::Outbox;
 
 pub(crate) struct Texts {
-    documents: Documents,
-    found: Found,
-    files: Files,
-    outbox: Outbox,
+    pub(super) documents: Documents,
+    pub(super) found: Found,
+    pub(super) files: Files,
+    pub(super) outbox: Outbox,
 }
 
 impl Texts {
@@ -38,26 +38,10 @@ impl Texts {
         })
     }
 
-    pub(crate) fn document(&self) -> Option<&Document> {
-        self.documents.shown()
-    }
-
-    pub(super) fn document_mut(&mut self) -> Option<&mut Document> {
-        self.documents.shown_mut()
-    }
-
     /// True while the file of the visible text is being read, or a copy of the text is being made.
     pub(super) fn are_loading(&self) -> bool {
         let reads = |document: &Document| document.file().is_some() && document.disk.is_none();
-        self.document().is_some_and(reads) || self.documents.awaits_copy()
-    }
-
-    pub(super) fn source(&self) -> Option<&SceneSource> {
-        self.found.source()
-    }
-
-    pub(super) fn findings(&self) -> Option<&Findings> {
-        self.found.findings()
+        self.documents.shown().is_some_and(reads) || self.documents.carried.is_some()
     }
 
     pub(crate) fn tabs(&self) -> Vec<Tab> {
@@ -65,15 +49,14 @@ impl Texts {
     }
 
     pub(super) fn is_main(&self) -> bool {
-        self.source().zip(self.document()).is_some_and(|(source, document)| document.is_of(source))
-    }
-
-    pub(super) fn file(&self, number: usize) -> Option<&Path> {
-        self.found.file(number)
+        self.found
+            .source()
+            .zip(self.documents.shown())
+            .is_some_and(|(source, document)| document.is_of(source))
     }
 
     pub(super) fn number(&self) -> usize {
-        let file = self.document().and_then(Document::file);
+        let file = self.documents.shown().and_then(Document::file);
         file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
     }
 
@@ -84,9 +67,9 @@ impl Texts {
     }
 
     fn text(&self, number: usize) -> Option<&Document> {
-        match self.file(number) {
+        match self.found.file(number) {
             Some(file) => self.documents.of(file),
-            None => self.document().filter(|_| number == 0),
+            None => self.documents.shown().filter(|_| number == 0),
         }
     }
 
@@ -103,14 +86,14 @@ impl Texts {
     /// Returns the index, from 0, of the line that contains `range` of the loaded text, if that text is visible.
     pub(super) fn shown_line_at(&self, number: usize, range: Range<usize>) -> Option<usize> {
         let document = self.text(number)?;
-        let shows = self.document().is_some_and(|shown| std::ptr::eq(shown, document));
+        let shows = self.documents.shown().is_some_and(|shown| std::ptr::eq(shown, document));
         let now = document.place_as_shown(range).filter(|_| shows)?;
         Some(document.editing.buffer().line_of(now.start))
     }
 
     /// Returns the next mistake of the visible text. Without one, returns the number of another text with mistakes.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
-        let next = self.document().and_then(Document::next_mistake);
+        let next = self.documents.shown().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.first_wrong_text())
     }
 }
@@ -139,7 +122,7 @@ impl Texts {
     }
 
     pub(super) fn go_to(&mut self, number: usize, range: Range<usize>) {
-        if let Some(file) = self.file(number).map(Path::to_owned) {
+        if let Some(file) = self.found.file(number).map(Path::to_owned) {
             if self.open(&file) {
                 // The cursor is set when the file has been read.
                 return self.documents.carry(range.start, (0.0, 0.0));
@@ -151,27 +134,7 @@ impl Texts {
     }
 }
 
-impl Texts {
-    pub(super) fn rows(&self) -> usize {
-        self.documents.rows()
-    }
-
-    pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
-        self.documents.resize(rows, columns)
-    }
-
-    pub(super) fn scroll(&mut self, rows: f32) {
-        self.documents.scroll(rows);
-    }
-
-    pub(super) fn reveal(&mut self) {
-        self.documents.reveal();
-    }
-
-    pub(super) fn reveal_line(&mut self, line: usize) {
-        self.documents.reveal_line(line);
-    }
-}
+impl Texts {}
 
 impl Texts {
     pub(super) fn edit(
@@ -193,7 +156,7 @@ impl Texts {
     }
 
     pub(super) fn take_question(&mut self) -> Option<Question> {
-        self.document_mut()?.question.take()
+        self.documents.shown_mut()?.question.take()
     }
 
     pub(super) fn save(&mut self) -> Result<(), &'static str> {
@@ -208,7 +171,7 @@ impl Texts {
     }
 
     pub(super) fn overwrite(&self) {
-        if let Some(document) = self.document() {
+        if let Some(document) = self.documents.shown() {
             self.files.overwrite(document);
         }
     }
@@ -225,13 +188,13 @@ impl Texts {
     }
 
     pub(super) fn forget_kept(&self) {
-        if let Some(file) = self.document().and_then(Document::file) {
+        if let Some(file) = self.documents.shown().and_then(Document::file) {
             self.files.forget_kept(file);
         }
     }
 
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
-        self.files.begin(self.source().and_then(SceneSource::file).and_then(Path::parent))
+        self.files.begin(self.found.source().and_then(SceneSource::file).and_then(Path::parent))
     }
 
     pub(super) fn finish(&self) {
@@ -241,14 +204,6 @@ impl Texts {
 }
 
 impl Texts {
-    pub(super) fn send(&mut self, command: Command) {
-        self.outbox.send(command);
-    }
-
-    pub(super) fn take_commands(&mut self) -> Vec<Command> {
-        self.outbox.take_commands()
-    }
-
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
     }
@@ -281,10 +236,6 @@ impl Texts {
         if let Some(findings) = self.found.findings() {
             self.documents.take_mistakes(findings);
         }
-    }
-
-    pub(super) fn file_events(&self) -> Option<FileEvent> {
-        self.files.file_events()
     }
 
     pub(super) fn take_news(&mut self, file_events: FileEvent) -> Option<String> {

@@ -63,7 +63,7 @@ impl Turn {
 pub(crate) struct HeldNumbers {
     turn: Option<Turn>,
     /// Byte offset of the colour that is open in the picker.
-    picked: Option<usize>,
+    pub(super) picked: Option<usize>,
 }
 
 impl HeldNumbers {
@@ -73,10 +73,6 @@ impl HeldNumbers {
 
     pub(crate) fn turns_three(&self) -> bool {
         self.turn.as_ref().is_some_and(Turn::is_triple)
-    }
-
-    pub(super) fn picked(&self) -> Option<usize> {
-        self.picked
     }
 
     pub(crate) fn picked_color(&self, document: &Document) -> Option<(usize, [f64; 3])> {
@@ -112,7 +108,7 @@ impl HeldNumbers {
     ) -> Result<(), &'static str> {
         self.let_go(texts);
         let is_main = texts.is_main();
-        let Some(document) = texts.document_mut() else { return Ok(()) };
+        let Some(document) = texts.documents.shown_mut() else { return Ok(()) };
         document.check_open()?;
         let Some(file) = document.file().map(Path::to_owned) else { return Ok(()) };
         let text = document.editing.buffer().bytes();
@@ -133,7 +129,7 @@ impl HeldNumbers {
         if places.len() == values.len() {
             self.hold(&places, &values, texts);
         }
-        if let Some(document) = texts.document_mut().filter(|_| values.len() == 1) {
+        if let Some(document) = texts.documents.shown_mut().filter(|_| values.len() == 1) {
             document.editing.select(range);
         }
         Ok(())
@@ -141,7 +137,7 @@ impl HeldNumbers {
 
     /// Makes the numbers frame inputs with a range around their values. For this, the text is parsed again.
     fn hold(&mut self, places: &[usize], values: &[f64], texts: &mut Texts) {
-        let (Some(turn), Some(document)) = (&mut self.turn, texts.document()) else { return };
+        let (Some(turn), Some(document)) = (&mut self.turn, texts.documents.shown()) else { return };
         let mut inputs = Vec::new();
         let is_triple = turn.is_triple();
         for (((_, now), place), value) in turn.numbers.iter().zip(places).zip(values) {
@@ -177,13 +173,15 @@ impl HeldNumbers {
 
     pub(super) fn move_three(&mut self, way: [f64; 3], texts: &mut Texts) -> Result<(), Refused> {
         let Some(before) = self.turn.as_ref().map(|turn| turn.exact) else { return Ok(()) };
-        let place = texts.document().and_then(Document::place_at_cursor);
+        let place = texts.documents.shown().and_then(Document::place_at_cursor);
         let sign = place.map_or(1.0, |(_, sign)| sign);
         self.turn_three(std::array::from_fn(|axis| before[axis] + sign * way[axis]), texts)
     }
 
     fn write(&mut self, written: &[String], texts: &mut Texts) -> Result<(), Refused> {
-        let (Some(turn), Some(document)) = (&mut self.turn, texts.document_mut()) else { return Ok(()) };
+        let (Some(turn), Some(document)) = (&mut self.turn, texts.documents.shown_mut()) else {
+            return Ok(());
+        };
         let whole = turn.range();
         let (mut new, mut behind) = (Vec::new(), whole.start);
         for ((_, now), text) in turn.numbers.iter_mut().zip(written) {
@@ -221,7 +219,7 @@ impl HeldNumbers {
 
     /// After new findings, checks if the numbers became inputs. Numbers that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
-        let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings()) else { return };
+        let (Some(turn), Some(findings)) = (&mut self.turn, texts.found.findings()) else { return };
         let Some(held) = &turn.held else { return };
         let are_inputs = held.inputs.iter().all(|input| findings.numbers.contains(&input.digits));
         if findings.version >= held.since && !are_inputs {
@@ -233,7 +231,7 @@ impl HeldNumbers {
     /// Releases the numbers, so that the text defines them again. Returns true if numbers were held.
     pub(super) fn let_go(&mut self, texts: &mut Texts) -> bool {
         let Some(turn) = self.turn.take() else { return false };
-        if let Some(document) = texts.document_mut() {
+        if let Some(document) = texts.documents.shown_mut() {
             document.editing.settle();
         }
         if turn.held.is_some() {

@@ -69,7 +69,7 @@ fn folders_are_entered_and_left_and_files_are_picked() {
     assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
     assert_eq!(browser.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), []);
     read(&mut browser);
-    assert_eq!(browser.entry(browser.selected()).unwrap().name, "album");
+    assert_eq!(browser.entry(browser.selected).unwrap().name, "album");
     // A folder is added whole, and played whole.
     assert_eq!(browser.take_key(&enter, Modifiers::SHIFT), [open(&album, true)]);
     assert_eq!(browser.play(0), [open(&album, false), CLOSE]);
@@ -77,7 +77,7 @@ fn folders_are_entered_and_left_and_files_are_picked() {
     read(&mut browser);
     assert_eq!(key(&mut browser, NamedKey::Backspace), []);
     read(&mut browser);
-    assert_eq!((browser.folder(), browser.selected()), (folder.path(), 0));
+    assert_eq!((browser.folder.as_path(), browser.selected), (folder.path(), 0));
     assert_eq!(key(&mut browser, NamedKey::Escape), [CLOSE]);
 }
 
@@ -92,7 +92,7 @@ fn letters_search_and_backspace_deletes_them_before_it_goes_up() {
     assert_eq!(key(&mut browser, NamedKey::Enter), []);
     let _ = key(&mut browser, NamedKey::Backspace);
     let _ = key(&mut browser, NamedKey::Backspace);
-    assert_eq!((browser.query(), browser.folder()), ("M", folder.path()));
+    assert_eq!((browser.query(), browser.folder.as_path()), ("M", folder.path()));
     assert_eq!(key(&mut browser, NamedKey::Escape), []);
     assert_eq!((browser.query(), browser.count()), ("", 7));
 }
@@ -111,7 +111,7 @@ fn the_search_finds_titles_and_artists() {
     read(&mut browser);
     browser.note_drawn(0..browser.count());
     let before = browser.revision();
-    while browser.tags().get(&song).is_none() {
+    while browser.tags.get(&song).is_none() {
         woken.recv_timeout(Duration::from_secs(60)).expect("the tags are read");
     }
     typed(&mut browser, "tide 東");
@@ -142,19 +142,21 @@ fn shortcuts_are_reached_by_tab_and_folders_can_be_marked() {
     let mut browser =
         FileBrowser::start(Some(folder.path().to_owned()), remembered, TagLibrary::default(), || {});
     read(&mut browser);
-    let kinds = |browser: &FileBrowser| -> Vec<PlaceKind> {
-        browser.places().iter().map(|place| place.kind).collect()
-    };
+    let kinds =
+        |browser: &FileBrowser| -> Vec<PlaceKind> { browser.places.iter().map(|place| place.kind).collect() };
     let all = kinds(&browser);
     assert_eq!((all[0], all[all.len() - 1]), (PlaceKind::Favourite, PlaceKind::Recent));
     assert_eq!(all.iter().filter(|kind| **kind == PlaceKind::Recent).count(), 1, "a folder is listed twice");
     assert_eq!(key(&mut browser, NamedKey::Tab), []);
-    assert_eq!(browser.selected_place(), Some(0));
+    assert_eq!(browser.selected_place, Some(0));
     let _ = (key(&mut browser, NamedKey::End), key(&mut browser, NamedKey::ArrowDown));
-    assert_eq!(browser.selected_place(), Some(all.len() - 1));
+    assert_eq!(browser.selected_place, Some(all.len() - 1));
     let _ = key(&mut browser, NamedKey::Enter);
     read(&mut browser);
-    assert_eq!((browser.folder(), browser.selected_place()), (folder.path().join("empty").as_path(), None));
+    assert_eq!(
+        (browser.folder.as_path(), browser.selected_place),
+        (folder.path().join("empty").as_path(), None)
+    );
     assert!(!browser.is_favourite());
     let marked = browser.take_key(&Key::Character("d".into()), Modifiers::CONTROL);
     assert_eq!(marked, [Command::MarkFolders([recent("album"), recent("empty")].into())]);
@@ -163,7 +165,7 @@ fn shortcuts_are_reached_by_tab_and_folders_can_be_marked() {
     // A letter in the shortcuts searches the entries.
     let _ = key(&mut browser, NamedKey::Tab);
     typed(&mut browser, "x");
-    assert_eq!((browser.selected_place(), browser.query()), (None, "x"));
+    assert_eq!((browser.selected_place, browser.query()), (None, "x"));
 }
 
 /// A reader that waits for a message before it lists a folder called "slow".
@@ -192,7 +194,7 @@ fn a_folder_that_does_not_answer_delays_no_other_folder() {
     assert_eq!(browser.trouble(), Some(READING));
     browser.go_up();
     read(&mut browser);
-    assert_eq!(browser.entry(browser.selected()).unwrap().name, "slow");
+    assert_eq!(browser.entry(browser.selected).unwrap().name, "slow");
     // Too many folders without an answer are refused with a sentence.
     for _ in 0..LIMITS.folders_read_max + 1 {
         browser.enter(slow.clone());

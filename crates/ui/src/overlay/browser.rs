@@ -117,12 +117,12 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
 
 /// Draws a button for each mood and each energy.
 fn filters(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
-    let filters = browser.filters();
-    if filters.moods().is_empty() {
+    let filters = &browser.filters;
+    if filters.moods.is_empty() {
         return;
     }
     let energies = ENERGIES.iter().enumerate().map(|(at, (name, _))| (*name, SceneFilter::Energy(at)));
-    let moods = filters.moods().iter().enumerate();
+    let moods = filters.moods.iter().enumerate();
     let moods = moods.map(|(at, mood)| (mood.as_str(), SceneFilter::Mood(at)));
     let all: Vec<_> = energies.chain(moods).collect();
     let chip = |(name, filter): &(&'_ str, SceneFilter)| {
@@ -162,13 +162,11 @@ fn tiles(
     let count = browser.found();
     let rows = count.div_ceil(columns);
     let scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
-    let moved = pictures.selected.replace(browser.selected()) != Some(browser.selected());
+    let moved = pictures.selected.replace(browser.selected) != Some(browser.selected);
     let scroll = match moved {
-        true => scroll.vertical_scroll_offset(style::scrolled_to(
-            browser.selected() / columns,
-            tile_height,
-            height,
-        )),
+        true => {
+            scroll.vertical_scroll_offset(style::scrolled_to(browser.selected / columns, tile_height, height))
+        }
         false => scroll,
     };
     let mut seen: Range<usize> = 0..0;
@@ -197,7 +195,7 @@ fn tiles(
         seen.clone().any(is_of)
     };
     pictures.textures.retain(|_, (image, _)| kept(image));
-    let moving = Some(pointed.unwrap_or(browser.selected()));
+    let moving = Some(pointed.unwrap_or(browser.selected));
     events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns, moving }));
 }
 
@@ -236,7 +234,7 @@ fn draw_tile(
             }
         }
     }
-    let is_selected = browser.selected() == place;
+    let is_selected = browser.selected == place;
     let edge = match (is_selected, response.hovered()) {
         (true, _) => Some(Stroke::new(2.5, style::ACCENT)),
         (false, true) => Some(Stroke::new(1.5, style::TEXT)),
@@ -283,7 +281,7 @@ fn present_frame<'a>(ui: &Ui, frames: &'a [Arc<RgbaImage>]) -> Option<&'a Arc<Rg
 
 fn comment(ui: &mut Ui, browser: &SceneBrowser) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-    let words = match browser.tile(browser.selected()) {
+    let words = match browser.tile(browser.selected) {
         Some(tile) if tile.about.comment.is_empty() => tile.name.clone(),
         Some(tile) => format!("{}: {}", tile.name, tile.about.comment),
         None => "no scene matches; press Esc to see all scenes".to_owned(),

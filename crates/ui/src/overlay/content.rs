@@ -269,20 +269,20 @@ impl OverlayContent<'_> {
     /// A number that changes with the content. A notice is included until it is gone, even while it fades.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (self.corner, self.problem, self.help.map(HelpPanel::revision)).hash(&mut hasher);
+        (self.corner, self.problem, self.help.map(|panel| panel.revision)).hash(&mut hasher);
         (self.hint, &self.sources, self.calm).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         notice.and_then(|notice| notice.fraction).map(f32::to_bits).hash(&mut hasher);
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer).hash(&mut hasher);
-        self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
+        self.scenes.map(|panel| panel.revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
-        self.settings.map(SettingsPanel::revision).hash(&mut hasher);
-        self.editor.map(Editor::revision).hash(&mut hasher);
-        (self.controllers.map(ControllersPanel::revision), self.learning).hash(&mut hasher);
+        self.settings.map(|panel| panel.revision).hash(&mut hasher);
+        self.editor.map(|panel| panel.revision).hash(&mut hasher);
+        (self.controllers.map(|panel| panel.revision), self.learning).hash(&mut hasher);
         (&self.cues, &self.decks).hash(&mut hasher);
-        self.video.map(VideoPanel::revision).hash(&mut hasher);
+        self.video.map(|panel| panel.revision).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.ray.map(|ray| ray.revision).hash(&mut hasher);

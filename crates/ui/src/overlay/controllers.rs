@@ -39,8 +39,8 @@ pub(super) fn show(
             let mut ask = |command| events.push(UiEvent::Command(command));
             heading(ui, &mut ask);
             let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
-            let before = last_seen.replace(panel.selected());
-            let moved = before.is_some_and(|before| before != panel.selected());
+            let before = last_seen.replace(panel.selected);
+            let moved = before.is_some_and(|before| before != panel.selected);
             let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             if before.is_none() {
                 // Start at the top, because the connection code is there.
@@ -48,8 +48,8 @@ pub(super) fn show(
             }
             list.show(ui, |ui| {
                 ui.set_width((ui.available_width() - LANE).max(0.0));
-                for (place, row) in panel.rows().iter().enumerate() {
-                    let is_selected = place == panel.selected();
+                for (place, row) in panel.rows.iter().enumerate() {
+                    let is_selected = place == panel.selected;
                     let drawn =
                         ui.push_id(place, |ui| draw_row(ui, row, is_selected, panel.field(), &mut ask));
                     if is_selected && moved {

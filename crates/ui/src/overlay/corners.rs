@@ -51,7 +51,7 @@ pub(super) fn show(
             let at = Rect::from_center_size(rect.center(), vec2(0.0, 0.0)).center();
             let at = at + (seen - grab.center());
             painter.circle_filled(at, RADIUS, if held { style::ACCENT } else { style::GROUND });
-            let color = if corner == handles.selected() { style::ACCENT } else { style::TEXT };
+            let color = if corner == handles.selected { style::ACCENT } else { style::TEXT };
             painter.circle_stroke(at, RADIUS, Stroke::new(2.0, color));
             response.widget_info(|| {
                 WidgetInfo::labeled(egui::Role::Button, true, NAMES.get(corner).copied().unwrap_or_default())

@@ -92,7 +92,7 @@ fn header(
         _ => None,
     };
     let save = save.map(|words| (words, EditAction::Save, false));
-    let (lights, profiles) = editor.picture().switches();
+    let (lights, profiles) = editor.picture.switches();
     let others = [
         ("new", EditAction::New, false),
         ("profile", EditAction::Profile, profiles),
@@ -107,7 +107,7 @@ fn header(
         }
     }
     let mut left = line.left();
-    for (number, tab) in editor.texts().tabs().into_iter().enumerate() {
+    for (number, tab) in editor.texts.tabs().into_iter().enumerate() {
         let sign = if tab.dirty { " •" } else { "" };
         let color = match (tab.wrong, tab.shows) {
             (true, _) => style::ERROR,
@@ -224,7 +224,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         add("", small.clone(), style::DIM);
         add("", small.clone(), style::DIM);
     }
-    match (editor.find_line(), editor.notice().words()) {
+    match (editor.finding.line(), editor.notice.words()) {
         (Some(find), answer) => {
             let cursor = if find.typing { "|" } else { "" };
             let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));

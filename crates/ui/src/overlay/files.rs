@@ -101,7 +101,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     if rises.clicked() {
         ask(FileListEvent::Up);
     }
-    let folder = files.folder().display().to_string().replace(char::is_control, " ");
+    let folder = files.folder.display().to_string().replace(char::is_control, " ");
     let (words, color) = match files.query() {
         "" => (folder.clone(), style::TEXT),
         query => (format!("{query}| in {folder}"), style::ACCENT),
@@ -117,17 +117,17 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
 
 fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut impl FnMut(FileListEvent)) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    let moved = std::mem::replace(last, files.selected_place()) != files.selected_place();
+    let moved = std::mem::replace(last, files.selected_place) != files.selected_place;
     ScrollArea::vertical().id_salt("places").auto_shrink([false, false]).show(ui, |ui| {
         let width = (ui.available_width() - LANE).max(0.0);
         let mut before = None;
-        for (index, place) in files.places().iter().enumerate() {
+        for (index, place) in files.places.iter().enumerate() {
             if before.replace(place.kind) != Some(place.kind) {
                 let (line, _) = ui.allocate_exact_size(vec2(width, 0.8 * ROW), Sense::hover());
                 words::hint(ui, line, group(place.kind));
             }
-            let is_selected = files.selected_place() == Some(index);
-            let response = place_row(ui, width, place, is_selected, place.path == files.folder());
+            let is_selected = files.selected_place == Some(index);
+            let response = place_row(ui, width, place, is_selected, place.path == files.folder);
             if is_selected && moved {
                 response.scroll_to_me(None);
             }
@@ -186,8 +186,8 @@ fn rows(
         return;
     }
     let mut scroll = ScrollArea::vertical().id_salt("entries").max_height(height).auto_shrink([false, false]);
-    if last.replace(files.selected()) != Some(files.selected()) {
-        scroll = scroll.vertical_scroll_offset(style::scrolled_to(files.selected(), ROW, height));
+    if last.replace(files.selected) != Some(files.selected) {
+        scroll = scroll.vertical_scroll_offset(style::scrolled_to(files.selected, ROW, height));
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {
         let width = (ui.available_width() - LANE).max(0.0);
@@ -213,14 +213,14 @@ fn row(
     let has_adding = !matches!(entry.kind, FileKind::Scene);
     let adds = ui.interact(button(0.0), response.id.with("add"), Sense::click());
     let plays = ui.interact(button(1.0), response.id.with("play"), Sense::click());
-    let is_selected = place == files.selected() && files.selected_place().is_none();
+    let is_selected = place == files.selected && files.selected_place.is_none();
     let over = [&response, &adds, &plays].iter().any(|part| part.contains_pointer());
     let painter = ui.painter().clone();
     if is_selected || over {
         painter.rect_filled(rect, 4.0, style::RAIL);
     }
     let tags = Some(entry).filter(|entry| entry.kind == FileKind::Music);
-    let tags = tags.and_then(|entry| files.tags().get(&entry.path));
+    let tags = tags.and_then(|entry| files.tags.get(&entry.path));
     draw_entry(&painter, rect, entry, tags.as_deref(), is_selected);
     let name = spoken(entry, tags.as_deref());
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &name));
@@ -322,7 +322,7 @@ fn spoken(entry: &FileEntry, tags: Option<&TrackTags>) -> String {
 }
 
 fn footing(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
-    let is_known = !files.folder().as_os_str().is_empty();
+    let is_known = !files.folder.as_os_str().is_empty();
     ui.horizontal(|ui| {
         let play = words::button(ui, "play this folder", is_known);
         if play.clicked() {

@@ -54,7 +54,7 @@ pub(super) fn show(
             heading(ui, help, events);
             let height = (height - LINE).max(ROW);
             let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            let selected = help.selected();
+            let selected = help.selected;
             let before = seen.as_ref().filter(|before| before.selected != selected);
             if let Some((before, (top, bottom))) = before.zip(table.span(selected)) {
                 // Scroll as little as possible, and show a row or heading beyond the selected row.

@@ -140,7 +140,7 @@ impl Overlay {
     /// Handles input other than keys (see [`Overlay::take_key`]). Returns true if only the overlay may use the input.
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
-        self.input.add(input, self.panels.context().pixels_per_point());
+        self.input.add(input, self.panels.context.pixels_per_point());
         if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
             self.input.forget_pointer();
         }
@@ -149,12 +149,12 @@ impl Overlay {
 
     /// Returns true while a control has the keyboard focus.
     pub fn has_key_focus(&self) -> bool {
-        self.panels.context().memory(|memory| memory.focused().is_some())
+        self.panels.context.memory(|memory| memory.focused().is_some())
     }
 
     /// Returns the keyboard focus to the show.
     pub fn drop_key_focus(&self) {
-        self.panels.context().memory_mut(|memory| {
+        self.panels.context.memory_mut(|memory| {
             if let Some(id) = memory.focused() {
                 memory.surrender_focus(id);
             }
@@ -176,7 +176,7 @@ impl Overlay {
 
     /// Handles an event of assistive technology.
     pub fn assist(&mut self, assistance: Assistance) {
-        let context = self.panels.context();
+        let context = &self.panels.context;
         match assistance {
             Assistance::Begins => context.enable_accesskit(),
             Assistance::Ends => context.disable_accesskit(),
@@ -203,7 +203,7 @@ impl Overlay {
         };
         let changed = content.fingerprint(now) != shown.fingerprint;
         let touched = !self.input.is_empty();
-        let relaid = changed || touched || self.panels.wants_focus() || self.panels.has_found_fonts();
+        let relaid = changed || touched || self.panels.wants_focus || self.panels.fallback.has_found();
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
@@ -281,10 +281,10 @@ impl Overlay {
         self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
         let own = now.checked_add(laid_out.repaint_after);
         let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
-        let answer = content.editor.and_then(|editor| editor.notice().goes_at());
+        let answer = content.editor.and_then(|editor| editor.notice.goes_at());
         let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
         self.shown = Some(Shown {
-            primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
+            primitives: self.panels.context.tessellate(output.shapes, pixels_per_point),
             pixels_per_point,
             size,
             // Compute the fingerprint after the layout, because sliders may have moved during the layout.
@@ -318,7 +318,7 @@ impl Overlay {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
         // Do not call `set_zoom_factor`: egui would then derive the window's size from the previous pass.
-        self.panels.context().options_mut(|options| options.zoom_factor = zoom);
+        self.panels.context.options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
@@ -328,7 +328,7 @@ impl Overlay {
         }
         if interactive && !was {
             // Send egui the pointer events that it did not get while no control reacted to the pointer.
-            if self.panels.context().input(|input| input.pointer.any_down()) {
+            if self.panels.context.input(|input| input.pointer.any_down()) {
                 input.events.push(egui::Event::PointerGone);
             }
             if let Some(place) = self.pointer.place {

@@ -34,10 +34,10 @@ const LIST_WIDTH_MIN: f32 = 300.0;
 const SENTENCE_WIDTH_MIN: f32 = 190.0;
 
 pub(super) struct Panels {
-    context: Context,
-    fallback: Fallback,
+    pub(super) context: Context,
+    pub(super) fallback: Fallback,
     kept: Kept,
-    wants_focus: bool,
+    pub(super) wants_focus: bool,
     /// True if the last layout had controls. egui focuses no control in its first layout.
     had_controls: bool,
 }
@@ -76,25 +76,13 @@ impl Panels {
         Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
     }
 
-    pub(super) fn has_found_fonts(&self) -> bool {
-        self.fallback.has_found()
-    }
-
     #[cfg(test)]
     pub(super) fn fallback(&self) -> &Fallback {
         &self.fallback
     }
 
-    pub(super) fn context(&self) -> &Context {
-        &self.context
-    }
-
     pub(super) fn ask_for_focus(&mut self) {
         self.wants_focus = true;
-    }
-
-    pub(super) fn wants_focus(&self) -> bool {
-        self.wants_focus
     }
 
     pub(super) fn forget_focus(&mut self) {

@@ -67,7 +67,7 @@ pub(super) fn show(
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
             let pointed = rows(ui, (height, gives_way), settings, last_seen, &mut ask);
-            let row = settings.rows().get(pointed.unwrap_or(settings.selected()));
+            let row = settings.rows.get(pointed.unwrap_or(settings.selected));
             fade(ui, gives_way);
             footing(ui, row.map_or("", |row| &row.purpose), meaning);
         });
@@ -77,7 +77,7 @@ pub(super) fn show(
 
 /// True while the user turns a setting, and shortly after.
 fn gives_way(context: &egui::Context, settings: &SettingsPanel, seen: Option<&Seen>) -> bool {
-    let left = settings.turned().and_then(|turned| LINGERS.checked_sub(clock::since(turned)));
+    let left = settings.turned.and_then(|turned| LINGERS.checked_sub(clock::since(turned)));
     if let Some(left) = left {
         context.request_repaint_after(left);
     }
@@ -141,9 +141,9 @@ fn rows(
     last_seen: &mut Option<Seen>,
     ask: &mut impl FnMut(SettingEvent),
 ) -> Option<usize> {
-    let selected = settings.selected();
+    let selected = settings.selected;
     let width = ui.available_width() - LANE;
-    let rows = settings.rows();
+    let rows = &settings.rows;
     let (mut top, mut bottom) = (0.0, 0.0);
     for (place, row) in rows.iter().enumerate().take(selected + 1) {
         let row_height = heading_above(rows, place) + ROW * lines_of(ui, row, width) as f32;
@@ -166,7 +166,7 @@ fn rows(
         ui.set_width((ui.available_width() - LANE).max(0.0));
         let mut pointed = None;
         for (place, row) in rows.iter().enumerate() {
-            let is_selected = place == settings.selected();
+            let is_selected = place == settings.selected;
             let drawn = ui.push_id(place, |ui| {
                 if heading_above(rows, place) > 0.0 {
                     ui.scope(|ui| {

@@ -341,7 +341,7 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
     let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
     let rows: &'static SettingsPanel = Box::leak(Box::new(panel(&choices, Some("tv"))));
     let content = || OverlayContent { settings: Some(rows), ..Default::default() };
-    let place = |wanted: &str| rows.rows().iter().position(|row| row.name == wanted).unwrap();
+    let place = |wanted: &str| rows.rows.iter().position(|row| row.name == wanted).unwrap();
     for screen in [SCREEN, Vec2::new(560.0, 315.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
         let mut stage = Stage::new(screen);
         stage.frame(Vec::new(), content());
@@ -409,7 +409,7 @@ fn the_selected_setting_is_visible_in_a_small_window() {
         stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
         let laid_out =
             stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
-        let row = &rows.rows()[rows.selected()];
+        let row = &rows.rows[rows.selected];
         let (_, texts) = drawn(&laid_out);
         let at = texts.iter().find(|(text, _)| text.ends_with(&row.name)).map(|(_, at)| *at);
         assert!(at.is_some_and(|at| at.height() > 12.0), "{} is not seen: {texts:?}", row.name);
@@ -419,7 +419,7 @@ fn the_selected_setting_is_visible_in_a_small_window() {
 #[test]
 fn special_characters_are_in_the_fonts() {
     let stage = Stage::new(SCREEN);
-    let mut output = stage.panels.context().run_pass(RawInput::default(), |context| {
+    let mut output = stage.panels.context.run_pass(RawInput::default(), |context| {
         for (font, text) in [(style::monospace(12.0), "…↺^|`äß"), (style::proportional(12.0), "…·äß")]
         {
             let missing = |c: &char| !context.fonts_mut(|fonts| fonts.has_glyph(&font, *c));
@@ -460,9 +460,9 @@ fn missing_letters_come_from_the_fonts_of_the_system() {
     assert_eq!(boxes.len(), 3);
     assert!(boxes.iter().all(|(_, place)| *place == boxes[0].1), "the same box three times: {boxes:?}");
     stage.wakes.recv_timeout(PATIENCE).expect("no font was found");
-    assert!(stage.panels.has_found_fonts());
+    assert!(stage.panels.fallback.has_found());
     let letters = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
-    assert!(!stage.panels.has_found_fonts());
+    assert!(!stage.panels.fallback.has_found());
     let mut widths: Vec<u16> = letters.iter().map(|(_, place)| place[0]).collect();
     widths.dedup();
     assert_eq!(widths.len(), 3, "{letters:?} instead of {boxes:?}");
@@ -530,7 +530,7 @@ fn text_grows_with_large_windows_and_stays_readable_in_small_ones() {
 fn a_bar_for_screen_readers_alone_is_neither_seen_nor_in_the_way() {
     let now = NowPlaying { title: "song".into(), duration: Some(60.0), ..NowPlaying::default() };
     let mut stage = Stage::new(SCREEN);
-    stage.panels.context().enable_accesskit();
+    stage.panels.context.enable_accesskit();
     let mut places = Vec::new();
     for seen in [true, false] {
         let bar = Some(Bar { seen, ..bar(&now) });

@@ -97,8 +97,8 @@ fn rows(
     let builder = egui::UiBuilder::new().max_rect(place).scope_id(Id::unique("rows of tracks"));
     let ui = &mut ui.new_child(builder);
     let mut scroll = ScrollArea::vertical().id_salt("tracks").max_height(height).auto_shrink([false, false]);
-    if last_selected.replace(panel.selected()) != Some(panel.selected()) {
-        scroll = scroll.vertical_scroll_offset(style::scrolled_to(panel.selected(), ROW, height));
+    if last_selected.replace(panel.selected) != Some(panel.selected) {
+        scroll = scroll.vertical_scroll_offset(style::scrolled_to(panel.selected, ROW, height));
     }
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
@@ -153,7 +153,7 @@ fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, events: &mut Vec
     let crossed = ui.interact(cross, response.id.with("remove"), Sense::click());
     let over = response.contains_pointer() || crossed.contains_pointer();
     let painter = ui.painter().clone();
-    let is_selected = at == panel.selected();
+    let is_selected = at == panel.selected;
     if over || is_selected {
         painter.rect_filled(place, 4.0, style::RAIL);
         let color = if crossed.hovered() { style::TEXT } else { style::DIM };
@@ -225,7 +225,7 @@ struct Words {
 
 impl Words {
     fn of(tracks: &Tracks<'_>, index: usize) -> Self {
-        let list = tracks.panel.list();
+        let list = &tracks.panel.list;
         let tags = tracks.panel.tags_of(index);
         let name = list.entries.get(index).map(|track| track.name.clone()).unwrap_or_default();
         Self {
@@ -282,7 +282,7 @@ impl Words {
 }
 
 fn buttons(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
-    let list = tracks.panel.list();
+    let list = &tracks.panel.list;
     ui.horizontal(|ui| {
         if words::button(ui, "add music", true).on_hover_text("O, or drop files onto the window").clicked() {
             events.push(UiEvent::Command(TrackPanel::ADD));

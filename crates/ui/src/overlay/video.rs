@@ -44,9 +44,9 @@ pub(super) fn show(
             heading(ui, &mut ask);
             let foot = Foot::new(ui, panel);
             let height = (space.height() - 2.0 * style::PADDING.y - LINE - foot.height()).max(LINE);
-            let jobs = panel.rows().iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
-            let before = last_seen.replace((panel.selected(), jobs));
-            let moved = before.is_some_and(|(selected, _)| selected != panel.selected());
+            let jobs = panel.rows.iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
+            let before = last_seen.replace((panel.selected, jobs));
+            let moved = before.is_some_and(|(selected, _)| selected != panel.selected);
             let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             if before.is_none_or(|(_, before)| before < jobs) {
                 // Show the queue, which is above the choices.
@@ -79,8 +79,8 @@ fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
 /// Draws the queue and the choices.
 fn rows(ui: &mut Ui, panel: &VideoPanel, moved: bool, ask: &mut impl FnMut(Command)) {
     ui.set_width((ui.available_width() - LANE).max(0.0));
-    for (place, row) in panel.rows().iter().enumerate() {
-        let selected = (place == panel.selected()).then(|| panel.selected_button());
+    for (place, row) in panel.rows.iter().enumerate() {
+        let selected = (place == panel.selected).then(|| panel.selected_button());
         let drawn = match row {
             VideoRow::Job { .. } => ui.push_id(place, |ui| draw_job(ui, row, selected, ask)).inner,
             VideoRow::Choice { what, name, options, chosen } => {
@@ -213,14 +213,14 @@ struct Foot {
 impl Foot {
     fn new(ui: &Ui, panel: &VideoPanel) -> Self {
         let width = ui.available_width() - 2.0 * INDENT;
-        let meaning = match panel.rows().get(panel.selected()) {
+        let meaning = match panel.rows.get(panel.selected) {
             Some(VideoRow::Choice { options, chosen, .. }) => {
                 let option = chosen.or(panel.selected_button()).and_then(|option| options.get(option));
                 option.map(|option| words(ui, &option.meaning, style::DIM, width))
             }
             _ => None,
         };
-        let (about, is_bad) = match panel.rows().last() {
+        let (about, is_bad) = match panel.rows.last() {
             Some(VideoRow::Make { about, is_bad, .. }) => (about.as_str(), *is_bad),
             _ => ("", false),
         };
@@ -237,7 +237,7 @@ impl Foot {
     }
 
     fn show(self, ui: &mut Ui, panel: &VideoPanel, ask: &mut impl FnMut(Command)) {
-        let Some(VideoRow::Make { about, is_ready, .. }) = panel.rows().last() else { return };
+        let Some(VideoRow::Make { about, is_ready, .. }) = panel.rows.last() else { return };
         let line = self.line();
         ui.add_space(GAP);
         if let Some(meaning) = self.meaning {
@@ -248,7 +248,7 @@ impl Foot {
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
         let button = Rect::from_min_size(place.min, vec2(MAKE_WIDTH, line)).shrink2(vec2(INDENT, 2.0));
         ui.scope_builder(egui::UiBuilder::new().max_rect(button), |ui| {
-            let is_selected = matches!(panel.rows().get(panel.selected()), Some(VideoRow::Make { .. }));
+            let is_selected = matches!(panel.rows.get(panel.selected), Some(VideoRow::Make { .. }));
             let chip =
                 Chip { is_dim: !is_ready, ..Chip::new(MAKE, MAKE.to_owned(), is_selected && *is_ready) };
             if chips::row(ui, MAKE, &[chip]).is_some() && *is_ready {

@@ -24,17 +24,13 @@ pub enum SceneFilter {
 /// The offered moods and the chosen filters.
 #[derive(Debug, Default)]
 pub struct Filters {
-    moods: Vec<String>,
+    /// The offered moods.
+    pub moods: Vec<String>,
     mood: Option<String>,
     energy: Option<usize>,
 }
 
 impl Filters {
-    /// The offered moods.
-    pub fn moods(&self) -> &[String] {
-        &self.moods
-    }
-
     /// True if a filter is chosen.
     pub fn is_on(&self, filter: SceneFilter) -> bool {
         match filter {

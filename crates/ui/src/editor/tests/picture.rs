@@ -44,7 +44,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     setup.editor.set_focus(false);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&setup), setup.editor.has_focus()), (3, true));
-    let surface = setup.editor.picture.probed().unwrap().surface.clone().unwrap();
+    let surface = setup.editor.picture.probed.as_ref().unwrap().surface.clone().unwrap();
     assert_eq!((surface.object.as_str(), surface.material.as_str()), ("near", "red"));
     probe(&mut setup, [0.5, 0.9]);
     setup.editor.obey(EditorEvent::GoToProbed);
@@ -56,7 +56,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     setup.editor.take_answer_about_the_picture(Answer::Point(probe_of(&scenery, [0.5, 0.5])));
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&setup), 4);
-    let surface = setup.editor.picture.probed().unwrap().surface.clone().unwrap();
+    let surface = setup.editor.picture.probed.as_ref().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
     let (name, line, words) = setup.editor.texts.line_at(file, range).unwrap();
     assert_eq!(
@@ -66,10 +66,13 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     // No line of the text draws the sky. Esc closes the card and leaves the editor open.
     probe(&mut setup, [0.5, 0.1]);
     setup.editor.obey(EditorEvent::GoToProbed);
-    assert_eq!((line_of_cursor(&setup), setup.editor.picture.probed().unwrap().surface.as_ref()), (4, None));
+    assert_eq!(
+        (line_of_cursor(&setup), setup.editor.picture.probed.as_ref().unwrap().surface.as_ref()),
+        (4, None)
+    );
     let _ = setup.commands();
     setup.named(NamedKey::Escape);
-    assert!(setup.editor.picture.probed().is_none() && setup.commands().is_empty());
+    assert!(setup.editor.picture.probed.as_ref().is_none() && setup.commands().is_empty());
 }
 
 #[test]
@@ -186,7 +189,7 @@ fn picking_a_colour_does_not_parse_the_text_and_is_one_undo_step() {
     setup.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
     assert_eq!(turned(&mut setup), (1, vec![vec![0.8, 0.3, 0.1]]), "one load makes it three inputs");
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.findings().unwrap().numbers.len(), 3);
+    assert_eq!(setup.editor.texts.found.findings().unwrap().numbers.len(), 3);
     for step in 1..=20 {
         setup.editor.obey(EditorEvent::SetColor([0.8, 0.02 * f64::from(step), 0.0]));
     }
@@ -256,9 +259,9 @@ fn a_moving_camera_redraws_only_a_cross() {
     let (map, mut camera) = (Placement::default().map(), scenery.frame.camera);
     let mut moves = |setup: &mut TestEditor| {
         camera.position.x += 1.0;
-        let before = setup.editor.revision();
+        let before = setup.editor.revision;
         setup.editor.set_view(map, Some(camera));
-        setup.editor.revision() > before
+        setup.editor.revision > before
     };
     assert!(moves(&mut setup), "the map is new");
     assert!(!moves(&mut setup));

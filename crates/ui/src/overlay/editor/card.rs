@@ -20,8 +20,8 @@ pub(super) fn show(
     editor: &Editor,
     ask: &mut impl FnMut(EditorEvent),
 ) -> Option<Rect> {
-    let probed = editor.picture().probed()?;
-    let point = on_screen(editor.picture().map()?, screen, probed.at)?;
+    let probed = editor.picture.probed.as_ref()?;
+    let point = on_screen(editor.picture.map()?, screen, probed.at)?;
     let marks = context.layer_painter(LayerId::new(Order::Background, Id::unique("probed point")));
     for (radius, width, color) in [(6.0, 3.5, style::ON_ACCENT), (6.0, 1.6, style::ACCENT)] {
         marks.circle_stroke(point, radius, Stroke::new(width, color));
@@ -29,7 +29,7 @@ pub(super) fn show(
     let rows = rows(probed.surface.as_ref());
     let names = if probed.surface.is_some() { NAMES } else { 0.0 };
     let written = probed.surface.as_ref().and_then(|surface| surface.written.clone());
-    let line = written.and_then(|(file, range)| editor.texts().line_at(file, range));
+    let line = written.and_then(|(file, range)| editor.texts.line_at(file, range));
     let head = probed.surface.as_ref().map_or("the sky", |surface| surface.object.as_str());
     let reported: Vec<String> = rows.iter().map(|(name, value)| format!("{name} {value}")).collect();
     let of_line = line.as_ref().map(|(name, number, words)| format!("{name}, line {number}: {words}"));

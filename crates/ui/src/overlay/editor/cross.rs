@@ -36,10 +36,8 @@ pub(super) fn show(
     editor: &Editor,
     ask: &mut impl FnMut(EditorEvent),
 ) -> Vec<Rect> {
-    let parts = editor
-        .document()
-        .and_then(|document| editor.held_numbers().place(document))
-        .zip(editor.picture().view());
+    let parts =
+        editor.document().and_then(|document| editor.held_numbers.place(document)).zip(editor.picture.view());
     let Some((place, (map, camera))) = parts else { return Vec::new() };
     let place = DVec3::from_array(place);
     let seen = |point: DVec3| seen_at(camera, map, screen, point);

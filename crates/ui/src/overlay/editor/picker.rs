@@ -37,7 +37,7 @@ pub(super) fn show(
     editor: &Editor,
     ask: &mut impl FnMut(EditorEvent),
 ) -> Option<Rect> {
-    let (place, values) = editor.held_numbers().picked_color(editor.document()?)?;
+    let (place, values) = editor.held_numbers.picked_color(editor.document()?)?;
     let id = Id::unique("picked color");
     let known = context.data(|data| data.get_temp::<Picked>(id)).filter(|known| known.at == place);
     let near = |known: &Picked| {

@@ -31,7 +31,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
 
 /// Draws the table at the bottom of `space`. Returns the table's top edge.
 pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorEvent)) -> f32 {
-    if !editor.picture().switches().1 {
+    if !editor.picture.switches().1 {
         return space.bottom();
     }
     let mut rows = rows(editor);
@@ -80,7 +80,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
 
 fn rows(editor: &Editor) -> Vec<Row> {
     let nothing = || std::array::from_fn(|_| String::new());
-    let Some((ray_statistics, objects)) = editor.picture().profile() else {
+    let Some((ray_statistics, objects)) = editor.picture.profile() else {
         return vec![Row { name: "measuring ...".to_owned(), cells: nothing(), place: None, is_part: false }];
     };
     let (all, run) = (ray_statistics.cells.len().max(1) as f64, ray_statistics.run().max(1) as f64);
@@ -95,7 +95,7 @@ fn rows(editor: &Editor) -> Vec<Row> {
         let [shape, material] = [object.clauses.0, object.clauses.1].map(|clauses| clauses.to_string());
         let cells = [shape, material, seen, steps, work];
         rows.push(Row { name: object.name.clone(), cells, place: object.place, is_part: false });
-        for (number, words, part) in parts_of(object, editor.texts()).into_iter().take(PARTS_MAX) {
+        for (number, words, part) in parts_of(object, &editor.texts).into_iter().take(PARTS_MAX) {
             let [seen, steps, work] = counted(part.rays, part.evaluations, part.run);
             let cells = [String::new(), String::new(), seen, steps, work];
             let (file, bytes) = part.written;

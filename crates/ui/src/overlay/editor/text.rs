@@ -105,7 +105,7 @@ pub(super) fn show(
     }
     draw_mistakes(&painter, space, &page, document);
     draw_cursor(&painter, &page, document, editor.has_focus());
-    if editor.find_line().is_none_or(|find| !find.typing) {
+    if editor.finding.line().is_none_or(|find| !find.typing) {
         draw_preedit(&painter, &page, document, editor.preedit(), &font);
     }
     point(ui, &painter, &page, editor, document, &response, ask);
@@ -116,11 +116,11 @@ pub(super) fn show(
     let line = buffer.line_of(cursor);
     let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
-    if let Some(proposing) = editor.proposals().shown() {
+    if let Some(proposing) = editor.proposals.shown() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, (proposing, editor.proposals().object_preview()), ask);
+        popup::show(ui, space, at, cell.y, (proposing, editor.proposals.object_preview()), ask);
     }
-    let (at, _) = editor.held_numbers().picked_color(document)?;
+    let (at, _) = editor.held_numbers.picked_color(document)?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
@@ -345,14 +345,14 @@ fn point(
             input.smooth_scroll_delta(),
         )
     });
-    if editor.held_numbers().turns_three() {
+    if editor.held_numbers.turns_three() {
         // The user is changing the numbers with the picker or the cross, so the text ignores the pointer.
         if !down {
             ask(EditorEvent::LetGo);
         }
         return;
     }
-    if let Some(turned) = editor.held_numbers().turned() {
+    if let Some(turned) = editor.held_numbers.turned() {
         let speed = match (modifiers.shift, modifiers.ctrl) {
             (true, _) => TurnSpeed::Fine,
             (false, true) => TurnSpeed::Coarse,

@@ -10,7 +10,7 @@ use mariana_player::track::Repeat;
 
 fn assisted_stage() -> Stage {
     let stage = Stage::new(SCREEN);
-    stage.panels.context().enable_accesskit();
+    stage.panels.context.enable_accesskit();
     stage
 }
 
@@ -128,11 +128,11 @@ fn tab_did_not_reach_the_bar() {
     let now = playing();
     let content = || OverlayContent { bar: Some(bar(&now)), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
-    let focused = |stage: &Stage| stage.panels.context().memory(|memory| memory.focused());
+    let focused = |stage: &Stage| stage.panels.context.memory(|memory| memory.focused());
     stage.frame(vec![], OverlayContent::default());
     assert_eq!(focused(&stage), None, "keys belong to the show");
     stage.panels.ask_for_focus();
-    while stage.panels.wants_focus() {
+    while stage.panels.wants_focus {
         stage.frame(vec![], content());
     }
     // The first control is the seek bar, so arrow keys seek.
@@ -168,7 +168,7 @@ fn in_a_small_window_a_button_lay_on_the_volume_and_the_time_was_missing() {
     for pixels in [[480.0, 270.0], [480.0, 400.0], [640.0, 360.0], [800.0, 450.0], [1280.0, 720.0]] {
         let pixels = Vec2::from(pixels);
         let mut stage = Stage::new(pixels / style::zoom(pixels));
-        stage.panels.context().enable_accesskit();
+        stage.panels.context.enable_accesskit();
         let content = || OverlayContent { bar: Some(bar(&now)), ..Default::default() };
         let nodes = controls(&mut stage, content);
         let laid_out = stage.frame(vec![], content());

@@ -22,7 +22,7 @@ struct Desk {
 impl Desk {
     fn new(screen: Vec2) -> Self {
         let stage = Stage::new(screen);
-        stage.panels.context().enable_accesskit();
+        stage.panels.context.enable_accesskit();
         let mut desk = Self { stage, sliders: sliders(2), snapshots: SnapshotRow::default() };
         desk.frame(Vec::new());
         desk

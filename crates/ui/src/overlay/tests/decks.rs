@@ -34,7 +34,7 @@ fn the_pointer_moves_the_crossfader_and_chooses_decks_and_mixes() {
     let strip = strip("city");
     for screen in [vec2(1280.0, 720.0), vec2(640.0, 360.0)] {
         let mut stage = Stage::new(screen);
-        stage.panels.context().enable_accesskit();
+        stage.panels.context.enable_accesskit();
         let content = || OverlayContent { decks: Some(strip.clone()), ..Default::default() };
         stage.frame(Vec::new(), content());
         let update = stage.frame(Vec::new(), content()).output.platform_output.accesskit_update.unwrap();

@@ -232,7 +232,7 @@ fn screen_readers_hear_the_rows_and_the_buttons_of_both_lists() {
     let browser: &'static FileBrowser = Box::leak(Box::new(browser));
     let nodes = |content: &dyn Fn() -> OverlayContent<'static>| -> Vec<Node> {
         let mut stage = Stage::new(SCREEN);
-        stage.panels.context().enable_accesskit();
+        stage.panels.context.enable_accesskit();
         let (laid_out, _) = texts(&mut stage, content);
         let update = laid_out.output.platform_output.accesskit_update.expect("a tree of controls");
         let nodes: Vec<Node> = update.nodes.into_iter().map(|(_, node)| node).collect();

@@ -44,7 +44,7 @@ fn a_long_queue_leaves_the_button_in_the_window_and_everything_has_a_name() {
     let now = playing();
     for screen in [SCREEN, Vec2::new(640.0, 360.0), Vec2::new(300.0, 200.0)] {
         let mut stage = Stage::new(screen);
-        stage.panels.context().enable_accesskit();
+        stage.panels.context.enable_accesskit();
         let content = || OverlayContent { video: Some(&panel), bar: Some(bar(&now)), ..Default::default() };
         (0..3).for_each(|_| drop(stage.frame(vec![], content())));
         let laid_out = stage.frame(vec![], content());
