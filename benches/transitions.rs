@@ -53,7 +53,7 @@ impl Model {
         let frame = Frame::staged(self.resources.world(), time, sound.clone(), SIZE, &frame_options);
         let start = ProcessTime::now();
         let built = self.resources.region_maker().build(&frame, self.resources.region_request(&frame));
-        self.resources.take_regions(Arc::new(built));
+        self.resources.upload_regions(Arc::new(built));
         renderer.draw(&frame, &self.resources, &self.program).unwrap();
         renderer.gl().finish();
         start.elapsed().as_secs_f64() * 1000.0

@@ -8,7 +8,7 @@ fn main() {
     let code = match result {
         Ok(()) => asked_to_end().map_or(0, Signal::exit_code),
         Err(error) => {
-            mariana::export::print::tell(&format!("{error:#}"));
+            mariana::export::print::print_message(&format!("{error:#}"));
             1
         }
     };

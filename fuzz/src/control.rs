@@ -52,7 +52,7 @@ pub(crate) fn check_act(action: &Action) {
 pub(crate) fn midi(data: &[u8]) {
     let said = |pieces: &mut dyn Iterator<Item = &[u8]>| {
         let (mut device, mut said) = (Device::new("fuzz".into()), Vec::new());
-        pieces.for_each(|piece| device.hear(piece, |one| said.push(one)));
+        pieces.for_each(|piece| device.parse(piece, |one| said.push(one)));
         said
     };
     let whole = said(&mut std::iter::once(data));
@@ -63,7 +63,7 @@ pub(crate) fn midi(data: &[u8]) {
         match one {
             Said::Moved(moved) => assert!((0.0..=1.0).contains(&moved.value), "{one:?}"),
             Said::Time(message) => {
-                clock.take(*message, 0.02 * number as f64);
+                clock.process(*message, 0.02 * number as f64);
                 let may = |message: &Message| !matches!(message, Message::Position(place) if *place > 0x3fff);
                 assert!(may(message), "{message:?}");
             }

@@ -11,7 +11,7 @@ use super::files::song_or_demo;
 use super::parse::{parse_duration, parse_fps, parse_seconds};
 use crate::config::Choice;
 use crate::export::analyze::{AnalyzeRequest, print_features};
-use crate::export::structure::{StructureRequest, tell_structure};
+use crate::export::structure::{StructureRequest, print_structure};
 use mariana_music::Gain;
 
 #[derive(Args)]
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
             json: arguments.json,
             plot: arguments.plot,
         };
-        return Ok(tell_structure(&request, &mut std::io::stdout().lock())?);
+        return Ok(print_structure(&request, &mut std::io::stdout().lock())?);
     }
     let request = AnalyzeRequest {
         song: song_or_demo(arguments.file)?,

@@ -9,7 +9,7 @@ use super::files::Files;
 use super::parse::{parse_frames, parse_seconds, parse_size};
 use super::print_json;
 use crate::export::bench::{AllRequest, BenchRequest, measure, measure_all};
-use crate::export::print::{print_line, tell};
+use crate::export::print::{print_line, print_message};
 
 #[derive(Args)]
 pub(super) struct BenchArguments {
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
     if arguments.all {
         let request = AllRequest { each: request, only: arguments.only };
         let report = measure_all(&request, &mut |scene, number, count| {
-            tell(&format!("{scene}, {number} of {count}"));
+            print_message(&format!("{scene}, {number} of {count}"));
         });
         return if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) };
     }

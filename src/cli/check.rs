@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::common::colors;
 use super::files::scene_of;
-use crate::export::print::{print_line, tell};
+use crate::export::print::{print_line, print_message};
 use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::shader_source::ShaderLibrary;
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
             }
             Err(error) if arguments.scenes.len() == 1 => return Err(error),
             Err(error) => {
-                tell(&format!("{error:#}"));
+                print_message(&format!("{error:#}"));
                 unreadable += 1;
             }
         }

@@ -15,7 +15,7 @@ use crate::config::SdfChoice;
 use crate::ending::{self, Signal};
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::frame::held_inputs::Setting;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -112,7 +112,7 @@ pub(super) fn end_by_signals() {
     answer_signals(|signal| {
         ending::end_now(signal, || {
             end_progress_line();
-            tell(&format!("{signal} ended the work; unfinished files are removed"));
+            print_message(&format!("{signal} ended the work; unfinished files are removed"));
         })
     });
 }
@@ -121,7 +121,7 @@ pub(super) fn end_by_signals() {
 pub(super) fn finish_by_signals() {
     answer_signals(|signal| {
         end_progress_line();
-        tell(&format!(
+        print_message(&format!(
             "{signal}: finishing the image with the paths so far; send it again to write no image"
         ));
     });

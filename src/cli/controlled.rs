@@ -6,7 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use anyhow::Context;
 
 use crate::ending::{self, Signal};
-use crate::export::print::{print_line, tell};
+use crate::export::print::{print_line, print_message};
 use crate::export::video::{CONTINUE, PAUSE, VideoReport, Written};
 
 /// The priority of a video. With [`LOWEST`], a window with a software renderer would leave the video no time.
@@ -75,7 +75,7 @@ fn end_with_input(niceness: i32, mut obey: impl FnMut(String) + Send + 'static) 
     let watch = move || {
         std::io::stdin().lock().lines().map_while(Result::ok).for_each(&mut obey);
         ending::end_now(Signal::HangUp, || {
-            tell("the window has ended this work; unfinished files are removed")
+            print_message("the window has ended this work; unfinished files are removed")
         });
     };
     let thread = std::thread::Builder::new().name("window".into()).spawn(watch);

@@ -9,7 +9,7 @@ use anyhow::{Context, anyhow, bail};
 use crate::config::Folders;
 use crate::demo_track::DEMO_TRACK;
 use crate::export::output::STANDARD;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource, import_shader, is_scene_file, is_shader_file};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
@@ -38,9 +38,9 @@ impl Files {
         let folder = folders.own_scenes();
         let folder = folder.ok_or_else(|| SceneError::Shader(shader.clone()))?;
         let imported = import_shader(shader, &folder)?;
-        tell(&format!("imported as {}", imported.scene.display()));
+        print_message(&format!("imported as {}", imported.scene.display()));
         for sentence in imported.left_out {
-            tell(&format!("left out: {sentence}"));
+            print_message(&format!("left out: {sentence}"));
         }
         Ok(Self { scene: Some(imported.scene), ..self })
     }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::common::colors;
 use super::files::{is_standard, scene_of};
 use crate::atomic_file::AtomicFile;
-use crate::export::print::{print_line, print_text, tell};
+use crate::export::print::{print_line, print_message, print_text};
 use crate::scenes::SceneSource;
 use mariana_field::lang::{check_syntax, formatted, render_all};
 
@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &FormatArguments) -> anyhow::Result<()> {
             Ok(false) => unformatted += 1,
             Err(error) if arguments.files.len() == 1 => return Err(error),
             Err(error) => {
-                tell(&format!("{error:#}"));
+                print_message(&format!("{error:#}"));
                 refused += 1;
             }
         }

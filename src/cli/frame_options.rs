@@ -41,7 +41,7 @@ impl StagingArguments {
     ///
     /// # Errors
     /// Fails if there are too many targets, or if a target is a terminal.
-    pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
+    pub(super) fn apply(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,
             "frames can be sent to at most {} targets, not {}: leave out some --send flags",

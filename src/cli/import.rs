@@ -9,7 +9,7 @@ use super::common::colors;
 use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
-use crate::export::print::{print_line, tell};
+use crate::export::print::{print_line, print_message};
 use crate::scenes::{ShaderError, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::{left_out, shadertoy};
 use mariana_field::glsl_import::Problem;
@@ -63,7 +63,7 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
         print_line(&format!("{}: check it with `mariana check`, show it with `mariana`", output.display()))?;
     }
     for sentence in around.left_out {
-        tell(&format!("left out: {sentence}"));
+        print_message(&format!("left out: {sentence}"));
     }
     Ok(())
 }
@@ -111,7 +111,7 @@ pub(super) fn run_export(arguments: &ExportArguments) -> anyhow::Result<()> {
         print_line(&arguments.output.display().to_string())?;
     }
     for sentence in left_out(&scene) {
-        tell(&format!("left out: {sentence}"));
+        print_message(&format!("left out: {sentence}"));
     }
     Ok(())
 }

@@ -33,7 +33,7 @@ impl LightArguments {
     ///
     /// # Errors
     /// Fails if flags contradict each other.
-    pub(super) fn tell(&self, scene: SceneChoice) -> anyhow::Result<SceneChoice> {
+    pub(super) fn apply(&self, scene: SceneChoice) -> anyhow::Result<SceneChoice> {
         let paths = match self.light {
             LightModel::Paths => Some(PathChoice {
                 samples: self.samples.unwrap_or(PathChoice::SAMPLES),

@@ -20,7 +20,7 @@ use crate::config::{
 };
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
-use crate::export::print::{print_line, tell};
+use crate::export::print::{print_line, print_message};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
 use crate::scenes::SceneSource;
@@ -155,7 +155,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         return list_monitors();
     }
     if is_plain() && hands_over(&arguments.files) {
-        tell("the running Mariana opens this; --new-window opens another window");
+        print_message("the running Mariana opens this; --new-window opens another window");
         return Ok(());
     }
     shell::run(prepare(arguments, Folders::of_user())?)
@@ -220,7 +220,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         send_fps: 0.0,
         gl_info: arguments.gl_info,
     };
-    arguments.frame_options.tell(&mut settings)?;
+    arguments.frame_options.apply(&mut settings)?;
     let repeat = if arguments.once { Repeat::Off } else { arguments.repeat };
     let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
     settings.names_scene |= scene.is_some();
@@ -236,7 +236,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     settings.moved = moved.unwrap_or_default();
     let goes_on = songs.is_empty() && !arguments.new && !arguments.once && settings.choices.last_tracks;
     let last_tracks = file.last_tracks().filter(|_| goes_on && listen.is_none());
-    let resumed = last_tracks.and_then(|list| go_on(list, &last, repeat, arguments.shuffle));
+    let resumed = last_tracks.and_then(|list| resume_list(list, &last, repeat, arguments.shuffle));
     settings.begin_at = resumed.as_ref().map_or(0.0, |(_, begin_at)| *begin_at);
     let tracks = match (listen, resumed) {
         (Some(_), _) => None,
@@ -266,11 +266,11 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
 
 /// Returns the playlist of the last show, and the position in its first track in seconds; `None` if no track can be
 /// played any more.
-fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
+fn resume_list(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
     let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
     let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok();
     let Some(opened) = opened.filter(|opened| opened.playable) else {
-        tell("the tracks of the last show can no longer be played: the demo track plays instead");
+        print_message("the tracks of the last show can no longer be played: the demo track plays instead");
         return None;
     };
     let is_same = opened.first.info.entry == last.track && last.seconds.is_finite();
@@ -301,7 +301,7 @@ fn resumed_scene(name: &str, common: &CommonArguments) -> anyhow::Result<(SceneC
     let default = common.scene(DEFAULT_SCENE.as_ref())?;
     let substitute = Some(default.source.clone());
     let resumed = common.scene(name.as_ref()).unwrap_or_else(|error| {
-        tell(&format!("{error:#}; {DEFAULT_SCENE} is shown instead"));
+        print_message(&format!("{error:#}; {DEFAULT_SCENE} is shown instead"));
         default
     });
     Ok((resumed, substitute))

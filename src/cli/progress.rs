@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::export::print::tell;
+use crate::export::print::print_message;
 
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
@@ -61,7 +61,7 @@ impl Progress {
                 if since.reported.elapsed() >= LINE_PERIOD {
                     since.reported = now;
                     let rate = (done - since.done) as f64 / since.begun.elapsed().as_secs_f64();
-                    tell(&line(noun, done, of, rate));
+                    print_message(&line(noun, done, of, rate));
                 }
             }
         }

@@ -106,7 +106,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         size: arguments.size.unwrap_or(Preset::of(arguments.place).size_in(&projection)),
         gain: common.gain.unwrap_or_default(),
         output,
-        scene: arguments.light.tell(SceneChoice {
+        scene: arguments.light.apply(SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
             projection,

@@ -143,7 +143,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         keeps_others: arguments.controlled,
         alpha: arguments.alpha,
         showing,
-        scene: arguments.light.tell(SceneChoice {
+        scene: arguments.light.apply(SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
             projection,

@@ -188,7 +188,7 @@ impl Bench<'_> {
             }
         };
         let (built, build_ms, next_build_ms) = build(resources, (frame, &self.following), regions, mode);
-        resources.take_regions(built.clone());
+        resources.upload_regions(built.clone());
         let start = Instant::now();
         renderer.draw(frame, resources, &program)?;
         self.gl.finish();
@@ -225,7 +225,7 @@ impl Bench<'_> {
                     continue;
                 }
                 resources.set_cells(run.regions, run.mode);
-                resources.take_regions(run.built.clone());
+                resources.upload_regions(run.built.clone());
                 gl.finish();
                 let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
                 let drawn = match &timer {
@@ -255,7 +255,7 @@ impl Bench<'_> {
             let variant = variant_of(world, buffers, plan, run.mode, gl.info(), Counting::On)?;
             let program = link_scene(gl, library, &variant)?;
             self.resources.set_cells(run.regions, run.mode);
-            self.resources.take_regions(run.built.clone());
+            self.resources.upload_regions(run.built.clone());
             counter.draw(&self.frame, &self.resources, &program)?;
             let evaluations = counter.evaluations().per_pixel(pixels);
             reports.push(run.report(evaluations));
@@ -296,7 +296,7 @@ fn measure_edges(
     frame: &Frame,
 ) -> Result<Vec<EdgeReport>, ExportError> {
     resources.set_cells(run.regions, run.mode);
-    resources.take_regions(run.built.clone());
+    resources.upload_regions(run.built.clone());
     let mut frame = frame.clone();
     frame.picture.grain = 0.0;
     renderer.draw_reference(&frame, resources, &run.program)?;
@@ -371,7 +371,7 @@ fn build(
         let maker = RegionMaker { last, ..resources.region_maker() };
         Arc::new(maker.build(frame, resources.region_request(frame)))
     };
-    resources.take_regions(after(None, frame));
+    resources.upload_regions(after(None, frame));
     let built = after(None, frame);
     let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(after(None, frame).time)).collect();
     let mut last = built.clone();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use super::print::tell;
+use super::print::print_message;
 use crate::covers;
 use crate::frame::Frame;
 use crate::moving_textures::{image_of, pictures_of};
@@ -38,7 +38,7 @@ enum Exact {
 
 impl ExactTextures {
     /// Sets the song whose cover the scenes show, and its display name.
-    pub(super) fn hear(&mut self, song: Song, name: String) {
+    pub(super) fn set_song(&mut self, song: Song, name: String) {
         self.song = Some((song, name));
         self.texts = None;
     }
@@ -81,7 +81,7 @@ impl ExactTextures {
             Some(at) => at,
             None => {
                 let opened = self.open(&source).unwrap_or_else(|error| {
-                    tell(&format!("{error}; its texture is grey"));
+                    print_message(&format!("{error}; its texture is grey"));
                     Exact::Nothing
                 });
                 self.known.push((source, opened));
@@ -104,7 +104,7 @@ impl ExactTextures {
                         Some(picture)
                     }
                     Err(error) => {
-                        tell(&format!("{error}; its last picture stays"));
+                        print_message(&format!("{error}; its last picture stays"));
                         let last = shown.take().map(|(_, picture)| picture);
                         *exact = last.clone().map_or(Exact::Nothing, Exact::Still);
                         last
@@ -120,7 +120,7 @@ impl ExactTextures {
                 Exact::Video { reader: Box::new(VideoReader::open(file, &source.name())?), shown: None }
             }
             TextureSource::Camera(_) | TextureSource::CameraDevice(_) => {
-                tell(&format!(
+                print_message(&format!(
                     "{} is live only, so its texture is grey: give stills and videos a recording of it",
                     source.name()
                 ));

@@ -174,8 +174,8 @@ impl HeadlessRenderer {
     ///
     /// # Errors
     /// Fails if the song cannot be decoded.
-    pub(super) fn hear(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
-        self.textures.hear(song.song.clone(), song.name.to_owned());
+    pub(super) fn set_song(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
+        self.textures.set_song(song.song.clone(), song.name.to_owned());
         if let Some(lyrics) = song.lyrics() {
             self.textures.sing(lyrics.clone());
         }
@@ -384,8 +384,8 @@ impl Painter {
     }
 
     /// Sets the song whose cover the scene shows.
-    pub(super) fn hear(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
-        self.headless_renderer.hear(song)
+    pub(super) fn set_song(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
+        self.headless_renderer.set_song(song)
     }
 
     pub(super) fn watch_paths(&mut self, watch: PathWatch, store: Option<SharedStore>) {

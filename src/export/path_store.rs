@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ExportError;
 use super::fingerprint::{Fingerprint, song_hash};
 use super::output::pieces_of;
-use super::print::tell;
+use super::print::print_message;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
@@ -179,7 +179,7 @@ impl PathStore {
         };
         if let Some(words) = words.filter(|_| !self.has_told_begin) {
             self.has_told_begin = true;
-            tell(&words);
+            print_message(&words);
         }
         read.ok()
     }
@@ -208,12 +208,12 @@ impl PathStore {
     pub(super) fn finish(&self) {
         match &self.interrupted {
             None => self.remove(),
-            Some(Ok(())) => tell(&format!(
+            Some(Ok(())) => print_message(&format!(
                 "{} shows the paths so far: run the same command again to continue them",
                 self.still.display()
             )),
             Some(Err(error)) => {
-                tell(&format!(
+                print_message(&format!(
                     "{} shows the paths so far, which cannot be continued: {error}",
                     self.still.display()
                 ));
@@ -238,7 +238,9 @@ impl PathStore {
             && !self.has_warned
         {
             self.has_warned = true;
-            tell(&format!("an interruption would lose the paths, because {error}: check the folder"));
+            print_message(&format!(
+                "an interruption would lose the paths, because {error}: check the folder"
+            ));
         }
     }
 

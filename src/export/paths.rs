@@ -102,7 +102,7 @@ impl PathWatcher for PathDrawing {
         store.begin(self.scene, (frame, pixels), &self.order())
     }
 
-    fn go_on(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool {
+    fn resume(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool {
         if self.is_ending {
             return false;
         }

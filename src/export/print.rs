@@ -28,7 +28,7 @@ pub fn print_text(text: &str) -> Result<(), ExportError> {
 }
 
 /// Prints a message for the user on standard error, after the program's name. Does nothing if standard error is closed.
-pub fn tell(sentence: &str) {
+pub fn print_message(sentence: &str) {
     tracing::debug!(target: "message", "{sentence}");
     // An error here cannot be reported anywhere.
     let _ = writeln!(std::io::stderr(), "mariana: {sentence}");

@@ -14,7 +14,7 @@ use mariana_player::source::FrameSource;
 use mariana_player::track::scale;
 
 use super::error::ExportError;
-use super::print::tell;
+use super::print::print_message;
 use crate::song_structures::{StructureCache, lyrics_of, structure_of};
 use crate::stems::{Parts, PartsCache, SongOfParts};
 
@@ -135,7 +135,7 @@ impl SongFeatures {
         let song = SongOfParts { song: &self.song, cut: None, duration, scene_gain };
         let Parts { tracks, problems, .. } =
             song.read(&PartsCache::of_user(), &|| true, &|_| {}).unwrap_or_default();
-        problems.iter().for_each(|problem| tell(&problem.to_string()));
+        problems.iter().for_each(|problem| print_message(&problem.to_string()));
         self.parts = Some(Arc::new(tracks));
     }
 

@@ -124,7 +124,7 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
             let prepared_show = show.prepared_show(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
-            painter.headless_renderer.hear(&song)?;
+            painter.headless_renderer.set_song(&song)?;
             painter.headless_renderer.watch_paths(watch, store.clone());
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
@@ -165,7 +165,7 @@ fn drawn(
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
-    painter.hear(song)?;
+    painter.set_song(song)?;
     painter.watch_paths(watch, store);
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {

@@ -51,7 +51,7 @@ pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError>
 ///
 /// # Errors
 /// Fails if the song cannot be decoded, or an output cannot be written. A closed pipe is no error.
-pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
+pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {
         Some(path) => {

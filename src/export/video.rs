@@ -66,7 +66,7 @@ pub fn write_video(
         };
         if let Some(mut picture) = next {
             drawing.letter(&mut picture, written);
-            if !writer.take(picture) {
+            if !writer.write(picture) {
                 break;
             }
             written += 1;

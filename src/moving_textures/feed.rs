@@ -71,12 +71,12 @@ impl Feed {
     }
 
     /// True once after a picture has come that the show lacks.
-    pub(super) fn take_news(&self) -> bool {
+    pub(super) fn has_new_picture(&self) -> bool {
         std::mem::take(&mut self.shared.lock().has_come)
     }
 
     /// A sentence about a failure, or a camera that is switched on, once.
-    pub(super) fn take_message(&self) -> Option<String> {
+    pub(super) fn drain_message(&self) -> Option<String> {
         self.shared.lock().message.take()
     }
 }

@@ -67,13 +67,13 @@ impl LiveTextures {
     }
 
     /// True if pictures have come since the last call that the last frame lacks.
-    pub fn take_news(&mut self) -> bool {
-        let news = self.feeds.iter().filter(|used| used.feed.take_news());
+    pub fn has_new_pictures(&mut self) -> bool {
+        let news = self.feeds.iter().filter(|used| used.feed.has_new_picture());
         news.count() > 0
     }
 
     /// Sentences about sources that have failed and cameras that are on, each once.
-    pub fn take_messages(&mut self) -> Vec<String> {
-        self.feeds.iter().filter_map(|used| used.feed.take_message()).collect()
+    pub fn drain_messages(&mut self) -> Vec<String> {
+        self.feeds.iter().filter_map(|used| used.feed.drain_message()).collect()
     }
 }

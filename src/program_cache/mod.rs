@@ -159,18 +159,18 @@ impl ProgramStore for ProgramCache {
         WORKS.iter().find(|(_, word)| *word == death.word).map(|(work, _)| *work)
     }
 
-    fn note_refused(&self, key: ProgramKey) {
+    fn record_refused(&self, key: ProgramKey) {
         self.give_up(key, GivenUp::Refused);
     }
 
-    fn note_died(&self, key: ProgramKey) {
+    fn record_crash(&self, key: ProgramKey) {
         let Some(folder) = &self.folder else { return };
         folder.left_out().insert(key);
         let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
         self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
     }
 
-    fn note_compiled(&self, key: ProgramKey) {
+    fn record_compiled(&self, key: ProgramKey) {
         if let Some(path) = self.path(key, GIVEN_UP) {
             let _ = fs::remove_file(path);
         }

@@ -65,8 +65,8 @@ fn a_folder_that_cannot_be_written_causes_no_error() {
     let cache = ProgramCache::in_folder(folder.path().join("taken/programs"));
     let key = ProgramKey::of([]);
     cache.save(key, b"code");
-    cache.note_refused(key);
-    cache.note_died(key);
+    cache.record_refused(key);
+    cache.record_crash(key);
     assert!(cache.load(key).is_none() && cache.given_up(key).is_none());
     assert!(cache.attempt(key, Work::Compiling).is_none() && cache.death(key).is_none());
     assert!(cache.folder.unwrap().complained.load(Ordering::Relaxed));
@@ -143,7 +143,7 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
     let find_out = || {
         let run = start();
         assert_eq!(run.death(key), Some(Work::Compiling));
-        run.note_died(key);
+        run.record_crash(key);
         run
     };
     die(start());
@@ -155,7 +155,7 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
     );
     let retried = start();
     assert_eq!(why(&retried), None, "a later run does not try it");
-    retried.note_compiled(key);
+    retried.record_compiled(key);
     assert!(names(&cache).is_empty(), "the crash is not forgotten");
     // Two crashes without a success in between suffice.
     die(start());

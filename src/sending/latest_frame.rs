@@ -79,7 +79,7 @@ impl LatestFrame {
         waited.unwrap_or_else(PoisonError::into_inner).0.over
     }
 
-    pub(super) fn tell(&self, sentence: String) {
+    pub(super) fn report(&self, sentence: String) {
         self.lock().news.push(sentence);
     }
 
@@ -103,12 +103,12 @@ impl LatestFrame {
         state.receivers > 0 || state.count == 0
     }
 
-    pub(super) fn note_writing(&self, writes: bool) {
+    pub(super) fn set_writing(&self, writes: bool) {
         self.lock().writing = writes.then(Instant::now);
     }
 
     /// Reports once that the receiver is too slow to get every frame.
-    pub(super) fn note_slow(&self) {
+    pub(super) fn report_slow(&self) {
         let mut state = self.lock();
         if !std::mem::replace(&mut state.reported_slow, true) {
             let sentence = format!("{} is too slow: some frames are dropped", self.reader());
@@ -158,8 +158,8 @@ mod tests {
     #[test]
     fn each_slow_receiver_is_reported_once() {
         let latest_frame = LatestFrame::new("a place".into());
-        latest_frame.note_slow();
-        latest_frame.note_slow();
+        latest_frame.report_slow();
+        latest_frame.report_slow();
         let reported = latest_frame.news();
         assert!(
             matches!(&reported[..], [one] if one.contains("a place") && one.contains("dropped")),
@@ -176,7 +176,7 @@ mod tests {
         assert!(latest_frame.is_wanted() && latest_frame.first() == Some(picture(2)));
         latest_frame.has_lost_receiver();
         assert!(!latest_frame.is_wanted());
-        latest_frame.note_slow();
+        latest_frame.report_slow();
         assert_eq!(latest_frame.news().len(), 1);
         assert!(latest_frame.news().is_empty());
     }

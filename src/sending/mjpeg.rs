@@ -179,7 +179,7 @@ mod tests {
         panic!("no port is free");
     }
 
-    fn ask(port: u16, question: &str) -> TcpStream {
+    fn send_request(port: u16, question: &str) -> TcpStream {
         let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
         stream.write_all(question.as_bytes()).unwrap();
         stream
@@ -209,8 +209,8 @@ mod tests {
     fn readers_get_frames_and_one_that_does_not_read_blocks_nobody() {
         let (latest_frame, port) = sending();
         let question = "GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n";
-        let _blocks = ask(port, question);
-        let mut lines = BufReader::new(ask(port, question));
+        let _blocks = send_request(port, question);
+        let mut lines = BufReader::new(send_request(port, question));
         assert_eq!(line(&mut lines), "HTTP/1.1 200 OK");
         for value in [10, 200, 90] {
             latest_frame.put(picture(value));
@@ -240,7 +240,7 @@ mod tests {
             (&long, "431"),
             (&fields, "431"),
         ] {
-            let mut stream = ask(port, question);
+            let mut stream = send_request(port, question);
             let mut status_line = [0; 12];
             stream.read_exact(&mut status_line).unwrap();
             let reported = String::from_utf8_lossy(&status_line).into_owned();
@@ -253,13 +253,13 @@ mod tests {
         let (latest_frame, port) = sending();
         latest_frame.put(picture(1));
         let question = "GET / HTTP/1.1\r\n\r\n";
-        let readers = (0..LIMITS.send_readers_max).map(|_| BufReader::new(ask(port, question)));
+        let readers = (0..LIMITS.send_readers_max).map(|_| BufReader::new(send_request(port, question)));
         let mut readers: Vec<_> = readers.collect();
         for reader in &mut readers {
             assert_eq!(line(reader), "HTTP/1.1 200 OK");
         }
         let mut one_more = String::new();
-        ask(port, question).read_to_string(&mut one_more).unwrap();
+        send_request(port, question).read_to_string(&mut one_more).unwrap();
         assert!(one_more.starts_with("HTTP/1.1 503"), "{one_more}");
         drop(readers);
     }

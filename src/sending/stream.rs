@@ -47,7 +47,7 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
         match receiver.open() {
             Ok(()) => latest_frame.has_receiver(),
             Err(error) => {
-                latest_frame.tell(format!("no more frames can be sent to {}: {error}", &latest_frame.to));
+                latest_frame.report(format!("no more frames can be sent to {}: {error}", &latest_frame.to));
                 return;
             }
         }
@@ -56,13 +56,13 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
         latest_frame.has_lost_receiver();
         let Some(error) = ended else { return };
         if !receiver.can_come_again() {
-            latest_frame.tell(format!(
+            latest_frame.report(format!(
                 "the reader of {} has disconnected: no more frames are sent there",
                 &latest_frame.to
             ));
             return;
         }
-        latest_frame.tell(format!(
+        latest_frame.report(format!(
             "the reader of {} has disconnected: the next reader gets frames",
             &latest_frame.to
         ));
@@ -82,16 +82,16 @@ fn feed(
     let mut due = Instant::now();
     loop {
         let picture = latest_frame.first()?;
-        latest_frame.note_writing(true);
+        latest_frame.set_writing(true);
         let written = receiver.write(&picture);
-        latest_frame.note_writing(false);
+        latest_frame.set_writing(false);
         if let Err(error) = written {
             return Some(error);
         }
         due += period;
         let now = Instant::now();
         if now > due + period {
-            latest_frame.note_slow();
+            latest_frame.report_slow();
             due = now;
         }
         if latest_frame.rest(due.saturating_duration_since(now)) {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use crate::clock;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{MissedAudio, PlayerStatus, SilenceEnd, TrackErrors};
@@ -44,7 +44,7 @@ impl Sentence {
 
 impl Announcer {
     /// Shows `text` after the current notices.
-    pub(crate) fn say(&mut self, text: String) {
+    pub(crate) fn announce(&mut self, text: String) {
         if self.waiting.len() == WAITING_MAX {
             self.waiting.pop_front();
         }
@@ -73,9 +73,9 @@ impl Announcer {
     }
 
     /// Announces a change of track. Reports new track errors and missed audio, over the frame and on the terminal.
-    pub(crate) fn look(&mut self, status: &PlayerStatus) {
-        self.look_at_track_errors(&status.track_errors);
-        self.look_at_missed_audio(status.missed_audio);
+    pub(crate) fn update(&mut self, status: &PlayerStatus) {
+        self.report_track_errors(&status.track_errors);
+        self.report_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
             // Do not announce the first track: the first notice, about the scene, names it too.
@@ -86,7 +86,7 @@ impl Announcer {
         }
     }
 
-    fn look_at_track_errors(&mut self, track_errors: &TrackErrors) {
+    fn report_track_errors(&mut self, track_errors: &TrackErrors) {
         let new = track_errors.count - self.track_errors.min(track_errors.count);
         let Some(last) = track_errors.last.as_ref().filter(|_| new > 0) else { return };
         self.track_errors = track_errors.count;
@@ -94,11 +94,11 @@ impl Announcer {
             1 => last.clone(),
             _ => format!("{new} track errors, the last error: {last}"),
         };
-        tell(&text);
-        self.say(text);
+        print_message(&text);
+        self.announce(text);
     }
 
-    fn look_at_missed_audio(&mut self, missed_audio: MissedAudio) {
+    fn report_missed_audio(&mut self, missed_audio: MissedAudio) {
         if missed_audio.count == self.missed_audio {
             return;
         }
@@ -114,8 +114,8 @@ impl Announcer {
             return tracing::info!("{text}");
         }
         self.missed = Some((missed_audio, clock::now()));
-        tell(&text);
-        self.say(text);
+        print_message(&text);
+        self.announce(text);
     }
 
     /// Shows the next waiting notice once the current notice has faded.
@@ -187,10 +187,10 @@ mod tests {
     fn missed_audio_is_reported_once() {
         let mut announcer = Announcer::default();
         let missed_audio = |count, seconds| MissedAudio { count, seconds, ..MissedAudio::default() };
-        announcer.look_at_missed_audio(missed_audio(0, 0.0));
+        announcer.report_missed_audio(missed_audio(0, 0.0));
         assert_eq!(announcer.waiting, [""; 0]);
-        announcer.look_at_missed_audio(missed_audio(1, 0.42));
-        announcer.look_at_missed_audio(missed_audio(1, 0.42));
+        announcer.report_missed_audio(missed_audio(1, 0.42));
+        announcer.report_missed_audio(missed_audio(1, 0.42));
         assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
     }
 
@@ -201,7 +201,7 @@ mod tests {
             let mut count = 0;
             let mut miss = |seconds, after| {
                 count += 1;
-                announcer.look_at_missed_audio(MissedAudio { count, seconds, after });
+                announcer.report_missed_audio(MissedAudio { count, seconds, after });
                 std::mem::take(&mut announcer.waiting).len()
             };
             let stopped = SilenceEnd::SameDevice;
@@ -237,9 +237,9 @@ mod tests {
     fn notices_wait_for_each_other_and_many_errors_become_one_notice() {
         let mut announcer = Announcer::default();
         let track_errors = |count| TrackErrors { count, last: Some("x is gone".into()) };
-        announcer.look_at_track_errors(&track_errors(1));
-        announcer.look_at_track_errors(&track_errors(1));
-        announcer.look_at_track_errors(&track_errors(400));
+        announcer.report_track_errors(&track_errors(1));
+        announcer.report_track_errors(&track_errors(1));
+        announcer.report_track_errors(&track_errors(400));
         let mut now = Instant::now();
         announcer.update(now);
         assert_eq!(text(&announcer), Some("x is gone"));
@@ -248,7 +248,7 @@ mod tests {
         now += Duration::from_secs(10);
         announcer.update(now);
         assert_eq!(text(&announcer), Some("399 track errors, the last error: x is gone"));
-        (0..9).for_each(|n| announcer.say(n.to_string()));
+        (0..9).for_each(|n| announcer.announce(n.to_string()));
         now += Duration::from_secs(10);
         announcer.update(now);
         assert_eq!(text(&announcer), Some("6"));

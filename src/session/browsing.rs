@@ -10,7 +10,7 @@ use crate::ui::overlay::{FileListEvent, TrackListEvent};
 use crate::ui::track_panel::TrackPanel;
 
 impl Session {
-    pub(super) fn take_file_event(&mut self, event: FileListEvent) {
+    pub(super) fn handle_file_event(&mut self, event: FileListEvent) {
         let Some(files) = &mut self.interface.ui_state.files else { return };
         let commands = match event {
             FileListEvent::Open { place, append } => files.open(place, append),
@@ -23,23 +23,23 @@ impl Session {
                 Vec::new()
             }
             FileListEvent::Up => {
-                files.go_up();
+                files.enter_parent();
                 Vec::new()
             }
             FileListEvent::Drawn { first, end } => {
-                files.note_drawn(first..end);
+                files.record_drawn(first..end);
                 Vec::new()
             }
         };
         self.carry_out_all(commands);
     }
 
-    pub(super) fn take_track_event(&mut self, event: TrackListEvent) {
+    pub(super) fn handle_track_event(&mut self, event: TrackListEvent) {
         let Some(tracks) = &mut self.interface.ui_state.tracks else { return };
         match event {
             TrackListEvent::Search => tracks.toggle_search(),
             TrackListEvent::Select(row) => tracks.select(row),
-            TrackListEvent::Drawn { first, end } => tracks.note_drawn(first..end),
+            TrackListEvent::Drawn { first, end } => tracks.record_drawn(first..end),
         }
     }
 
@@ -93,7 +93,7 @@ impl Interface {
         }
     }
 
-    pub(super) fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
+    pub(super) fn toggle_file_browser(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.files = None;
         if !open {
             return;
@@ -122,7 +122,7 @@ impl Interface {
         }
         if !music.is_empty() {
             if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {
-                playback.listening.sound.remember(move |settings| settings.note_recent_folder(&folder));
+                playback.listening.sound.remember(move |settings| settings.add_recent_folder(&folder));
             }
             let words = playback.listening.play_files(music, append);
             playback.answer(words);

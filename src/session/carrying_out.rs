@@ -77,8 +77,8 @@ impl Session {
                 self.update_settings();
             }
             Command::TogglePanel(panel) => self.toggle_panel(panel),
-            Command::NextScene => self.playback.scene.go(true),
-            Command::PreviousScene => self.playback.scene.go(false),
+            Command::NextScene => self.playback.scene.step_scene(true),
+            Command::PreviousScene => self.playback.scene.step_scene(false),
             Command::Scene(name) => self.playback.show_scene_named(name),
             Command::SceneAt(place) => self.playback.show_scene_number(place + 1),
             Command::ShowScene(source) => {
@@ -116,7 +116,7 @@ impl Session {
                 self.playback.scene.deck_changes().load(loaded.deck, *loaded.scene);
             }
             Command::TakeDeck(number) => {
-                self.playback.scene.deck_changes().take_in_hand(number.saturating_sub(1));
+                self.playback.scene.deck_changes().hold_deck(number.saturating_sub(1));
             }
             Command::NextCue => self.playback.next_cue(),
             Command::PreviousCue => self.playback.jump_to_cue(None),
@@ -125,7 +125,7 @@ impl Session {
             Command::Mark(mark) => self.video_desk().mark(mark),
             Command::Video(edit) => self.video_desk().edit(edit),
             Command::SavePicture(scale) => {
-                self.pictures.want(scale);
+                self.pictures.request(scale);
                 self.screen.request_redraw();
             }
             Command::ToggleMode => self.playback.scene.toggle_mode(),
@@ -137,10 +137,10 @@ impl Session {
             Command::ZoomCamera(notches) => {
                 self.interface.zoom_camera(&mut self.playback, &mut *self.screen, notches)
             }
-            Command::Inspect(place) => self.interface.look_at(&mut self.playback, &mut *self.screen, place),
+            Command::Inspect(place) => self.interface.inspect(&mut self.playback, &mut *self.screen, place),
             Command::ToggleRay => self.interface.toggle_ray(&mut self.playback),
-            Command::NextView => self.playback.go_view(true),
-            Command::PreviousView => self.playback.go_view(false),
+            Command::NextView => self.playback.switch_view(true),
+            Command::PreviousView => self.playback.switch_view(false),
             Command::StepView(larger) => self.playback.scene.step_view(larger),
             Command::ToggleSliders => self.interface.ui_state.panels.toggle_sliders(),
             Command::Bind(bind) => self.playback.bind(bind),
@@ -163,10 +163,10 @@ impl Session {
             Command::Fullscreen(_) => self.interface.toggle_fullscreen(&mut *self.screen),
             Command::Raise => self.screen.raise(),
             Command::Set(set) => self.change_setting(set),
-            Command::Learn(target) => self.interface.learn(&mut self.playback, target),
+            Command::Learn(target) => self.interface.start_learning(&mut self.playback, target),
             Command::LearnParameter(name) => {
                 let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
-                self.interface.learn(&mut self.playback, Target::Param { scene, name });
+                self.interface.start_learning(&mut self.playback, Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
                 self.playback.controllers.midi.edit(&edit);

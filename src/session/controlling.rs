@@ -6,7 +6,7 @@ use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands;
 use crate::config::SETTING_LIMITS;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::session::screen::Screen;
 use mariana_control::action::Action;
 use mariana_control::midi::{Outcome, Target};
@@ -14,21 +14,21 @@ use mariana_control::{InputBatch, Present};
 
 impl Session {
     /// Applies the parameter changes of controllers. Returns their other actions, and when the oldest input arrived.
-    pub(super) fn take_input(&mut self) -> (Vec<Action>, Option<Instant>) {
+    pub(super) fn apply_input(&mut self) -> (Vec<Action>, Option<Instant>) {
         if let Some((sentence, is_bad)) = self.playback.controllers.news() {
-            tell(&sentence);
+            print_message(&sentence);
             if is_bad {
-                self.playback.reports.say(sentence);
+                self.playback.reports.announce(sentence);
             }
         }
         let now = clock::now();
-        let batch = self.playback.controllers.take(now);
+        let batch = self.playback.controllers.drain(now);
         let is_turned = batch.is_some();
         let InputBatch { params, mut actions, knobs, since } = batch.unwrap_or_default();
         let before = self.playback.scene.revision();
         for change in &params {
             if !self.playback.scene.parameters_in_hand_mut().turn(change) {
-                self.playback.controllers.note_unknown();
+                self.playback.controllers.report_unknown();
             }
         }
         let mut levels = Vec::new();
@@ -37,7 +37,8 @@ impl Session {
             levels.extend(commands::levels(&self.state()));
             levels.extend(tempo.map(|tempo| ("tempo", tempo)));
         }
-        let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene, &levels);
+        let (outcomes, learned) =
+            self.playback.controllers.apply_knobs(&knobs, &self.playback.scene, &levels);
         for outcome in outcomes {
             match outcome {
                 Outcome::Turn(change) => drop(self.playback.scene.parameters_in_hand_mut().turn(&change)),
@@ -50,10 +51,10 @@ impl Session {
             }
         }
         if self.playback.scene.revision() != before {
-            self.playback.controllers.note_turned(since, self.playback.scene.revision());
+            self.playback.controllers.record_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.parameters_in_hand().are_turning() {
             // The parameter moves gradually and still has its old value. The frame `before + 1` shows the first step.
-            self.playback.controllers.note_turned(since, before + 1);
+            self.playback.controllers.record_turned(since, before + 1);
         }
         self.playback.answer(learned);
         self.playback.listening.set_clock(self.playback.controllers.midi.clock());
@@ -62,10 +63,10 @@ impl Session {
     }
 
     /// Notes that the actions of controllers have changed the scene, if its revision is no longer `before`.
-    pub(super) fn note_acted(&mut self, since: Option<Instant>, before: u64) {
+    pub(super) fn record_actions(&mut self, since: Option<Instant>, before: u64) {
         let revision = self.playback.scene.revision();
         if revision != before {
-            self.playback.controllers.note_turned(since, revision);
+            self.playback.controllers.record_turned(since, revision);
         }
     }
 
@@ -79,7 +80,7 @@ impl Session {
         let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
         if self.playback.controllers.wants_scenes(&scene) {
             let scenes = self.playback.numbered_scenes();
-            self.playback.controllers.note_scenes(scene.clone(), scenes);
+            self.playback.controllers.publish_scenes(scene.clone(), scenes);
         }
         let playing = &self.playback.reports.playing;
         let track = match &playing.artist {
@@ -142,13 +143,13 @@ impl Interface {
         }
     }
 
-    pub(super) fn learn(&mut self, playback: &mut Playback, target: Target) {
+    pub(super) fn start_learning(&mut self, playback: &mut Playback, target: Target) {
         if let Some(why) = playback.controllers.midi_trouble() {
             return playback
                 .reports
                 .answer(format!("cannot learn a knob, because MIDI is not available: {why}"));
         }
-        playback.controllers.midi.learn(target);
+        playback.controllers.midi.start_learning(target);
         self.update_controllers(playback);
     }
 }

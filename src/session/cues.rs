@@ -45,7 +45,7 @@ pub(super) enum Pressed {
 
 impl Cues {
     /// Sets the show of a track. Key presses stay valid if only the show's file has changed.
-    pub(super) fn take(
+    pub(super) fn set_show(
         &mut self,
         track: OfTrack,
         show: Option<Arc<PreparedShow>>,
@@ -158,7 +158,7 @@ mod tests {
         let (show, _) = PreparedShow::of_song(&ShowSource::File(path), &song, &[]).unwrap();
         let mut cues = Cues::default();
         assert!(matches!(cues.press(1.0), Pressed::NoCues));
-        cues.take(Some(7), Some(Arc::new(show.clone())), None);
+        cues.set_show(Some(7), Some(Arc::new(show.clone())), None);
         assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
         let on = |pressed: Pressed, time: f64| match pressed {
             Pressed::Cue { prepared_show, number, of: 2, .. } => {
@@ -175,9 +175,9 @@ mod tests {
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
         // Saving the file keeps the key presses. A change of the track drops them.
-        cues.take(Some(7), Some(Arc::new(show.clone())), None);
+        cues.set_show(Some(7), Some(Arc::new(show.clone())), None);
         assert!(cues.prepared_show().is_some());
-        cues.take(Some(8), Some(Arc::new(show)), None);
+        cues.set_show(Some(8), Some(Arc::new(show)), None);
         assert!(cues.prepared_show().is_none());
     }
 
@@ -191,7 +191,7 @@ mod tests {
         let show = PreparedShow::of_song(&ShowSource::File(path), &SongStructure::default(), &[]).unwrap().0;
         let mut cues = Cues::default();
         assert!(matches!(cues.jump(0, 1.0), Jump::Nowhere), "there is no show");
-        cues.take(Some(7), Some(Arc::new(show)), None);
+        cues.set_show(Some(7), Some(Arc::new(show)), None);
         assert!(matches!(cues.jump(3, 5.0), Jump::Nowhere), "it follows an entry that waits");
         assert!(matches!(cues.jump(4, 5.0), Jump::Seek(30.0)));
         let Jump::Pressed(pressed) = cues.jump(2, 10.0) else { panic!("not pressed") };

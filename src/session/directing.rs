@@ -30,7 +30,7 @@ impl Session {
 impl Playback {
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        self.controllers.network.note_sound(&moment.features, &moment.song, clock::now());
+        self.controllers.network.publish_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
         // An input gets an empty structure, because its sections are unknown in advance.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
@@ -43,7 +43,7 @@ impl Playback {
                     tracing::info!("the scenes follow the song");
                 }
                 self.live = None;
-                self.cues.take(track, prepared_show.clone(), song);
+                self.cues.set_show(track, prepared_show.clone(), song);
                 match prepared_show {
                     Some(prepared_show) if track.is_none() && prepared_show.is_directed() => {
                         self.live = Some(LiveDirector::new((*prepared_show).clone()));
@@ -62,7 +62,7 @@ impl Playback {
             let (tempo, phase) = (features.tempo, features.phase);
             let (energy, novelty, drop) = (moment.song.energy, features.live.novelty, moment.song.drop);
             let heard = Hearing { time, energy, tempo, phase, novelty, drop };
-            if let Some(prepared_show) = live.hear(heard).map(Arc::new) {
+            if let Some(prepared_show) = live.process(heard).map(Arc::new) {
                 match self.scene.show.has_prepared_show() {
                     true => self.scene.show.extend_prepared_show(prepared_show, None),
                     false => self.scene.show.set_prepared_show(Some(prepared_show), None),

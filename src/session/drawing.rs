@@ -48,7 +48,7 @@ impl Session {
             self.playback.scene.composer.point(pointer, is_followed);
         }
         // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
-        self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
+        self.playback.pace.record_wanted(Some(moment), self.playback.scene.revision(), begun);
         let side_max = self.playback.side_max(&*self.screen);
         let (level, drawn) = self.pictures.level(self.playback.level(begun), whole, side_max);
         if self.playback.scene.scenes.shown.is_none() {
@@ -69,7 +69,7 @@ impl Session {
         let drawn = new.as_ref().map(|new| new.shown).filter(is_alike);
         let stands = self.playback.pace.shown.filter(|shown| *shown == wanted);
         if let Some(shown) = drawn.or(stands).filter(|_| !self.playback.scene.composer.is_drawing()) {
-            self.take_picture(shown.moment.song_time, whole);
+            self.save_picture(shown.moment.song_time, whole);
         }
         let lay = Lay { placement, screen, is_held: held };
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
@@ -87,14 +87,14 @@ impl Session {
         let Picture { wanted, new, dims, level, begun } = picture;
         let corner = self.interface.corner_line(&self.playback, begun);
         let is_drawing = self.playback.scene.composer.is_drawing();
-        let area = self.interface.note_area(&mut *self.screen, lay, size);
+        let area = self.interface.update_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
-        self.interface.note_map(&mut self.playback, map, size);
+        self.interface.update_map(&mut self.playback, map, size);
         if let Some(controllers) = &mut self.interface.ui_state.corners {
             controllers.set_area(area);
         }
-        self.interface.note_scene(&mut self.playback);
-        let seen = self.interface.look_around_ui_state(&mut self.playback, &mut *self.screen, begun);
+        self.interface.update_scene(&mut self.playback);
+        let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);
         let mut content =
             content_of(&mut self.playback.scene, corner.as_deref(), self.interface.ui_state.panels);
         self.interface.ui_state.add_to(
@@ -134,7 +134,7 @@ impl Session {
         // The cost of a refinement does not tell the cost of a frame.
         let is_refined = self.playback.pace.shown == Some(shown);
         let first = self.playback.pace.show(shown);
-        self.interface.typing_times.note_shown(
+        self.interface.typing_times.record_shown(
             self.playback.scene.scenes.shown_id(),
             new.is_some(),
             laid_out,
@@ -143,14 +143,14 @@ impl Session {
         if let Some(Drawn { spent, .. }) = new.filter(|_| !is_refined) {
             let showing = spent + clock::since(handing_over);
             let cost = self.playback.cost(&mut *self.screen, spent + painting, showing);
-            self.playback.pace.note_times(level, showing, cost);
-            self.playback.scene.note_frame_time(showing);
-            self.playback.controllers.note_shown(shown.revision);
+            self.playback.pace.record_times(level, showing, cost);
+            self.playback.scene.record_frame_time(showing);
+            self.playback.controllers.record_shown(shown.revision);
         }
         if painted.params_changed {
-            self.playback.scene.parameters_in_hand_mut().note_moved();
+            self.playback.scene.parameters_in_hand_mut().record_moved();
         }
-        self.interface.take_painted(&mut *self.screen, painted);
+        self.interface.apply_painted(&mut *self.screen, painted);
         if first {
             self.interface.ui_state.words.welcomed.get_or_insert_with(Instant::now);
             self.playback.listening.follow_request();
@@ -173,7 +173,7 @@ impl Session {
             if is_first {
                 self.playback.warm_up(&mut waiting)?;
             }
-            self.interface.take_painted(&mut *self.screen, painted);
+            self.interface.apply_painted(&mut *self.screen, painted);
         }
         Ok(())
     }
@@ -206,7 +206,7 @@ impl Playback {
             return Ok(None);
         }
         // Curves of the sound cost more than all other inputs, so they are computed only for scenes that read them.
-        let hears_curves = self.scene.scenes.hear_curves();
+        let hears_curves = self.scene.scenes.read_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
         let Shown { moment, size, .. } = wanted;
         let sound = mariana_music::Sound {
@@ -238,7 +238,7 @@ impl Playback {
         let dims = self.pace.shown.is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
             self.renderer.dim(gain)?;
-            let since_last = self.pace.note_picture(begun);
+            let since_last = self.pace.record_picture(begun);
             if self.pace.shown.is_some() {
                 let limited = self.renderer.limit_flashes(since_last);
                 if self.without_room_smaller(limited)?.is_none() {
@@ -247,7 +247,7 @@ impl Playback {
             } else {
                 self.first_shown_after = Some(since_last);
             }
-            self.frame_senders.note_picture();
+            self.frame_senders.record_picture();
         }
         match new {
             Some(Drawn { shown, .. }) => self.record(shown.moment, begun),
@@ -278,7 +278,7 @@ impl Playback {
 
     /// Reads the parts of the song while scenes need them.
     pub(super) fn follow_parts(&mut self) {
-        self.listening.want_parts(self.scene.scenes.hear_parts());
+        self.listening.request_parts(self.scene.scenes.read_parts());
         if self.listening.parts_arrive() {
             // While paused, a frame is drawn only if the last one is outdated.
             self.scene.composer.outdate();
@@ -289,7 +289,7 @@ impl Playback {
     pub(super) fn follow_textures(&mut self) {
         let cover = self.scene.scenes.show_covers().then(|| self.listening.cover_or_painted());
         for message in self.scene.composer.follow_textures(cover) {
-            self.reports.say(message);
+            self.reports.announce(message);
         }
         let texts = self.scene.scenes.show_song_texts().then(|| self.listening.song_texts());
         self.scene.composer.follow_song_texts(texts);
@@ -324,7 +324,7 @@ impl Playback {
             Verdict::GoOn => {}
             Verdict::DrawSmaller => self.scene.composer.give_picture_up(),
             Verdict::TakeBack => {
-                self.scene.take_back(&format!("a frame of this window would take about {seconds:.0} s"));
+                self.scene.withdraw(&format!("a frame of this window would take about {seconds:.0} s"));
             }
         }
     }
@@ -355,7 +355,7 @@ impl Playback {
 }
 
 impl Interface {
-    fn take_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
+    fn apply_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
         self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
             screen.show_controls(controls);
@@ -375,7 +375,7 @@ impl Interface {
         now: Instant,
     ) -> Option<Instant> {
         let corner = self.corner_line(playback, now);
-        let seen = self.look_around_ui_state(playback, screen, now);
+        let seen = self.update_ui_state(playback, screen, now);
         let mut content = content_of(&mut playback.scene, corner.as_deref(), self.ui_state.panels);
         self.ui_state.add_to(
             &mut content,
@@ -393,12 +393,7 @@ impl Interface {
         due.into_iter().chain(goes).min()
     }
 
-    fn look_around_ui_state(
-        &mut self,
-        playback: &mut Playback,
-        screen: &mut dyn Screen,
-        now: Instant,
-    ) -> Seen {
+    fn update_ui_state(&mut self, playback: &mut Playback, screen: &mut dyn Screen, now: Instant) -> Seen {
         self.ui_state.hidden.by_blackout = playback.master_output.is_black && !screen.has_output();
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         // The panel of videos needs the seek bar with its marks.
@@ -416,7 +411,7 @@ impl Interface {
         Seen { awake, assisted, fullscreen, cues, cover, shape, follows, song }
     }
 
-    fn note_scene(&mut self, playback: &mut Playback) {
+    fn update_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes.shown_source() else { return };
         if self.ui_state.words.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
             let words = match source {

@@ -35,7 +35,7 @@ impl PictureRate {
     const COUNTED_FOR: Duration = Duration::from_secs(1);
     const GONE_AFTER: Duration = Duration::from_secs(3);
 
-    fn note(&mut self, now: Instant) {
+    fn record(&mut self, now: Instant) {
         if self.last.replace(now).is_none_or(|last| now.saturating_duration_since(last) > Self::GONE_AFTER) {
             (self.counted, self.per_second) = (None, None);
         }
@@ -112,7 +112,7 @@ impl DrawingPace {
     }
 
     /// Notes the frame that would be shown at `now`. Returns `true` if it differs from the last shown frame.
-    pub(crate) fn note_wanted(&mut self, moment: Option<Moment>, revision: u64, now: Instant) -> bool {
+    pub(crate) fn record_wanted(&mut self, moment: Option<Moment>, revision: u64, now: Instant) -> bool {
         let moves = self.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision);
         if moves {
             self.moved = now;
@@ -146,9 +146,9 @@ impl DrawingPace {
     }
 
     /// Notes a new frame that was begun at `begun`. Returns the seconds since the previous one, 0 for the first.
-    pub(crate) fn note_picture(&mut self, begun: Instant) -> f64 {
+    pub(crate) fn record_picture(&mut self, begun: Instant) -> f64 {
         let last = self.pictured.replace(begun).unwrap_or(begun);
-        self.rate.note(begun);
+        self.rate.record(begun);
         begun.saturating_duration_since(last).as_secs_f64()
     }
 
@@ -182,10 +182,10 @@ impl DrawingPace {
     }
 
     /// Notes that drawing and showing a new frame took `time`. `cost` excludes the wait for the monitor.
-    pub(crate) fn note_times(&mut self, level: Level, time: Duration, cost: Duration) {
-        self.times.note(time);
+    pub(crate) fn record_times(&mut self, level: Level, time: Duration, cost: Duration) {
+        self.times.record(time);
         if level == self.resolution.level() {
-            self.resolution.note(clock::now(), cost);
+            self.resolution.record(clock::now(), cost);
         }
     }
 }
@@ -231,13 +231,13 @@ mod tests {
         let start = Instant::now();
         let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
         let mut rate = PictureRate::default();
-        (0..50).for_each(|n| rate.note(at(20 * n)));
+        (0..50).for_each(|n| rate.record(at(20 * n)));
         assert_eq!(rate.at(at(980)), None, "less than a second");
-        rate.note(at(1_000));
+        rate.record(at(1_000));
         assert_eq!(rate.at(at(1_000)), Some(50.0));
-        (1..=10).for_each(|n| rate.note(at(1_000 + 100 * n)));
+        (1..=10).for_each(|n| rate.record(at(1_000 + 100 * n)));
         assert_eq!((rate.at(at(2_000)), rate.at(at(5_001))), (Some(10.0), None));
-        rate.note(at(60_000));
+        rate.record(at(60_000));
         assert_eq!(rate.at(at(60_000)), None, "a pause does not count as a slow frame");
     }
 
@@ -254,7 +254,7 @@ mod tests {
     fn an_idle_show_is_drawn_once_more_at_the_best_quality() {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
-        assert!(!pace.note_wanted(Some(moment(1.0, 0.5)), 3, now));
+        assert!(!pace.record_wanted(Some(moment(1.0, 0.5)), 3, now));
         assert!(!pace.could_be_better(now, false, SIDE_MAX));
         assert!(pace.could_be_better(now, true, SIDE_MAX), "the legend of a view must be readable");
         let later = now + STANDS_STILL;
@@ -263,9 +263,9 @@ mod tests {
         pace.show(Shown { moment: moment(1.0, 0.5), size: WINDOW, edges: level.edges, revision: 3 });
         assert!(!pace.could_be_better(later, false, SIDE_MAX));
         // A frame differs if the sound or the revision changes, or the sound ends.
-        assert!(pace.note_wanted(Some(moment(1.0, 0.6)), 3, later));
-        assert!(pace.note_wanted(Some(moment(1.0, 0.5)), 4, later));
-        assert!(pace.note_wanted(None, 3, later));
+        assert!(pace.record_wanted(Some(moment(1.0, 0.6)), 3, later));
+        assert!(pace.record_wanted(Some(moment(1.0, 0.5)), 4, later));
+        assert!(pace.record_wanted(None, 3, later));
         assert!(pace.level(later, false) != level);
     }
 
@@ -287,10 +287,10 @@ mod tests {
     fn a_new_context_begins_with_a_first_frame() {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
-        assert_eq!(pace.note_picture(now), 0.0);
-        assert_eq!(pace.note_picture(now + Duration::from_millis(500)), 0.5);
+        assert_eq!(pace.record_picture(now), 0.0);
+        assert_eq!(pace.record_picture(now + Duration::from_millis(500)), 0.5);
         let mut pace = pace.renewed(now);
-        assert_eq!((pace.shown, pace.note_picture(now + Duration::from_secs(9))), (None, 0.0));
+        assert_eq!((pace.shown, pace.record_picture(now + Duration::from_secs(9))), (None, 0.0));
         assert!(!pace.make_smaller(), "no frame was shown, so none can be too large");
     }
 

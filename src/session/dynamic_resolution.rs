@@ -200,7 +200,7 @@ impl DynamicResolution {
     }
 
     /// Notes a frame that was drawn at `now`. `cost` excludes the wait for the monitor.
-    pub(crate) fn note(&mut self, now: Instant, cost: Duration) {
+    pub(crate) fn record(&mut self, now: Instant, cost: Duration) {
         if self.choice != QualityChoice::Auto {
             return;
         }
@@ -298,7 +298,7 @@ impl DynamicResolution {
         let fits = |level: &usize| fraction * level_at(*level).cost() <= FREE * self.time_at(*level);
         match (0..self.level).find(fits) {
             Some(better) => self.change(better),
-            None => self.tell_level(),
+            None => self.report_level(),
         }
     }
 
@@ -339,12 +339,12 @@ impl DynamicResolution {
 
     fn change(&mut self, level: usize) {
         self.level = level;
-        self.tell_level();
+        self.report_level();
         self.frames.clear();
         self.settling = SETTLING;
     }
 
-    fn tell_level(&self) {
+    fn report_level(&self) {
         tracing::info!("drawing {} of the window's width and height", self.level().scale);
     }
 }

@@ -33,7 +33,7 @@ impl Window {
             let took = cost(frame, self.dynamic_resolution.level());
             self.now += Duration::from_secs_f64(took.max(1.0 / FPS));
             let before = self.dynamic_resolution.level;
-            self.dynamic_resolution.note(self.now, Duration::from_secs_f64(took));
+            self.dynamic_resolution.record(self.now, Duration::from_secs_f64(took));
             if self.dynamic_resolution.level != before {
                 self.changes.push((self.seconds(), self.dynamic_resolution.level));
             }
@@ -69,7 +69,7 @@ fn a_light_load_gets_the_best_level_and_fixed_qualities_do_not_change() {
         let mut dynamic_resolution = DynamicResolution::new(choice, FPS);
         for frame in 0..600 {
             dynamic_resolution
-                .note(window.now + Duration::from_millis(20 * frame), Duration::from_millis(500));
+                .record(window.now + Duration::from_millis(20 * frame), Duration::from_millis(500));
         }
         assert_eq!(dynamic_resolution.level().scale, scale, "{choice:?}");
     }
@@ -185,7 +185,7 @@ fn a_pause_is_ignored_and_a_slow_processor_gets_a_moving_show() {
     assert!(window.changes[0].0 < 3.0, "{:?}", window.changes);
     let before = window.dynamic_resolution.level;
     window.now += Duration::from_secs(3600);
-    window.dynamic_resolution.note(window.now, Duration::from_secs(1));
+    window.dynamic_resolution.record(window.now, Duration::from_secs(1));
     assert_eq!(window.dynamic_resolution.level, before);
 }
 

@@ -47,7 +47,7 @@ impl Session {
     }
 
     /// Takes input for the editor. Returns `true` if the text consumed the input.
-    pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
+    pub(super) fn pass_to_editor(&mut self, input: &Input) -> bool {
         if !self.interface.is_edited() {
             return false;
         }
@@ -67,15 +67,15 @@ impl Session {
                 editor.type_text(text);
                 true
             }
-            Input::Key(press) if editor.has_focus() => editor.take_key(press, held),
+            Input::Key(press) if editor.has_focus() => editor.handle_key(press, held),
             _ => return false,
         };
         self.follow_editor();
-        self.interface.typing_times.note_taken(clock::since(begun));
+        self.interface.typing_times.record_input(clock::since(begun));
         taken
     }
 
-    pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
+    pub(super) fn handle_editor_event(&mut self, event: EditorEvent) {
         if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.obey(event);
         }
@@ -88,7 +88,7 @@ impl Session {
         editor.await_scene(self.surprises.keeping.is_some());
         editor.update();
         if editor.tells_mistakes() {
-            self.interface.typing_times.note_mistake();
+            self.interface.typing_times.record_mistake();
         }
         let wanted = &self.playback.scene.preparation.library.wanted;
         if open && !self.surprises.is_unsaved(wanted) {
@@ -115,12 +115,12 @@ impl Session {
 
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
-        let commands = editor.take_commands();
+        let commands = editor.drain_commands();
         // Load the text only once for all these keys.
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.interface.typing_times.note_key(self.playback.scene.scenes.shown_id(), clock::now());
+            self.interface.typing_times.record_key(self.playback.scene.scenes.shown_id(), clock::now());
         }
         self.carry_out_all(reloads.into_iter().next());
         let is_open = self.interface.is_edited();

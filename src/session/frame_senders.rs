@@ -62,13 +62,13 @@ impl FrameSenders {
         (self.reader, self.is_new) = (None, true);
     }
 
-    pub(crate) fn note_picture(&mut self) {
+    pub(crate) fn record_picture(&mut self) {
         self.is_new = !self.sends.is_empty();
     }
 
     /// Starts to read back the shown frame if one is due. Sends frames that have been read. Returns when to call this
     /// again.
-    pub(crate) fn go_on(
+    pub(crate) fn send_due(
         &mut self,
         gl: &Gl,
         renderer: &mut Renderer,
@@ -97,7 +97,7 @@ impl FrameSenders {
         let Some(reader) = &mut self.reader else {
             return Ok((self.is_new && is_wanted).then_some(self.due));
         };
-        if let Some(rgba) = reader.take() {
+        if let Some(rgba) = reader.drain() {
             let picture = OutgoingFrame { size: self.size, rgba: Arc::new(rgba) };
             self.sends.iter().for_each(|send| send.offer(picture.clone()));
         }

@@ -12,7 +12,7 @@ pub(crate) struct FrameTimes {
 }
 
 impl FrameTimes {
-    pub(crate) fn note(&mut self, time: Duration) {
+    pub(crate) fn record(&mut self, time: Duration) {
         let milliseconds = time.as_secs_f32() * 1000.0;
         let at = self.count % KEPT;
         match self.last.get_mut(at) {
@@ -46,9 +46,9 @@ mod tests {
     fn the_last_frames_are_summarized() {
         let mut times = FrameTimes::default();
         assert_eq!(times.to_string(), "no frames");
-        times.note(Duration::from_millis(900));
+        times.record(Duration::from_millis(900));
         for n in 0..KEPT as u64 {
-            times.note(Duration::from_millis(n % 3));
+            times.record(Duration::from_millis(n % 3));
         }
         assert_eq!(
             times.to_string(),

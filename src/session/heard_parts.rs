@@ -23,14 +23,14 @@ impl HeardParts {
     }
 
     /// Sets whether a scene needs the parts.
-    pub(super) fn want(&mut self, wanted: bool) {
+    pub(super) fn request(&mut self, wanted: bool) {
         self.wanted = wanted;
     }
 
     /// Requests the parts of these tracks, the current one first, if a scene needs them.
     pub(super) fn request<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
         if let Some(reader) = self.reader.as_ref().filter(|_| self.wanted) {
-            reader.want(tracks);
+            reader.request(tracks);
         }
     }
 

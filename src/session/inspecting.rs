@@ -40,7 +40,7 @@ impl Probing {
 }
 
 impl Interface {
-    pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map, size: (u32, u32)) {
+    pub(super) fn update_map(&mut self, playback: &mut Playback, map: Map, size: (u32, u32)) {
         (self.probing.map, self.probing.size) = (Some(map), Some(size));
         if let Some(editor) = &mut self.ui_state.editor {
             editor.set_view(map, playback.scene.composer.pictures.camera());
@@ -63,25 +63,25 @@ impl Interface {
         at.filter(|at| at.iter().all(|fraction| (0.0..=1.0).contains(fraction)))
     }
 
-    pub(super) fn look_at(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
+    pub(super) fn inspect(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
         if !self.is_edited() {
             return;
         }
         let at = screen.size().and_then(|size| self.in_picture(place, size));
         let Some(at) = at else { return };
         match playback.scene.composer.pictures.scenery() {
-            Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
-            Err(reason) => self.tell_in_editor(&reason.to_string()),
+            Ok(scenery) => self.with_prober(|prober| prober.request_point(scenery, at)),
+            Err(reason) => self.show_in_editor(&reason.to_string()),
         }
     }
 
     pub(super) fn update_probing(&mut self, playback: &mut Playback) {
-        self.ask_for_ray(playback);
+        self.request_ray(playback);
         for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
             if let Answer::Diagram(diagram) = answer {
-                self.take_diagram(diagram);
+                self.show_diagram(diagram);
             } else if let Some(editor) = &mut self.ui_state.editor {
-                editor.take_answer_about_the_picture(answer);
+                editor.show_probe_answer(answer);
             }
         }
         if !self.is_edited() {
@@ -100,7 +100,7 @@ impl Interface {
         self.probing.surveyed = Some(picture);
         let scenery: Option<Scenery> = playback.scene.composer.pictures.scenery().ok();
         if let Some(scenery) = scenery {
-            self.with_prober(|prober| prober.ask_ray_statistics(scenery));
+            self.with_prober(|prober| prober.request_ray_statistics(scenery));
         }
     }
 
@@ -112,7 +112,7 @@ impl Interface {
         playback.reports.answer(words.to_owned());
     }
 
-    fn ask_for_ray(&mut self, playback: &Playback) {
+    fn request_ray(&mut self, playback: &Playback) {
         let busy = self.probing.prober.as_ref().is_some_and(Prober::draws);
         let Some(size) = self.probing.size.filter(|_| self.probing.ray.is_some() && !busy) else { return };
         let pictures = &playback.scene.composer.pictures;
@@ -122,13 +122,13 @@ impl Interface {
         let Some(ray) = self.probing.ray.as_mut().filter(|ray| ray.asked != question) else { return };
         ray.asked = question;
         match scenery {
-            Ok(scenery) => self.with_prober(|prober| prober.ask_diagram(scenery, at, size)),
+            Ok(scenery) => self.with_prober(|prober| prober.request_diagram(scenery, at, size)),
             // Two scenes are fading.
             Err(_) => ray.view = None,
         }
     }
 
-    fn take_diagram(&mut self, diagram: Arc<RayDiagram>) {
+    fn show_diagram(&mut self, diagram: Arc<RayDiagram>) {
         let Some((ray, map)) = self.probing.ray.as_mut().zip(self.probing.map) else { return };
         let revision = ray.view.as_ref().map_or(0, |view| view.revision) + 1;
         ray.view = Some(RayView { diagram, map, revision });
@@ -140,7 +140,7 @@ impl Interface {
             match Prober::start(move || waker.wake()) {
                 Ok(prober) => self.probing.prober = Some(prober),
                 Err(error) => {
-                    return self.tell_in_editor(&format!("cannot inspect the frame: {error}"));
+                    return self.show_in_editor(&format!("cannot inspect the frame: {error}"));
                 }
             }
         }
@@ -149,9 +149,9 @@ impl Interface {
         }
     }
 
-    fn tell_in_editor(&mut self, words: &str) {
+    fn show_in_editor(&mut self, words: &str) {
         if let Some(editor) = &mut self.ui_state.editor {
-            editor.tell(words);
+            editor.show_notice(words);
         }
     }
 }

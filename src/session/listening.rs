@@ -107,7 +107,7 @@ impl Listening {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
 
-    pub(crate) fn want_paused(&mut self, paused: bool) {
+    pub(crate) fn request_pause(&mut self, paused: bool) {
         self.paused = paused;
     }
 
@@ -250,8 +250,8 @@ impl Listening {
     }
 
     /// Sets whether a scene reads parts of the song.
-    pub(crate) fn want_parts(&mut self, wanted: bool) {
-        self.parts.want(wanted);
+    pub(crate) fn request_parts(&mut self, wanted: bool) {
+        self.parts.request(wanted);
     }
 
     /// Returns true when the parts of the current song become known. Then reports problems with its stems.
@@ -303,10 +303,10 @@ impl Listening {
         let is_demo = content.is_some_and(|content| is_demo(&content.song));
         self.playing = if is_demo { Playing::Demo } else { Playing::Song };
         if let Some(songs) = &self.songs {
-            songs.want([&status.track].into_iter().chain(&status.next));
+            songs.request([&status.track].into_iter().chain(&status.next));
         }
         if let Some(covers) = &self.covers {
-            covers.want([&status.track].into_iter().chain(&status.next));
+            covers.request([&status.track].into_iter().chain(&status.next));
         }
         self.parts.request([&status.track].into_iter().chain(&status.next));
         self.painted.track = Some(status.track.clone());

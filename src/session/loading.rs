@@ -15,7 +15,7 @@ use crate::attempt::{self, Attempt};
 use crate::clock;
 use crate::config::{Folders, PlaySettings};
 use crate::export::painter::SceneChoice;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneError, SceneSource, TextureCache};
 
 /// Longest wait for the first scene before the window opens. A mistake found until then ends the program without one.
@@ -146,7 +146,7 @@ impl FirstScene {
             self.requested.title(),
             substitute.title()
         );
-        tell(&message);
+        print_message(&message);
         self.message = Some(message);
         self.loader = self.starter.start()?;
         self.loader.request(substitute);
@@ -172,7 +172,7 @@ impl LoaderStarter {
             let texts = drafts.texts();
             let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
             drop(attempt);
-            drafts.tell(Findings::of(source, &texts, &result));
+            drafts.publish(Findings::of(source, &texts, &result));
             (result, files)
         };
         Loader::start(load, move || waker.wake())

@@ -67,7 +67,7 @@ impl Session {
     /// Sets all corners and the selected corner. Saves the corners if `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(handles) = &mut self.interface.ui_state.corners {
-            handles.take(selected, corners);
+            handles.set_corners(selected, corners);
         }
         self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
     }
@@ -139,7 +139,7 @@ impl Playback {
 impl Interface {
     /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
     /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
-    pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
+    pub(super) fn update_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small =
             screen.has_output() && !self.ui_state.hidden.is_bare() && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));

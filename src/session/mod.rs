@@ -164,37 +164,37 @@ pub(crate) struct Interface {
 
 impl Session {
     /// Takes input. Returns the command of a key or the mouse if no panel consumes the input.
-    pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
-        self.interface.pointer_rest.take(input, clock::now());
+    pub(crate) fn handle_input(&mut self, input: &Input) -> Option<Command> {
+        self.interface.pointer_rest.handle(input, clock::now());
         if self.interface.overlay.on_input(input) {
             return None;
         }
-        if self.take_for_help(input) || self.take_for_editor(input) || self.take_for_panels(input) {
+        if self.pass_to_help(input) || self.pass_to_editor(input) || self.pass_to_panels(input) {
             return None;
         }
-        self.interface.input.take(input, clock::now())
+        self.interface.input.handle(input, clock::now())
     }
 
     /// Passes a key to the table of keys, which is above all panels. Returns `true` if the table consumed it.
-    fn take_for_help(&mut self, input: &Input) -> bool {
+    fn pass_to_help(&mut self, input: &Input) -> bool {
         if !self.interface.ui_state.panels.help() {
             return false;
         }
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
-        if self.interface.go_through_controls(&mut *self.screen, key, held) {
+        if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
         let command_key = held.control_key() || held.super_key();
-        let (taken, commands) = self.interface.ui_state.help.take_key(key, command_key);
+        let (taken, commands) = self.interface.ui_state.help.handle_key(key, command_key);
         self.carry_out_all(commands);
         taken
     }
 
     /// Passes a key to the open panel, or closes the panel by the key that opens it. Returns `true` if the panel
     /// consumed the key.
-    fn take_for_panels(&mut self, input: &Input) -> bool {
+    fn pass_to_panels(&mut self, input: &Input) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
-        if self.interface.go_through_controls(&mut *self.screen, key, held) {
+        if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
         let panel = self.interface.ui_state.panels.open().map(Command::TogglePanel);
@@ -207,26 +207,27 @@ impl Session {
         }
         let command_key = held.control_key() || held.super_key();
         if let Some(browser) = &mut self.interface.ui_state.browser {
-            let commands = browser.take_key(key, command_key);
+            let commands = browser.handle_key(key, command_key);
             self.carry_out_all(commands);
             return true;
         }
         if let Some(files) = &mut self.interface.ui_state.files {
-            let commands = files.take_key(key, held);
+            let commands = files.handle_key(key, held);
             self.carry_out_all(commands);
             return true;
         }
-        let of_tracks = self.interface.ui_state.tracks.as_mut().and_then(|tracks| tracks.take_key(key, held));
+        let of_tracks =
+            self.interface.ui_state.tracks.as_mut().and_then(|tracks| tracks.handle_key(key, held));
         if let Some(commands) = of_tracks {
             self.carry_out_all(commands);
             return true;
         }
-        let of_settings = self.interface.ui_state.settings.as_mut().map(|settings| settings.take_key(key));
+        let of_settings = self.interface.ui_state.settings.as_mut().map(|settings| settings.handle_key(key));
         let taken = of_settings.filter(|(taken, _)| *taken);
         let taken = taken.or_else(|| {
-            self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.take_key(key))
+            self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.handle_key(key))
         });
-        let taken = taken.or_else(|| self.interface.take_key_for_videos(key));
+        let taken = taken.or_else(|| self.interface.pass_to_videos(key));
         if let Some((true, command)) = taken {
             self.carry_out_all(command);
             return true;
@@ -236,7 +237,7 @@ impl Session {
             .ui_state
             .corners
             .as_mut()
-            .and_then(|controllers| controllers.take_key(key, held.shift_key()));
+            .and_then(|controllers| controllers.handle_key(key, held.shift_key()));
         let taken = of_corners.is_some();
         self.carry_out_all(of_corners.flatten());
         // Files can be dropped while no panel is open, so the former list comes back without one.
@@ -250,32 +251,32 @@ impl Session {
     ///
     /// # Errors
     /// Fails if the only song can no longer be played.
-    pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
+    pub(super) fn update_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);
         }
         let moves = !self.playback.listening.is_paused() && self.screen.is_seen();
         self.screen.keep_awake(self.choices.stay_awake && (moves || self.screen.has_output()));
-        for complaint in self.playback.listening.sound.take_reported_problems() {
-            self.playback.reports.say(complaint);
+        for complaint in self.playback.listening.sound.drain_reported_problems() {
+            self.playback.reports.announce(complaint);
         }
         let mut notes = self.playback.scene.report().notes();
         notes.extend(self.videos.title_note());
         if let Some(live) = self.playback.listening.sound.live_status() {
             let paused = self.playback.listening.is_paused();
-            self.playback.reports.look_at_input(&live, paused);
+            self.playback.reports.report_input(&live, paused);
             self.playback.set_title(&mut *self.screen, live_title(&live, notes, paused));
             return Ok(false);
         }
         let Some(status) = self.playback.listening.song_status() else { return Ok(false) };
         let silence_asked = settings.silent && !self.chose_output;
-        self.playback.reports.tell_silence(&status, silence_asked);
+        self.playback.reports.report_silence(&status, silence_asked);
         if let (true, true, 1, Some(error)) =
             (status.ended, settings.once, status.track.count, &status.track_errors.last)
         {
             return Err(SessionError::SongLost(error.clone()));
         }
-        self.playback.reports.look(
+        self.playback.reports.update(
             &status,
             self.playback.listening.has_started(),
             self.screen.is_fullscreen(),
@@ -285,7 +286,7 @@ impl Session {
     }
 
     fn open_dropped(&mut self) {
-        let dropped = self.interface.input.take_dropped();
+        let dropped = self.interface.input.drain_dropped();
         if !dropped.is_empty() {
             let append = self.interface.input.shift_held()
                 || self.interface.ui_state.panels.open() == Some(Panel::Tracks);
@@ -294,7 +295,7 @@ impl Session {
     }
 
     /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
-    pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
+    pub(super) fn update(&mut self) -> Result<Instant, SessionError> {
         self.open_dropped();
         self.playback.scene.update()?;
         self.update_editor();
@@ -304,10 +305,10 @@ impl Session {
         self.interface.update_music_lists(&mut self.playback);
         self.update_settings();
         self.interface.update_controllers(&mut self.playback);
-        self.take_written();
+        self.report_written_files();
         let now = clock::now();
         self.playback.reports.update(now, !self.interface.ui_state.hidden.is_bare());
-        self.screen.update().into_iter().for_each(|sentence| self.playback.reports.say(sentence));
+        self.screen.update().into_iter().for_each(|sentence| self.playback.reports.announce(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();
         let edited = self.playback.scene.saves_samples(now);
@@ -335,7 +336,7 @@ impl Session {
         self.playback.direct(moment);
         self.playback.follow_parts();
         self.playback.follow_textures();
-        let moves = self.playback.pace.note_wanted(moment, self.playback.scene.revision(), now);
+        let moves = self.playback.pace.record_wanted(moment, self.playback.scene.revision(), now);
         if self.playback.holds_picture() {
             self.playback.record_again(now);
         }
@@ -376,7 +377,7 @@ impl Session {
 
 impl Playback {
     pub(crate) fn set_paused(&mut self, paused: bool) {
-        self.listening.want_paused(paused);
+        self.listening.request_pause(paused);
         if self.pace.shown.is_some() {
             self.listening.follow_request();
         }
@@ -403,7 +404,7 @@ impl Playback {
 
     pub(crate) fn answer_position(&mut self, screen: &mut dyn Screen) {
         // Update first, so that a change made just now is included.
-        self.note_playing(screen);
+        self.update_idle_lock(screen);
         self.reports.answer_position();
     }
 
@@ -420,8 +421,8 @@ impl Playback {
 
     /// Shows the next or the previous view. Resets the flash limiter, because limiting would distort the numbers that a
     /// view's colours encode. The key does not repeat, so that only single key presses bypass the limiter.
-    pub(super) fn go_view(&mut self, forward: bool) {
-        self.scene.go_view(forward);
+    pub(super) fn switch_view(&mut self, forward: bool) {
+        self.scene.switch_view(forward);
         self.renderer.forget_flashes();
     }
 
@@ -429,12 +430,12 @@ impl Playback {
         self.reports.command_of_desktop()
     }
 
-    fn note_playing(&mut self, screen: &mut dyn Screen) {
+    fn update_idle_lock(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
         if let Some(live) = self.listening.sound.live_status() {
-            self.reports.look_at_input(&live, self.listening.is_paused());
+            self.reports.report_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.look(&status, self.listening.has_started(), fullscreen);
+            self.reports.update(&status, self.listening.has_started(), fullscreen);
         }
     }
 
@@ -464,7 +465,7 @@ impl Interface {
     }
 
     /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used the key.
-    fn go_through_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
+    fn pass_to_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
             && self.ui_state.corners.is_none();
@@ -472,7 +473,7 @@ impl Interface {
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
             return false;
         }
-        let taken = self.overlay.take_key(key, held.shift_key());
+        let taken = self.overlay.handle_key(key, held.shift_key());
         if taken {
             // Show the bar, which stays while it has the focus.
             self.pointer_rest.wake(clock::now());

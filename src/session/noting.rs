@@ -10,8 +10,8 @@ use mariana_player::Moment;
 
 impl Session {
     /// Takes the results of the threads that write shows and scenes.
-    pub(super) fn take_written(&mut self) {
-        self.playback.tell_recording();
+    pub(super) fn report_written_files(&mut self) {
+        self.playback.report_recording();
         self.snapshot_desk().update();
         self.update_surprises();
     }
@@ -45,7 +45,7 @@ impl Playback {
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing.title.as_str());
-        if let Some(words) = self.recording.note(of, time, performed, clock::now()) {
+        if let Some(words) = self.recording.record(of, time, performed, clock::now()) {
             self.reports.answer(words.to_owned());
         }
     }
@@ -58,7 +58,7 @@ impl Playback {
         let Some(now) = self.listening.now() else { return };
         let (track, is_held) = (self.listening.track_of(now), self.holds_picture());
         let picture = self.finish(begun);
-        self.recording.note_picture(track, now.song_time, &picture, is_held);
+        self.recording.record_picture(track, now.song_time, &picture, is_held);
     }
 
     pub(super) fn finish(&self, begun: Instant) -> Finish {
@@ -68,7 +68,7 @@ impl Playback {
         Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 
-    pub(super) fn tell_recording(&mut self) {
+    pub(super) fn report_recording(&mut self) {
         self.recording.update(clock::now());
         if let Some(news) = self.recording.news() {
             tracing::info!("{news}");

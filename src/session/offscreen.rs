@@ -377,9 +377,9 @@ impl Screen for OffscreenWindow {
         Vec::new()
     }
 
-    fn look_at_monitors(&mut self) {}
+    fn update_monitors(&mut self) {}
 
-    fn want_output(&mut self, _: Option<String>) {}
+    fn request_output(&mut self, _: Option<String>) {}
 
     fn lie_differently(&mut self) {
         self.request_redraw();

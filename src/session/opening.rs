@@ -20,7 +20,7 @@ use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::covers;
 use crate::export::painter::SceneChoice;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -91,7 +91,7 @@ impl Opening<'_> {
         let folders = memory.folders.clone();
         let songs = start_song_reader(&folders, waker);
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
-            songs.want([&tracks.first.info]);
+            songs.request([&tracks.first.info]);
         }
         if settings.fullscreen {
             screen.set_fullscreen(true);
@@ -109,7 +109,7 @@ impl Opening<'_> {
         tracing::info!("the window shows the name of the scene being prepared");
         let renderer = renderer(screen.gl(), &choices, choice)?;
         let mut announcer = Announcer::default();
-        message.into_iter().for_each(|message| announcer.say(message));
+        message.into_iter().for_each(|message| announcer.announce(message));
         let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;
         let position = player.as_ref().map(Player::position);
         let sound = start_sound(player, memory, settings)?;
@@ -228,8 +228,8 @@ fn start_player(
     announcer: &mut Announcer,
 ) -> Result<Player, SessionError> {
     for trouble in tracks.track_errors {
-        tell(&trouble);
-        announcer.say(trouble);
+        print_message(&trouble);
+        announcer.announce(trouble);
     }
     let options = PlayerOptions {
         target: output_of(settings),
@@ -356,7 +356,7 @@ pub(super) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.taken_over);
+    scenes.adopt(kept.taken_over);
     reports.answer("the graphics driver lost its context: the frame is drawn again".to_owned());
     let playback = Playback {
         renderer: renderer(screen.gl(), &session.choices, scene)?,

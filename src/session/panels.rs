@@ -29,22 +29,22 @@ impl Session {
         if open == Some(Panel::Sources) {
             self.playback.listening.sound.show_list();
         }
-        self.interface.look_through_scenes(&mut self.playback, open == Some(Panel::Scenes));
-        self.interface.look_through_files(&mut self.playback, open == Some(Panel::Files));
+        self.interface.toggle_scene_browser(&mut self.playback, open == Some(Panel::Scenes));
+        self.interface.toggle_file_browser(&mut self.playback, open == Some(Panel::Files));
         self.show_settings(open == Some(Panel::Settings));
         self.interface.show_controllers(&mut self.playback, open == Some(Panel::Controllers));
         self.show_corners(open == Some(Panel::Corners));
         self.video_desk().show(open == Some(Panel::Video));
     }
 
-    fn take_scene_event(&mut self, event: SceneListEvent) {
+    fn handle_scene_event(&mut self, event: SceneListEvent) {
         let Some(browser) = &mut self.interface.ui_state.browser else { return };
         let commands = match event {
             SceneListEvent::Show { place, close } => browser.show(place, close),
             SceneListEvent::Mark(place) => browser.mark(place),
             SceneListEvent::Drawn { places, columns, moving } => {
                 if let Some(thumbnails) = &mut self.interface.thumbnails {
-                    browser.note_drawn(places, columns, moving, thumbnails);
+                    browser.record_drawn(places, columns, moving, thumbnails);
                 }
                 return;
             }
@@ -68,8 +68,8 @@ impl Session {
     }
 
     pub(super) fn leave_panels(&mut self) {
-        self.interface.look_through_scenes(&mut self.playback, false);
-        self.interface.look_through_files(&mut self.playback, false);
+        self.interface.toggle_scene_browser(&mut self.playback, false);
+        self.interface.toggle_file_browser(&mut self.playback, false);
         self.show_settings(false);
         self.write_text(false);
         self.interface.show_controllers(&mut self.playback, false);
@@ -77,17 +77,17 @@ impl Session {
         self.video_desk().show(false);
     }
 
-    pub(super) fn take_ui_events(&mut self) -> Vec<Command> {
+    pub(super) fn handle_ui_events(&mut self) -> Vec<Command> {
         let mut commands = Vec::new();
         for event in std::mem::take(&mut self.interface.ui_events) {
             match event {
                 UiEvent::Command(command) => commands.push(command),
                 UiEvent::Help(row) => commands.extend(self.interface.ui_state.help.pick(row)),
-                UiEvent::Editor(event) => self.take_editor_event(event),
-                UiEvent::Scenes(event) => self.take_scene_event(event),
-                UiEvent::Files(event) => self.take_file_event(event),
-                UiEvent::Tracks(event) => self.take_track_event(event),
-                UiEvent::Settings(event) => self.take_setting_event(event),
+                UiEvent::Editor(event) => self.handle_editor_event(event),
+                UiEvent::Scenes(event) => self.handle_scene_event(event),
+                UiEvent::Files(event) => self.handle_file_event(event),
+                UiEvent::Tracks(event) => self.handle_track_event(event),
+                UiEvent::Settings(event) => self.handle_setting_event(event),
             }
         }
         commands
@@ -110,22 +110,22 @@ impl Interface {
             || self.editor_has_focus()
     }
 
-    fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {
+    fn toggle_scene_browser(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.browser = None;
         if !open {
             return;
         }
-        self.look_for_thumbnails();
+        self.request_thumbnails();
         let scenes = playback.scene.preparation.library.all_sources();
         let favourites = playback.listening.sound.settings().favourite_scenes.clone();
         let browser = SceneBrowser::new(scenes, playback.scene.scenes.shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
-            browser.ask_for_descriptions(thumbnails);
+            browser.request_descriptions(thumbnails);
         }
         self.ui_state.browser = Some(browser);
     }
 
-    fn look_for_thumbnails(&mut self) {
+    fn request_thumbnails(&mut self) {
         if self.thumbnails.is_none() {
             let waker = self.waker.clone();
             match Thumbnails::start(&self.folders, move || waker.wake()) {
@@ -150,7 +150,7 @@ impl Interface {
         if of_folder.is_empty() {
             return;
         }
-        self.look_for_thumbnails();
+        self.request_thumbnails();
         if let Some(thumbnails) = &mut self.thumbnails {
             thumbnails.draw_ahead(of_folder.into_iter());
         }
@@ -161,17 +161,17 @@ impl Interface {
         self.draw_thumbnails_ahead(playback);
         let wanted = playback.controllers.wanted_pictures();
         if !wanted.is_empty() {
-            self.look_for_thumbnails();
+            self.request_thumbnails();
         }
         let Some(thumbnails) = &mut self.thumbnails else { return };
         if !wanted.is_empty() {
-            thumbnails.ask_for_pictures_later(wanted);
+            thumbnails.request_pictures_later(wanted);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
-        found.iter().for_each(|looked| playback.controllers.phones.note_picture(looked));
+        found.iter().for_each(|looked| playback.controllers.phones.record_picture(looked));
         if let Some(browser) = &mut self.ui_state.browser {
             browser.set_present(playback.scene.scenes.shown_source());
-            browser.take(found);
+            browser.store(found);
         }
     }
 }

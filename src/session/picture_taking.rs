@@ -9,12 +9,12 @@ use crate::file_names::plain_name;
 impl Session {
     /// Takes a wanted picture of the finished frame. `time` is the frame's time in the song, and `whole` the size of
     /// the window.
-    pub(super) fn take_picture(&mut self, time: f64, whole: (u32, u32)) {
+    pub(super) fn save_picture(&mut self, time: f64, whole: (u32, u32)) {
         let folder = &self.interface.folders.pictures;
         let title = &self.playback.reports.playing.title;
         let file = || Some(folder.as_ref()?.join(picture_name(title, time)));
         let renderer = &mut self.playback.renderer;
-        if let Err(words) = self.pictures.take((self.screen.gl(), renderer), whole, file) {
+        if let Err(words) = self.pictures.save((self.screen.gl(), renderer), whole, file) {
             self.playback.reports.answer(words);
         }
     }

@@ -70,7 +70,7 @@ impl Pictures {
     }
 
     /// Asks for a picture of the present frame at `scale` times the size of the window.
-    pub(super) fn want(&mut self, scale: u32) {
+    pub(super) fn request(&mut self, scale: u32) {
         let until = clock::now() + Duration::from_secs_f64(2.0 * LIMITS.picture_seconds_max);
         self.wanted = Some(Wanted { scale, until });
     }
@@ -80,7 +80,7 @@ impl Pictures {
     ///
     /// # Errors
     /// Fails with a message.
-    pub(super) fn take(
+    pub(super) fn save(
         &mut self,
         (gl, renderer): (&Gl, &mut Renderer),
         whole: (u32, u32),
@@ -102,7 +102,7 @@ impl Pictures {
             messages.push("the picture was not saved: no frame could be drawn".to_owned());
         }
         if let Some((reader, file)) = &mut self.reading
-            && let Some(rgba) = reader.take()
+            && let Some(rgba) = reader.drain()
         {
             let (size, file) = (reader.size(), std::mem::take(file));
             self.reading = None;

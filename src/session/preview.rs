@@ -69,7 +69,7 @@ impl Session {
             }
             return Ok(());
         };
-        self.playback.take_preview(&mut *self.screen, &title);
+        self.playback.receive_preview(&mut *self.screen, &title);
         if now < self.playback.preview.due {
             return Ok(());
         }
@@ -117,11 +117,11 @@ impl Session {
 }
 
 impl Playback {
-    fn take_preview(&mut self, screen: &mut dyn Screen, title: &str) {
+    fn receive_preview(&mut self, screen: &mut dyn Screen, title: &str) {
         let Preview { reader, drawn, next, .. } = &mut self.preview;
         let picture = reader
             .as_mut()
-            .and_then(PictureReader::take)
+            .and_then(PictureReader::drain)
             .filter(|_| drawn.as_ref().is_some_and(|(drawn, _)| drawn == title));
         let picture = picture.and_then(|bytes| RgbaImage::from_raw(SIZE.0, SIZE.1, bytes)).map(Arc::new);
         let is_known = next.as_ref().is_some_and(|next| next.title == title);

@@ -67,7 +67,7 @@ impl Recording {
     }
 
     /// Records a frame of a track at `time` seconds. Returns a message when the performance is too long.
-    pub(crate) fn note(
+    pub(crate) fn record(
         &mut self,
         (track, title): (OfTrack, &str),
         time: f64,
@@ -96,21 +96,21 @@ impl Recording {
                 is_held: false,
             }
         });
-        take.note(time, seen);
+        take.record(time, seen);
         take.has_changed = true;
         let is_news = take.performance.is_full() && !std::mem::replace(&mut take.reported_full, true);
         is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 
     /// Records that the last frame of a track is still shown at `time` seconds, with the state of the master output.
-    pub(crate) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
+    pub(crate) fn record_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
         let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
         if is_held && !take.is_held {
             take.performance.hold(picture);
         }
         take.is_held = is_held;
         take.has_changed = true;
-        take.performance.note_picture(time, picture);
+        take.performance.record_picture(time, picture);
     }
 
     /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write has finished.
@@ -138,7 +138,7 @@ impl Recording {
 }
 
 impl Take {
-    fn note(&mut self, time: f64, seen: Performed<'_>) {
+    fn record(&mut self, time: f64, seen: Performed<'_>) {
         self.is_held = false;
         let changes = match seen.faded {
             Some((seconds, start)) => (TimedTransition::new(TransitionStyle::Fade, seconds), start),
@@ -170,7 +170,7 @@ impl Take {
         let is_on_decks = other.is_some();
         let on_stage =
             OnStage { scene: &scene, camera, transition, start, params, moves, turns, picture, other };
-        self.performance.note(time, &on_stage);
+        self.performance.record(time, &on_stage);
         if is_on_decks {
             // When the decks end, the scene that stays has a new entry.
             self.shown = None;
@@ -246,13 +246,13 @@ mod tests {
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let now = Instant::now();
         let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
-        recording.note((Some(0), "one"), 1.0, seen(&orb, None), now);
+        recording.record((Some(0), "one"), 1.0, seen(&orb, None), now);
         assert!(recording.take.is_none(), "recording has not been started");
         assert!(recording.toggle(now));
         for (time, scene, faded) in
             [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
         {
-            recording.note(
+            recording.record(
                 (Some(0), "one"),
                 time,
                 Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
@@ -260,11 +260,11 @@ mod tests {
             );
         }
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
-        recording.note_picture(Some(0), 6.0, &held, true);
-        recording.note_picture(Some(2), 7.0, &Finish::NOTHING, false);
+        recording.record_picture(Some(0), 6.0, &held, true);
+        recording.record_picture(Some(2), 7.0, &Finish::NOTHING, false);
         let melt = (TimedTransition::new(TransitionStyle::Melt, 2.0), 0.5);
-        recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
-        recording.note((None, "an input"), 9.0, seen(&city, None), now);
+        recording.record((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
+        recording.record((None, "an input"), 9.0, seen(&city, None), now);
         assert!(!recording.toggle(now));
         drop(recording);
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
@@ -287,7 +287,7 @@ mod tests {
         let start = Instant::now();
         let orb = SceneSource::Shipped("orb".to_owned());
         recording.toggle(start);
-        recording.note((Some(0), "one"), 2.0, seen(&orb, None), start);
+        recording.record((Some(0), "one"), 2.0, seen(&orb, None), start);
         recording.update(start);
         assert!(recording.files.is_idle(), "not every frame is written");
         // The frame does not change, so the file is not written.
@@ -315,7 +315,7 @@ mod tests {
             recording.toggle(now);
             for (time, scene, faded, fades, camera) in pictures.iter().copied() {
                 let seen = Performed { faded, fades, camera, ..seen(scene, None) };
-                recording.note((Some(0), "one"), time, seen, now);
+                recording.record((Some(0), "one"), time, seen, now);
             }
             let cue_list = recording.take.map(|take| take.performance.cue_list()).unwrap_or_default();
             print(&cue_list, &[]).lines().map(str::to_owned).collect::<Vec<_>>()

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::clock;
 use crate::commands::Command;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::session::announcer::Announcer;
 use crate::session::desktop::DesktopControls;
 use crate::ui::overlay::{Notice, NowPlaying};
@@ -65,8 +65,8 @@ impl Reports {
         self.announcer.answer_position(&self.playing);
     }
 
-    pub(crate) fn say(&mut self, text: String) {
-        self.announcer.say(text);
+    pub(crate) fn announce(&mut self, text: String) {
+        self.announcer.announce(text);
     }
 
     /// Shows the next notice once the last one has faded. Notices wait while they are not `seen`.
@@ -82,29 +82,29 @@ impl Reports {
 
     /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports why there is no sound, but
     /// only the first reason: if the sound server dies, missing devices are a consequence.
-    pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
+    pub(crate) fn report_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
-            tell(&format!("the song plays without sound: {reason}"));
+            print_message(&format!("the song plays without sound: {reason}"));
         }
         self.reported_silent = status.silent.is_some();
         if self.reported_refused != status.refused {
             self.reported_refused.clone_from(&status.refused);
             if let Some(reason) = &status.refused {
-                tell(reason);
+                print_message(reason);
                 self.announcer.answer(reason.clone());
             }
         }
     }
 
     /// Reports news about the song, over the frame and to the desktop. `started` is true after the first frame.
-    pub(crate) fn look(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
+    pub(crate) fn update(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);
-        self.announcer.look(status);
+        self.announcer.update(status);
         self.desktop.show(status, started, fullscreen);
     }
 
-    pub(crate) fn look_at_input(&mut self, status: &LiveStatus, paused: bool) {
+    pub(crate) fn report_input(&mut self, status: &LiveStatus, paused: bool) {
         self.playing = NowPlaying::of_input(status, paused);
         self.announcer.follow(&self.playing);
     }

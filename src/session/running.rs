@@ -40,7 +40,7 @@ impl Run {
 
     /// Runs until the session ends. Replaces a lost OpenGL context. Calls `on_saved` when everything for the next run is
     /// saved, before a driver that is still compiling delays the return.
-    pub(crate) fn go_on(mut self, on_saved: impl FnOnce()) -> Result<(), SessionError> {
+    pub(crate) fn run(mut self, on_saved: impl FnOnce()) -> Result<(), SessionError> {
         loop {
             match self.until_the_end() {
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
@@ -91,7 +91,7 @@ impl Run {
 
     /// Handles finished work, waits for the next event or due time, and draws if needed.
     pub(super) fn step(&mut self) -> Result<(), SessionError> {
-        let until = self.look_around()?;
+        let until = self.update_session()?;
         if self.over {
             return Ok(());
         }
@@ -99,7 +99,7 @@ impl Run {
         for event in self.session.screen.wait(until) {
             match event {
                 Event::Input(input) => {
-                    if let Some(command) = self.session.take(&input) {
+                    if let Some(command) = self.session.handle_input(&input) {
                         self.carry_out(command, Sender::Window);
                     }
                 }
@@ -114,19 +114,19 @@ impl Run {
             }
         }
         self.session.follow_editor();
-        self.session.video_desk().note_quitting();
+        self.session.video_desk().allow_quitting();
         if redraws || self.session.playback.scene.composer.is_drawing() {
             self.draw()?;
         }
         Ok(())
     }
 
-    fn look_around(&mut self) -> Result<Instant, SessionError> {
+    fn update_session(&mut self) -> Result<Instant, SessionError> {
         self.obey_desktop();
         self.obey_controllers();
-        self.over |= self.session.look_at_status(&self.settings)?;
+        self.over |= self.session.update_status(&self.settings)?;
         self.session.remember_show(&self.settings, clock::now());
-        let until = self.session.look_around()?;
+        let until = self.session.update()?;
         Ok(self.session.playback.controllers.due().map_or(until, |due| until.min(due)))
     }
 
@@ -134,7 +134,7 @@ impl Run {
         if self.session.draw()? {
             tracing::info!("first picture after {:.0} ms", clock::since(self.started).as_secs_f64() * 1000.0);
         }
-        for command in self.session.take_ui_events() {
+        for command in self.session.handle_ui_events() {
             self.carry_out(command, Sender::Window);
         }
         Ok(())
@@ -152,7 +152,7 @@ impl Run {
     }
 
     fn obey_controllers(&mut self) {
-        let (actions, since) = self.session.take_input();
+        let (actions, since) = self.session.apply_input();
         let before = self.session.playback.scene.revision();
         for action in actions {
             match Command::of_controller(&action) {
@@ -160,7 +160,7 @@ impl Run {
                 None => self.session.playback.reports.hurry(),
             }
         }
-        self.session.note_acted(since, before);
+        self.session.record_actions(since, before);
     }
 
     fn obey_desktop(&mut self) {

@@ -119,10 +119,10 @@ pub(crate) trait Screen {
 
     fn monitors(&self) -> Vec<Monitor>;
 
-    fn look_at_monitors(&mut self);
+    fn update_monitors(&mut self);
 
     /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
-    fn want_output(&mut self, monitor: Option<String>);
+    fn request_output(&mut self, monitor: Option<String>);
 
     fn lie_differently(&mut self);
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::Playback;
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::session::SessionError;
 use crate::session::screen::Screen;
 
@@ -15,12 +15,12 @@ impl Playback {
         now: Instant,
     ) -> Result<Option<Instant>, SessionError> {
         for sentence in self.frame_senders.news() {
-            tell(&sentence);
-            self.reports.say(sentence);
+            print_message(&sentence);
+            self.reports.announce(sentence);
         }
         if self.pace.shown.is_none() {
             return Ok(None);
         }
-        Ok(self.frame_senders.go_on(screen.gl(), &mut self.renderer, now)?)
+        Ok(self.frame_senders.send_due(screen.gl(), &mut self.renderer, now)?)
     }
 }

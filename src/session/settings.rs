@@ -10,7 +10,7 @@ use crate::ui::settings_panel::{Facts, SettingsPanel};
 impl Session {
     pub(super) fn show_settings(&mut self, open: bool) {
         if open {
-            self.screen.look_at_monitors();
+            self.screen.update_monitors();
         }
         self.interface.ui_state.settings = open.then(SettingsPanel::default);
         self.update_settings();
@@ -23,7 +23,7 @@ impl Session {
         }
     }
 
-    pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
+    pub(super) fn handle_setting_event(&mut self, event: SettingEvent) {
         let Some(panel) = &mut self.interface.ui_state.settings else { return };
         let command = match event {
             SettingEvent::Pick { row, value } => panel.pick(row, value),
@@ -48,7 +48,7 @@ impl Session {
             }
             Setting::ToneMap(tone_map) => {
                 self.playback.renderer.set_tone_map(*tone_map);
-                self.playback.scene.composer.look_different();
+                self.playback.scene.composer.redraw();
             }
             Setting::Gain(gain) => self.playback.listening.sound.set_gain(*gain),
             Setting::FollowSong(follow) => self.playback.direction.set_follow(*follow),
@@ -57,7 +57,7 @@ impl Session {
                     self.playback.listening.sound.keep_tracks(None);
                 }
             }
-            Setting::Screen(name) => self.screen.want_output(name.clone()),
+            Setting::Screen(name) => self.screen.request_output(name.clone()),
             Setting::Brightness(percent) => {
                 self.playback.master_output.set_brightness(f32::from(*percent) / 100.0)
             }

@@ -24,7 +24,7 @@ impl ShaderImport {
     }
 
     /// Returns the result once: the scene, or the reason why there is none.
-    pub(super) fn take(&mut self) -> Option<Result<ImportedShader, String>> {
+    pub(super) fn result(&mut self) -> Option<Result<ImportedShader, String>> {
         let result = match self.0.as_ref()?.try_recv() {
             Ok(result) => result,
             Err(TryRecvError::Disconnected) => Err("the shader could not be imported".to_owned()),

@@ -23,7 +23,7 @@ impl Interface {
 
     /// Shows an imported shader. If the import has failed, reports the reason, and the scene stays.
     pub(super) fn update_shader_import(&mut self, playback: &mut Playback) {
-        match self.shader_import.take() {
+        match self.shader_import.result() {
             Some(Ok(ImportedShader { scene, left_out })) => {
                 let left_out = match left_out.as_slice() {
                     [] => String::new(),

@@ -46,7 +46,7 @@ impl SnapshotDesk<'_> {
                 self.playback.scene.parameters_in_hand_mut().recall(&snapshot, seconds);
                 self.playback.reports.answer(format!("snapshot {number}"));
             }
-            None => self.playback.take_snapshot(number),
+            None => self.playback.save_snapshot(number),
         }
     }
 
@@ -61,7 +61,7 @@ impl SnapshotDesk<'_> {
 
     pub(super) fn toggle_morph(&mut self) {
         self.snapshots.keys.morphs = !self.snapshots.keys.morphs;
-        self.tell_morph();
+        self.report_morph();
     }
 
     /// Recalls snapshots over this number of beats; less than one beat means at once.
@@ -71,10 +71,10 @@ impl SnapshotDesk<'_> {
         if beats > 0 {
             self.snapshots.keys.beats = beats;
         }
-        self.tell_morph();
+        self.report_morph();
     }
 
-    fn tell_morph(&mut self) {
+    fn report_morph(&mut self) {
         let words = match self.snapshots.keys {
             SnapshotKeys { morphs: false, .. } => "snapshots change the sliders at once".to_owned(),
             SnapshotKeys { beats: 1, .. } => "snapshots change the sliders over a beat".to_owned(),
@@ -106,7 +106,7 @@ impl SnapshotDesk<'_> {
         }
     }
 
-    fn tell_written(&mut self) {
+    fn report_written(&mut self) {
         let Some(written) = self.snapshots.files.as_ref().and_then(PerformanceFiles::poll) else { return };
         let words = match written {
             Ok(path) => format!("written: {}; start it with --show FILE", path.display()),
@@ -125,7 +125,7 @@ impl SnapshotDesk<'_> {
             }
         }
         self.interface.ui_state.snapshots = SnapshotRow { taken, keys: self.snapshots.keys };
-        self.tell_written();
+        self.report_written();
     }
 }
 
@@ -148,7 +148,7 @@ impl Playback {
         self.listening.sound.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
     }
 
-    fn take_snapshot(&mut self, number: usize) {
+    fn save_snapshot(&mut self, number: usize) {
         if !(1..=SNAPSHOTS).contains(&number) {
             return self.reports.answer(format!("there is no snapshot {number}: use 1 to {SNAPSHOTS}"));
         }

@@ -149,7 +149,7 @@ impl Sound {
         }
         let status = self.live.as_mut()?.status();
         self.device.clone_from(&status.device);
-        self.hints.take(&status);
+        self.hints.drain(&status);
         Some(status)
     }
 
@@ -365,7 +365,7 @@ impl Sound {
 
     fn remember_choice(&mut self) {
         if let Some(target) = self.unremembered.take() {
-            self.remember(move |settings| note_choice(settings, &target));
+            self.remember(move |settings| record_choice(settings, &target));
         }
     }
 
@@ -386,11 +386,11 @@ impl Sound {
         self.reported_problems.add(problem);
     }
 
-    pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
+    pub(crate) fn drain_reported_problems(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
             self.reported_problems.add(&error.to_string());
         }
-        self.reported_problems.take()
+        self.reported_problems.drain()
     }
 }
 
@@ -417,7 +417,7 @@ fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> 
     asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
 }
 
-fn note_choice(settings: &mut Settings, target: &Target) {
+fn record_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
         Target::Monitor => settings.system = None,
@@ -528,13 +528,13 @@ mod tests {
     fn choices_are_saved_by_kind_of_input() {
         let mut settings = Settings::default();
         for name in ["p:mic", "p:tv.monitor"] {
-            note_choice(&mut settings, &Target::Named(name.into()));
+            record_choice(&mut settings, &Target::Named(name.into()));
         }
         assert_eq!(
             (settings.microphone.as_deref(), settings.system.as_deref()),
             (Some("p:mic"), Some("p:tv.monitor"))
         );
-        note_choice(&mut settings, &Target::Monitor);
+        record_choice(&mut settings, &Target::Monitor);
         assert_eq!((settings.microphone.as_deref(), settings.system), (Some("p:mic"), None));
     }
 

@@ -118,7 +118,7 @@ impl Session {
         }
         while let Some(event) = self.surprises.files.as_ref().and_then(FileThread::file_events) {
             match event {
-                FileEvent::Created { file } => self.take_kept(file),
+                FileEvent::Created { file } => self.open_kept(file),
                 FileEvent::Failed { reason, .. } => {
                     (self.surprises.keeping, self.surprises.is_unkeepable) = (None, true);
                     self.playback.reports.answer(reason);
@@ -144,7 +144,7 @@ impl Session {
     }
 
     /// Shows the saved file of a variation. From now on it is a scene like any other.
-    fn take_kept(&mut self, file: PathBuf) {
+    fn open_kept(&mut self, file: PathBuf) {
         let Some(kept) = self.surprises.keeping.take() else { return };
         self.surprises.shown.retain(|one| one.file != kept);
         self.interface.drafts.remove(&kept);

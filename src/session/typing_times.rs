@@ -18,34 +18,40 @@ pub(crate) struct TypingTimes {
 }
 
 impl TypingTimes {
-    pub(crate) fn note_taken(&mut self, time: Duration) {
+    pub(crate) fn record_input(&mut self, time: Duration) {
         self.taken += time;
     }
 
-    pub(crate) fn note_key(&mut self, scene: Option<u64>, now: Instant) {
+    pub(crate) fn record_key(&mut self, scene: Option<u64>, now: Instant) {
         self.pressed.get_or_insert(now);
         self.drafted.get_or_insert((now, scene));
     }
 
     /// Notes that the last keys lead to no new frame, because the text has a mistake.
-    pub(crate) fn note_mistake(&mut self) {
+    pub(crate) fn record_mistake(&mut self) {
         self.drafted = None;
     }
 
     /// Notes that the window showed a frame of this scene, a new one if `is_new`. Its overlay took `painting` to draw.
-    pub(crate) fn note_shown(&mut self, scene: Option<u64>, is_new: bool, painting: Duration, now: Instant) {
+    pub(crate) fn record_shown(
+        &mut self,
+        scene: Option<u64>,
+        is_new: bool,
+        painting: Duration,
+        now: Instant,
+    ) {
         let taken = std::mem::take(&mut self.taken);
         if let Some(pressed) = self.pressed.take() {
-            note(&mut self.work, taken + painting);
-            note(&mut self.text, now - pressed);
+            record(&mut self.work, taken + painting);
+            record(&mut self.text, now - pressed);
         }
         if let Some((since, _)) = self.drafted.take_if(|(_, before)| is_new && *before != scene) {
-            note(&mut self.picture, now - since);
+            record(&mut self.picture, now - since);
         }
     }
 }
 
-fn note(list: &mut Vec<f32>, time: Duration) {
+fn record(list: &mut Vec<f32>, time: Duration) {
     if list.len() < KEPT {
         list.push(1000.0 * time.as_secs_f32());
     }
@@ -79,14 +85,14 @@ mod tests {
         let at = |ms| start + Duration::from_millis(ms);
         let mut times = TypingTimes::default();
         assert_eq!(times.to_string(), "work for a key: never; to its letter: never; to the picture: never");
-        times.note_key(Some(1), at(0));
-        times.note_taken(Duration::from_millis(1));
-        times.note_shown(Some(1), true, Duration::from_millis(2), at(4));
-        times.note_shown(Some(2), true, Duration::ZERO, at(20));
-        times.note_key(Some(2), at(100));
-        times.note_mistake();
-        times.note_shown(Some(2), true, Duration::from_millis(3), at(102));
-        times.note_shown(Some(3), true, Duration::ZERO, at(900));
+        times.record_key(Some(1), at(0));
+        times.record_input(Duration::from_millis(1));
+        times.record_shown(Some(1), true, Duration::from_millis(2), at(4));
+        times.record_shown(Some(2), true, Duration::ZERO, at(20));
+        times.record_key(Some(2), at(100));
+        times.record_mistake();
+        times.record_shown(Some(2), true, Duration::from_millis(3), at(102));
+        times.record_shown(Some(3), true, Duration::ZERO, at(900));
         let text = "work for a key: 2 times, median 3.0 ms, 99 of 100 within 3.0 ms; \
                     to its letter: 2 times, median 4.0 ms, 99 of 100 within 4.0 ms; \
                     to the picture: 1 times, median 20.0 ms, 99 of 100 within 20.0 ms";

@@ -62,14 +62,14 @@ impl VideoDesk<'_> {
             let all = self.playback.scene.preparation.library.all_sources();
             let has_files = all.iter().any(|source| source.file().is_some());
             self.making.scenes = all.iter().filter(|_| has_files).map(named).collect();
-            self.look_for_performance();
+            self.find_performance();
         }
         self.update(clock::now());
     }
 
-    fn look_for_performance(&self) {
+    fn find_performance(&self) {
         if let Some(videos) = &self.making.videos {
-            videos.look_for_performance(self.playback.reports.playing.title.clone());
+            videos.find_performance(self.playback.reports.playing.title.clone());
         }
     }
 
@@ -80,13 +80,13 @@ impl VideoDesk<'_> {
             self.making.track = (playing.place.0, playing.title.clone());
             self.interface.ui_state.video.marks = None;
             self.making.form.is_part = false;
-            self.look_for_performance();
+            self.find_performance();
         }
         // A notice before the first frame would not be seen.
         let is_shown = self.playback.pace.shown.is_some();
         let videos = self.making.videos.iter().filter(|_| is_shown);
         let news: Vec<String> = videos.flat_map(|videos| std::iter::from_fn(|| videos.news())).collect();
-        news.into_iter().for_each(|words| self.playback.reports.say(words));
+        news.into_iter().for_each(|words| self.playback.reports.announce(words));
         if self.interface.ui_state.video.panel.is_none() {
             self.making.measure(None, now);
             return None;
@@ -327,7 +327,7 @@ impl VideoDesk<'_> {
 
     /// Tells the window whether a letter key may end the program at once: not while keys type text, and not while a
     /// video is rendered.
-    pub(super) fn note_quitting(&mut self) {
+    pub(super) fn allow_quitting(&mut self) {
         let holds_back = self.interface.takes_text() || self.making.is_rendering();
         self.screen.set_keys_are_text(holds_back);
     }
@@ -348,11 +348,11 @@ impl VideoDesk<'_> {
 
 impl Interface {
     /// Passes a key to the panel, if it is open.
-    pub(super) fn take_key_for_videos(
+    pub(super) fn pass_to_videos(
         &mut self,
         key: &crate::input::Key,
     ) -> Option<(bool, Option<crate::commands::Command>)> {
-        self.ui_state.video.panel.as_mut().map(|panel| panel.take_key(key))
+        self.ui_state.video.panel.as_mut().map(|panel| panel.handle_key(key))
     }
 }
 

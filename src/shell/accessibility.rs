@@ -27,7 +27,7 @@ impl AccessibilityPublisher {
         Self(event_loop.create_proxy())
     }
 
-    pub(crate) fn tell(&self, controls: TreeUpdate) {
+    pub(crate) fn publish(&self, controls: TreeUpdate) {
         // A closed window needs no controls.
         let _ = self.0.send_event(WindowMessage::Controls(Box::new(controls)));
     }
@@ -46,7 +46,7 @@ impl Accessibility {
         Self(Adapter::with_event_loop_proxy(event_loop, window, proxy))
     }
 
-    pub(crate) fn note(&mut self, window: &Window, event: &WindowEvent) {
+    pub(crate) fn handle_event(&mut self, window: &Window, event: &WindowEvent) {
         self.0.process_event(window, event);
     }
 

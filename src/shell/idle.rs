@@ -64,16 +64,16 @@ mod system {
 
     impl Asked {
         pub(super) fn begin() -> Self {
-            let desktop =
-                ask_desktop().map_err(|error| tracing::debug!("no desktop keeps the screen on: {error}"));
-            let server =
-                ask_x_server().map_err(|error| tracing::debug!("no X server keeps the screen on: {error}"));
+            let desktop = inhibit_over_dbus()
+                .map_err(|error| tracing::debug!("no desktop keeps the screen on: {error}"));
+            let server = connect_to_x_server()
+                .map_err(|error| tracing::debug!("no X server keeps the screen on: {error}"));
             Self((desktop.ok(), server.ok()))
         }
     }
 
     /// The interface of KDE, GNOME, Xfce, Cinnamon and MATE (Idle Inhibition Service of freedesktop.org).
-    fn ask_desktop() -> zbus::Result<zbus::blocking::Connection> {
+    fn inhibit_over_dbus() -> zbus::Result<zbus::blocking::Connection> {
         const NAME: &str = "org.freedesktop.ScreenSaver";
         let bus = zbus::blocking::Connection::session()?;
         let words = ("Mariana", "the image moves with the music");
@@ -81,7 +81,7 @@ mod system {
         Ok(bus)
     }
 
-    fn ask_x_server() -> Result<RustConnection, Box<dyn std::error::Error>> {
+    fn connect_to_x_server() -> Result<RustConnection, Box<dyn std::error::Error>> {
         let (server, _) = x11rb::connect(None)?;
         suspend(&server, 1)?.check()?;
         server.flush()?;

@@ -42,7 +42,7 @@ impl MonitorWatch {
     }
 
     /// Sets the monitors on a window system that reports them, which makes polling unnecessary.
-    pub(crate) fn note(&mut self, monitors: Vec<Monitor>) {
+    pub(crate) fn set(&mut self, monitors: Vec<Monitor>) {
         self.begun = true;
         // Dropping the old value ends the thread that polls, if there is one.
         self.known = Arc::new(Mutex::new(Some(monitors)));

@@ -43,25 +43,25 @@ impl Output {
             is_stale: false,
             reported_missing: false,
         };
-        output.want(wanted);
+        output.request(wanted);
         output
     }
 
-    pub(crate) fn want(&mut self, wanted: Option<String>) {
+    pub(crate) fn request(&mut self, wanted: Option<String>) {
         if wanted.is_some() {
-            self.look_at_monitors();
+            self.update_monitors();
         }
         (self.wanted, self.reported_missing) = (wanted, false);
     }
 
-    pub(crate) fn look_at_monitors(&mut self) {
+    pub(crate) fn update_monitors(&mut self) {
         let waker = self.waker.clone();
         self.monitors.begin(move || waker.wake());
     }
 
-    pub(crate) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
+    pub(crate) fn set_monitors(&mut self, monitors: Vec<Monitor>) {
         tracing::info!("monitors: {}", names(&monitors));
-        self.monitors.note(monitors);
+        self.monitors.set(monitors);
     }
 
     pub(crate) fn monitors(&self) -> Vec<Monitor> {
@@ -78,7 +78,7 @@ impl Output {
         match (&self.state, aim) {
             (State::Off, Some(monitor)) => {
                 self.reported_missing = false;
-                self.ask(WindowMessage::OpenOutput(monitor.clone()));
+                self.send(WindowMessage::OpenOutput(monitor.clone()));
                 self.state = State::Asked(monitor);
                 None
             }
@@ -112,7 +112,7 @@ impl Output {
         }
     }
 
-    pub(crate) fn take(
+    pub(crate) fn open(
         &mut self,
         window: SharedWindow,
         ui_state: &GlWindowContext,
@@ -126,7 +126,7 @@ impl Output {
     }
 
     /// Handles an event of the window. Returns true if something must be redrawn.
-    pub(crate) fn take_event(&mut self, event: &WindowEvent, ui_state: &GlWindowContext) -> bool {
+    pub(crate) fn handle_event(&mut self, event: &WindowEvent, ui_state: &GlWindowContext) -> bool {
         let State::On(_, surface) = &mut self.state else { return false };
         match event {
             WindowEvent::Resized(size) => surface.resize(ui_state, (*size).into()),
@@ -147,7 +147,7 @@ impl Output {
         if let State::On(..) = std::mem::replace(&mut self.state, State::Off) {
             ui_state.wait_for_monitor(true);
         }
-        self.ask(WindowMessage::CloseOutput);
+        self.send(WindowMessage::CloseOutput);
     }
 
     /// Returns the size of the window in pixels; `None` while it shows nothing.
@@ -167,7 +167,7 @@ impl Output {
         }
     }
 
-    pub(crate) fn look_different(&mut self) {
+    pub(crate) fn redraw(&mut self) {
         self.is_stale = true;
     }
 
@@ -175,7 +175,7 @@ impl Output {
         self.is_stale && self.size().is_some()
     }
 
-    pub(crate) fn ask(&self, reported: WindowMessage) {
+    pub(crate) fn send(&self, reported: WindowMessage) {
         // After the end of the event loop, requests are dropped.
         let _ = self.proxy.send_event(reported);
     }

@@ -95,7 +95,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         let stage = opening.session(&of_show)?;
         // Without a window that listens, nothing waits for the message.
         let saved = || drop(of_end.send_event(WindowMessage::Saved));
-        Run::new(stage, settings, scene, of_show.clone(), started).go_on(saved)
+        Run::new(stage, settings, scene, of_show.clone(), started).run(saved)
     };
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }

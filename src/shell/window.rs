@@ -186,7 +186,7 @@ impl GlWindowContext {
         self.place.get()
     }
 
-    pub(crate) fn note_place(&self, place: (i32, i32)) {
+    pub(crate) fn record_place(&self, place: (i32, i32)) {
         if !self.is_fullscreen() {
             self.place.set(Some(place));
         }

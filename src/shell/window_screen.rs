@@ -8,7 +8,7 @@ use egui::{CursorIcon, Rect};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::gl::Gl;
 use crate::gpu::renderer::Renderer;
@@ -78,9 +78,9 @@ impl WindowScreen {
         })
     }
 
-    fn note(&mut self, event: &WindowEvent) {
+    fn record_event(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::Moved(place) => self.window.note_place((*place).into()),
+            WindowEvent::Moved(place) => self.window.record_place((*place).into()),
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
                 self.window.request_redraw();
@@ -90,10 +90,10 @@ impl WindowScreen {
         }
     }
 
-    fn take_output(&mut self, window: SharedWindow) {
-        if let Err(error) = self.output.take(window, &self.window) {
+    fn open_output(&mut self, window: SharedWindow) {
+        if let Err(error) = self.output.open(window, &self.window) {
             self.news.push(format!("there is no output on another monitor: {error}"));
-            self.output.want(None);
+            self.output.request(None);
         }
         self.window.request_redraw();
     }
@@ -117,15 +117,15 @@ impl Screen for WindowScreen {
             match message {
                 Message::Window(WindowEvent::RedrawRequested) => redraws = true,
                 Message::Window(event) => {
-                    self.note(&event);
+                    self.record_event(&event);
                     let input = input_of(&event);
                     self.taken_keys += usize::from(input.as_ref().is_some_and(may_open_text));
                     events.extend(input.map(Event::Input));
                 }
-                Message::Monitors(monitors) => self.output.note_monitors(monitors),
-                Message::Output(window) => self.take_output(window),
+                Message::Monitors(monitors) => self.output.set_monitors(monitors),
+                Message::Output(window) => self.open_output(window),
                 Message::OutputEvent(event) => {
-                    if self.output.take_event(&event, &self.window) {
+                    if self.output.handle_event(&event, &self.window) {
                         self.window.request_redraw();
                     }
                 }
@@ -220,7 +220,7 @@ impl Screen for WindowScreen {
     }
 
     fn show_controls(&mut self, controls: TreeUpdate) {
-        self.controls.tell(controls);
+        self.controls.publish(controls);
     }
 
     fn request_redraw(&self) {
@@ -300,7 +300,7 @@ impl Screen for WindowScreen {
     fn keep_awake(&mut self, on: bool) {
         // A wallpaper is no reason to stay awake.
         if self.wallpaper.is_none() && self.stay_awake.set(on) {
-            self.output.ask(WindowMessage::KeepAwake(on));
+            self.output.send(WindowMessage::KeepAwake(on));
         }
     }
 
@@ -323,7 +323,7 @@ impl Screen for WindowScreen {
         if self.output.size() != was {
             self.window.request_redraw();
         }
-        self.news.iter().for_each(|sentence| tell(sentence));
+        self.news.iter().for_each(|sentence| print_message(sentence));
         std::mem::take(&mut self.news)
     }
 
@@ -331,16 +331,16 @@ impl Screen for WindowScreen {
         self.output.monitors()
     }
 
-    fn look_at_monitors(&mut self) {
-        self.output.look_at_monitors();
+    fn update_monitors(&mut self) {
+        self.output.update_monitors();
     }
 
-    fn want_output(&mut self, monitor: Option<String>) {
-        self.output.want(monitor);
+    fn request_output(&mut self, monitor: Option<String>) {
+        self.output.request(monitor);
     }
 
     fn lie_differently(&mut self) {
-        self.output.look_different();
+        self.output.redraw();
         self.window.request_redraw();
     }
 

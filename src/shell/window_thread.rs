@@ -15,7 +15,7 @@ use winit::window::{Window, WindowId};
 
 use crate::commands::Command;
 use crate::ending::{self, Signal};
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::input::Modifiers;
 use crate::session::SessionError;
 use crate::shell::accessibility::Accessibility;
@@ -136,7 +136,7 @@ impl Front {
             let leaving = ending::begin_to_leave();
             let asked = ending::asked_to_end().map_or(0, Signal::exit_code);
             let code = words.map_or(asked, |words| {
-                tell(&words);
+                print_message(&words);
                 1
             });
             leaving.leave(code)
@@ -208,7 +208,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             self.held = modifiers(held.state());
         }
         if let Some(running) = &mut self.running {
-            running.accessibility.note(&running.window, &event);
+            running.accessibility.handle_event(&running.window, &event);
         }
         if asks_for_the_end(&event, self.held, self.typing.is_on()) {
             return self.end(event_loop);
@@ -336,7 +336,7 @@ fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
 /// Ends the process with a message after the display was lost.
 pub(crate) fn end_without_display() -> ! {
     let leaving = ending::begin_to_leave();
-    tell(&SessionError::DisplayLost.to_string());
+    print_message(&SessionError::DisplayLost.to_string());
     leaving.leave(1)
 }
 

@@ -18,8 +18,8 @@ impl LiveDirector {
     }
 
     /// Passes features to the director. Returns a new show when the scene changes.
-    pub fn hear(&mut self, heard: Hearing) -> Option<PreparedShow> {
-        let timeline = self.director.hear(heard)?;
+    pub fn process(&mut self, heard: Hearing) -> Option<PreparedShow> {
+        let timeline = self.director.process(heard)?;
         Some(self.prepared_show.with_timeline(Some(timeline)))
     }
 }

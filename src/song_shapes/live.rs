@@ -87,17 +87,17 @@ impl LiveSongShapes {
         let excess = self.shown.len().saturating_sub(SHOWN_MAX);
         self.shown.drain(..excess);
         wanted.append(&mut later);
-        self.want(wanted);
+        self.request(wanted);
         frame.inputs.shapes = self.atlases.of(&world.scene.atlas, changed);
         frame
     }
 
     /// True if a text has been baked since the last call that the last frame lacks.
-    pub fn take_news(&mut self) -> bool {
+    pub fn has_new_texts(&mut self) -> bool {
         std::mem::take(&mut self.shared.lock().has_come)
     }
 
-    fn want(&mut self, wanted: Vec<Key>) {
+    fn request(&mut self, wanted: Vec<Key>) {
         if wanted.is_empty() {
             return;
         }

@@ -239,7 +239,7 @@ mod tests {
             while found != wanted {
                 assert!(before.is_none() || line != Some(1), "the next line is baked ahead");
                 wakes.recv_timeout(Duration::from_secs(120)).expect("a text is baked");
-                live.take_news();
+                live.has_new_texts();
                 found = distances(&world, &live.in_frame(frame(&world, line), &world));
             }
             // Wait until the next line is baked.

@@ -96,7 +96,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
                 if let Some(found) = find(&track, &go_on, &publish) {
                     let known = if found.is_some() { "known" } else { "not known" };
                     tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
-                    of_thread.tell(track.id, found);
+                    of_thread.publish(track.id, found);
                     wake();
                     priority::lower(NICENESS);
                 }
@@ -106,7 +106,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
     }
 
     /// Replaces the list of wanted tracks, the most urgent first.
-    pub fn want<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
+    pub fn request<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
         let mut state = self.shared.lock();
         state.wanted.clear();
         for track in tracks {
@@ -155,7 +155,7 @@ impl<T> Shared<T> {
         !state.over && state.next().is_some_and(|next| next.id == track.id)
     }
 
-    fn tell(&self, track: u64, found: Option<T>) {
+    fn publish(&self, track: u64, found: Option<T>) {
         let mut state = self.lock();
         state.begun = None;
         if state.known.len() == self.known_max {

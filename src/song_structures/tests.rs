@@ -158,7 +158,7 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default()).unwrap();
     let tracks = [numbered(&track_of(&first), 3), numbered(&track_of(&second), 7)];
     assert_eq!(reader.get(3), None);
-    reader.want(&tracks);
+    reader.request(&tracks);
     (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
     for (track, path) in tracks.iter().zip([&first, &second]) {
         let known = reader.get(track.id).expect("the track was analysed");
@@ -170,12 +170,12 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     assert_eq!(lines, [Some(1.0), Some(0.0)], "only the first song has lyrics");
     // A track that cannot be decoded is tried once, and the thread continues.
     fs::remove_file(&second).unwrap();
-    reader.want(&[numbered(&track_of(&first), 8), numbered(&tracks[1], 9)]);
+    reader.request(&[numbered(&track_of(&first), 8), numbered(&tracks[1], 9)]);
     (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
     assert!(reader.get(8).is_some() && reader.get(9).is_none());
     // Silence that replaces a removed track has that track's id, but not its structure.
     let silence = mariana_player::track::Track::silence(0, 1).with_id(3).info;
-    reader.want(&[silence]);
+    reader.request(&[silence]);
     assert_eq!(reader.get(3), None);
     drop(reader);
     assert_eq!(woken.recv_timeout(PATIENCE), Err(RecvTimeoutError::Disconnected), "the thread ends");
@@ -217,10 +217,10 @@ fn a_track_that_is_wanted_no_more_is_left() {
     let mut endless = (*numbered(&track_of(&path), 1)).clone();
     endless.reopen = mariana_player::track::Reopen::by(move || Ok(Box::new(Endless(asked.clone()))));
     let (endless, song) = (Arc::new(endless), numbered(&track_of(&path), 2));
-    reader.want([&endless, &song]);
+    reader.request([&endless, &song]);
     asks.recv_timeout(PATIENCE).unwrap();
     // The current track comes first.
-    reader.want([&song, &endless]);
+    reader.request([&song, &endless]);
     woken.recv_timeout(PATIENCE).unwrap();
     assert!(reader.get(2).is_some() && reader.get(1).is_none());
     drop((reader, endless));

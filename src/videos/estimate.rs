@@ -77,7 +77,7 @@ impl Measuring {
     }
 
     /// Notes that `done` frames are drawn.
-    pub(super) fn note(&mut self, done: u64, now: Instant) {
+    pub(super) fn record(&mut self, done: u64, now: Instant) {
         self.first.get_or_insert(now);
         self.last = (now, done);
     }
@@ -163,9 +163,9 @@ mod tests {
         let mut measuring = Measuring::begin(measure, now);
         assert!(measuring.ends_at() <= now + Duration::from_secs(60));
         let none = Path::new("no such file");
-        measuring.note(1, now + Duration::from_secs(30));
+        measuring.record(1, now + Duration::from_secs(30));
         assert_eq!(measuring.estimate_early(none), Estimate::TooSlow);
-        measuring.note(2, now + Duration::from_secs(50));
+        measuring.record(2, now + Duration::from_secs(50));
         let Estimate::Known { seconds, bytes: None, .. } = measuring.estimate_early(none) else {
             panic!("two frames give a time")
         };

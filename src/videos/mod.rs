@@ -92,7 +92,7 @@ impl Videos {
     }
 
     /// Looks for the newest performance of a song with this title; [`Shown::performance`] gets the result.
-    pub fn look_for_performance(&self, title: String) {
+    pub fn find_performance(&self, title: String) {
         self.send(Event::Performance(title));
     }
 

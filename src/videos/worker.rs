@@ -112,7 +112,7 @@ impl Worker {
             1 => Some("a video is unfinished: press F10 to continue it".to_owned()),
             count => Some(format!("{count} videos are unfinished: press F10 to continue them")),
         };
-        told.into_iter().chain(words).for_each(|words| self.tell(words));
+        told.into_iter().chain(words).for_each(|words| self.report(words));
         self.publish();
         loop {
             let wait = self.run.as_ref().and_then(Run::due);
@@ -120,7 +120,7 @@ impl Worker {
             match self.events.1.recv_timeout(wait) {
                 // The process ends with its input. Its video stays in the queue.
                 Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
-                Ok(event) => self.take(event),
+                Ok(event) => self.handle_event(event),
                 Err(RecvTimeoutError::Timeout) => {}
             }
             self.end_long_measurement(Instant::now());
@@ -136,15 +136,15 @@ impl Worker {
     }
 
     /// Tells the user something, after the state to which it belongs is published.
-    fn tell(&mut self, words: String) {
+    fn report(&mut self, words: String) {
         self.told.push(words);
     }
 
-    fn take(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         match event {
             Event::Add { title, file, arguments } => {
                 if let Err(words) = self.queue.add(title, &file, arguments) {
-                    self.tell(words);
+                    self.report(words);
                 }
                 self.stop_measuring();
             }
@@ -157,8 +157,8 @@ impl Worker {
                 let found = PerformanceFiles::newest(&self.folders, &title);
                 self.shown.performance = found.map(|file| (title, file));
             }
-            Event::Report(number, report) => self.note(number, report),
-            Event::Ended(number) => self.note_end(number),
+            Event::Report(number, report) => self.record(number, report),
+            Event::Ended(number) => self.record_end(number),
             Event::End => {}
         }
     }
@@ -188,7 +188,7 @@ impl Worker {
             (JobAction::Show, _) => {
                 let file = found.file.clone();
                 if let Err(words) = show_in_folder(&file) {
-                    self.tell(words);
+                    self.report(words);
                 }
             }
             (JobAction::Remove, Some(run)) => {
@@ -218,11 +218,11 @@ impl Worker {
         }
     }
 
-    fn note(&mut self, number: u64, report: VideoReport) {
+    fn record(&mut self, number: u64, report: VideoReport) {
         let Some(run) = self.run.as_mut().filter(|run| run.number == number) else { return };
         let now = Instant::now();
         match (&mut run.task, report) {
-            (Task::Measure { measuring, .. }, VideoReport::Drawn { done, .. }) => measuring.note(done, now),
+            (Task::Measure { measuring, .. }, VideoReport::Drawn { done, .. }) => measuring.record(done, now),
             (Task::Measure { .. }, VideoReport::Written { .. }) => {}
             (Task::Render { name, .. }, VideoReport::Written { name: written }) => *name = Some(written),
             (Task::Render { job, since, .. }, VideoReport::Drawn { done, of }) => {
@@ -239,7 +239,7 @@ impl Worker {
         }
     }
 
-    fn note_end(&mut self, number: u64) {
+    fn record_end(&mut self, number: u64) {
         let Some(Run { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number) else {
             return;
         };
@@ -253,11 +253,11 @@ impl Worker {
                 };
             }
             Task::Measure { .. } => {}
-            Task::Render { job, name, .. } => self.note_rendered(job, name, end),
+            Task::Render { job, name, .. } => self.record_rendered(job, name, end),
         }
     }
 
-    fn note_rendered(&mut self, job: u64, name: Option<String>, end: End) {
+    fn record_rendered(&mut self, job: u64, name: Option<String>, end: End) {
         // A removed video is no longer in the queue.
         let Some(job) = self.queue.job(job) else { return };
         let words = match end {
@@ -284,7 +284,7 @@ impl Worker {
                 format!("the video {} was not made: {reason}", job.title)
             }
         };
-        self.tell(words);
+        self.report(words);
     }
 
     /// Starts the next video, or else a measurement, unless a process is running.
@@ -302,7 +302,7 @@ impl Worker {
                 let state = match begun {
                     Ok(()) => JobState::Rendering { done: 0, of: None, left: None },
                     Err(reason) => {
-                        self.tell(format!("the video was not made: {reason}"));
+                        self.report(format!("the video was not made: {reason}"));
                         JobState::Failed(reason)
                     }
                 };
@@ -335,7 +335,7 @@ impl Worker {
     /// Keeps the queue and publishes it. Progress without other changes is published less often.
     fn publish(&mut self) {
         if let Some(Err(words)) = self.file.as_mut().map(|file| file.keep(&self.queue)) {
-            self.tell(words);
+            self.report(words);
         }
         let now = Instant::now();
         let is_progress = self.shown.jobs.len() == self.queue.jobs.len()

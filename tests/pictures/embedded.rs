@@ -71,5 +71,5 @@ fn an_image_is_sent_unchanged() {
     let whole = Placement::default();
     assert!(test_renderer.renderer.send_placed(&mut reader, &whole.map(), whole.part()).unwrap());
     gl.finish();
-    assert!(reader.take().unwrap() == expected.into_raw(), "the sent image differs");
+    assert!(reader.drain().unwrap() == expected.into_raw(), "the sent image differs");
 }

@@ -36,8 +36,8 @@ impl Hall {
         assert!(self.0.renderer.send_placed(&mut reader, &map, placement.part()).unwrap());
         assert!(reader.is_waiting());
         self.0.context.gl().finish();
-        let bytes = reader.take().expect("the image has arrived");
-        assert!(!reader.is_waiting() && reader.take().is_none());
+        let bytes = reader.drain().expect("the image has arrived");
+        assert!(!reader.is_waiting() && reader.drain().is_none());
         RgbaImage::from_raw(size.0, size.1, bytes).unwrap()
     }
 
@@ -124,7 +124,7 @@ fn mirroring_crop_and_corners_are_exact() {
     let mut reader = PictureReader::new(hall.0.context.gl(), wide).unwrap();
     assert!(hall.0.renderer.send_placed(&mut reader, &within(WHOLE, &map.map()), map.part()).unwrap());
     hall.0.context.gl().finish();
-    let sent = RgbaImage::from_raw(wide.0, wide.1, reader.take().unwrap()).unwrap();
+    let sent = RgbaImage::from_raw(wide.0, wide.1, reader.drain().unwrap()).unwrap();
     assert!(image::imageops::crop_imm(&sent, 0, 0, SIZE.0, SIZE.1).to_image() == plain);
     assert!(sent.enumerate_pixels().all(|(x, _, pixel)| x < SIZE.0 || pixel.0 == [0, 0, 0, 255]));
 }
@@ -153,6 +153,6 @@ fn readers_hold_at_most_three_images() {
         (0..9).filter(|_| hall.0.renderer.send_placed(&mut reader, &plain.map(), plain.part()).unwrap());
     assert_eq!(begun.count(), 3);
     hall.0.context.gl().finish();
-    assert!(reader.take().is_some() && !reader.is_waiting());
+    assert!(reader.drain().is_some() && !reader.is_waiting());
     assert!(hall.0.renderer.send_placed(&mut reader, &plain.map(), plain.part()).unwrap());
 }

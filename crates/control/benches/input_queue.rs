@@ -22,12 +22,12 @@ fn midi(criterion: &mut Criterion) {
     group.bench_function("10,000 messages to the queue", |bencher| {
         let (mut device, input_queue) = (Device::new("desk".into()), InputQueue::new(|| {}));
         bencher.iter(|| {
-            device.hear(black_box(&bytes), |said| {
+            device.parse(black_box(&bytes), |said| {
                 if let mariana_control::midi::Said::Moved(moved) = said {
                     input_queue.moved(moved);
                 }
             });
-            input_queue.take()
+            input_queue.drain()
         });
     });
     group.finish();
@@ -66,7 +66,7 @@ fn osc(criterion: &mut Criterion) {
                     }
                 }
             }
-            input_queue.take()
+            input_queue.drain()
         });
     });
     group.finish();
@@ -92,7 +92,7 @@ fn model(criterion: &mut Criterion) {
                 seconds: 0.0,
                 changed_by: ChangedBy::Osc,
             });
-            input_queue.take()
+            input_queue.drain()
         });
     });
 }

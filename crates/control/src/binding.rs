@@ -8,7 +8,7 @@ use crate::{Curve, Glide};
 /// A rule by which a parameter follows an input: `low + (high - low) * curve(input)`.
 ///
 /// The model does not know the inputs. The show gives their values, from 0 to 1, to
-/// [`Model::hear`](crate::Model::hear).
+/// [`Model::move_bound`](crate::Model::move_bound).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoundBinding {
@@ -92,7 +92,7 @@ impl Following {
         Self { value: Glide::at(from), weight, from, binding }
     }
 
-    pub(crate) fn hear(&mut self, input: f32, now: f64) {
+    pub(crate) fn follow(&mut self, input: f32, now: f64) {
         let SoundBinding { smoothing, release, .. } = self.binding;
         let to = self.binding.value(input);
         let seconds = release.filter(|_| to < self.value.value(now)).unwrap_or(smoothing);
@@ -119,11 +119,11 @@ mod tests {
         let (input, curve) = ("kick".to_owned(), Curve::Linear);
         let binding = SoundBinding { input, low: 0.0, high: 2.0, curve, smoothing: 0.0, release: Some(1.0) };
         let mut following = Following::new(binding, 0.0, 0.0, 0.0);
-        following.hear(1.0, 1.0);
+        following.follow(1.0, 1.0);
         assert_eq!(following.value(1.0), 2.0);
-        following.hear(0.0, 1.0);
+        following.follow(0.0, 1.0);
         assert!((following.value(2.0) - 2.0 / std::f32::consts::E).abs() < 1e-5);
-        following.hear(1.0, 2.0);
+        following.follow(1.0, 2.0);
         assert_eq!(following.value(2.0), 2.0);
     }
 

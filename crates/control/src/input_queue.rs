@@ -154,7 +154,7 @@ impl InputQueue {
         self.put(|pending| {
             let (knobs, name) = (&mut pending.batch.knobs, (knob.device.clone(), knob.source));
             if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
-                known.go_on(&knob);
+                known.merge(&knob);
             } else if knobs.len() < LIMITS.moved_knobs_max {
                 pending.knob_places.insert(name, knobs.len());
                 knobs.push(knob);
@@ -175,7 +175,7 @@ impl InputQueue {
     }
 
     /// Takes the pending input.
-    pub fn take(&self) -> InputBatch {
+    pub fn drain(&self) -> InputBatch {
         let mut pending = self.lock();
         pending.is_woken = false;
         pending.places.clear();
@@ -242,10 +242,10 @@ mod tests {
             input_queue.turn(change(["size", "glow"][number % 2], number as f32));
         }
         assert_eq!(woken.load(Ordering::Relaxed), 1);
-        assert_eq!(input_queue.take().params, [change("size", 99_998.0), change("glow", 99_999.0)]);
-        assert!(input_queue.take().is_empty());
+        assert_eq!(input_queue.drain().params, [change("size", 99_998.0), change("glow", 99_999.0)]);
+        assert!(input_queue.drain().is_empty());
         input_queue.turn(change("glow", 1.0));
-        assert_eq!((woken.load(Ordering::Relaxed), input_queue.take().params.len()), (2, 1));
+        assert_eq!((woken.load(Ordering::Relaxed), input_queue.drain().params.len()), (2, 1));
     }
 
     #[test]
@@ -263,7 +263,7 @@ mod tests {
         input_queue.turn(ParamChange { seconds: f32::INFINITY, ..change("0", 0.0) });
         let refusals = input_queue.counts().1;
         assert_eq!((refusals.too_many, refusals.not_numbers, refusals.count()), (6, 2, 8));
-        let batch = input_queue.take();
+        let batch = input_queue.drain();
         assert_eq!(batch.params.len(), LIMITS.pending_params_max);
         assert_eq!(
             (batch.params[0].to, batch.actions.len()),
@@ -283,14 +283,14 @@ mod tests {
         }
         let steps = [-10_000, -10_000, -630_000];
         let merged = KnobMove { way: [0.0, 1.0], presses: 10_000, steps, ..knob(1, 0.0, false) };
-        assert_eq!(input_queue.take().knobs, [merged]);
+        assert_eq!(input_queue.drain().knobs, [merged]);
         assert_eq!(woken.load(Ordering::Relaxed), 1);
         for number in 0..LIMITS.moved_knobs_max + 5 {
             let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
             input_queue.moved(KnobMove::to("desk".into(), source, 0.0, false));
         }
         assert_eq!(
-            (input_queue.counts().1.too_many, input_queue.take().knobs.len()),
+            (input_queue.counts().1.too_many, input_queue.drain().knobs.len()),
             (5, LIMITS.moved_knobs_max)
         );
     }
@@ -305,6 +305,6 @@ mod tests {
         input_queue.act(action("next", ActionValue::Nothing));
         input_queue.act(action("next", ActionValue::Nothing));
         let next = || action("next", ActionValue::Nothing);
-        assert_eq!(input_queue.take().actions, [action("volume", ActionValue::Number(0.9)), next(), next()]);
+        assert_eq!(input_queue.drain().actions, [action("volume", ActionValue::Number(0.9)), next(), next()]);
     }
 }

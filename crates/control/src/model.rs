@@ -177,10 +177,10 @@ impl Model {
     }
 
     /// Moves all bound parameters. `input` returns an input's value at `now`, 0..1; `None` for an unknown input.
-    pub fn hear(&mut self, now: f64, input: impl Fn(&str) -> Option<f32>) {
+    pub fn move_bound(&mut self, now: f64, input: impl Fn(&str) -> Option<f32>) {
         for following in self.bindings.values_mut().flat_map(BTreeMap::values_mut) {
             let value = input(&following.binding.input).unwrap_or(0.0);
-            following.hear(value, now);
+            following.follow(value, now);
         }
     }
 
@@ -397,7 +397,7 @@ mod tests {
         model.turn("orb", &SIZE, turn(ChangedBy::Slider, 2.0), None, 0.0);
         model.bind("orb", &SIZE, (by_bass(0.0, 8.0, 0.0), 0.0), None, 1.0);
         let hear = |model: &mut Model, now, value| {
-            model.hear(now, |name| (name == "bass").then_some(value));
+            model.move_bound(now, |name| (name == "bass").then_some(value));
             read(model, None, now)
         };
         assert_eq!(hear(&mut model, 1.0, 0.25), (2.0, ChangedBy::Sound));
@@ -420,14 +420,14 @@ mod tests {
         let mut model = Model::default();
         model.bind("orb", &SIZE, (by_bass(4.0, 0.0, 1.0), 0.0), None, 0.0);
         for step in 0..=10 {
-            model.hear(f64::from(step) / 10.0, |_| Some(0.0));
+            model.move_bound(f64::from(step) / 10.0, |_| Some(0.0));
         }
         let one = 4.0 - 3.0 / std::f32::consts::E;
         assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5 && model.moves("orb", 1.0));
         // A recalled binding takes over within its time.
         model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 2.0), None, 8.0);
         let before = read(&model, None, 8.0).0;
-        model.hear(9.0, |_| Some(0.0));
+        model.move_bound(9.0, |_| Some(0.0));
         assert!((read(&model, None, 9.0).0 - 0.5 * before).abs() < 1e-5);
         assert_eq!(read(&model, None, 10.0).0, 0.0);
         model.bind("orb", &SIZE, (by_bass(f32::NAN, 4.0, 0.0), 0.0), None, 11.0);
@@ -439,7 +439,7 @@ mod tests {
         let mut model = Model::default();
         let directed = |part| Some(Directed { value: 3.0, part });
         model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 0.0), directed(1), 0.0);
-        model.hear(1.0, |_| Some(0.5));
+        model.move_bound(1.0, |_| Some(0.5));
         assert_eq!(read(&model, directed(1), 1.0), (2.0, ChangedBy::Sound));
         assert_eq!(read(&model, directed(2), 1.0), (3.0, ChangedBy::Show));
     }

@@ -15,7 +15,7 @@ fn long_text() -> Vec<u8> {
 fn type_letters(criterion: &mut Criterion) {
     let mut editing = Editing::new(long_text());
     let middle = editing.buffer().line_count() / 2;
-    editing.go_to(editing.buffer().line_start(middle), false);
+    editing.move_to(editing.buffer().line_start(middle), false);
     let mut colors = Colors::default();
     criterion.bench_function("a letter in the middle of 400 kB", |bencher| {
         bencher.iter(|| {

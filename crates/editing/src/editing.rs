@@ -24,7 +24,7 @@ pub struct Editing {
     history: History,
     followed: Followed,
     version: u64,
-    /// The first byte that has changed since the last call of [`Editing::take_changed_line`].
+    /// The first byte that has changed since the last call of [`Editing::changed_line`].
     changed_from: Option<usize>,
 }
 
@@ -79,7 +79,7 @@ impl Editing {
     }
 
     /// Returns the first line that has changed since the last call; `None` if no line has changed.
-    pub fn take_changed_line(&mut self) -> Option<usize> {
+    pub fn changed_line(&mut self) -> Option<usize> {
         self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
@@ -89,7 +89,7 @@ impl Editing {
     }
 
     /// Moves the cursor to an offset. With `select`, extends the selection to the offset.
-    pub fn go_to(&mut self, offset: usize, select: bool) {
+    pub fn move_to(&mut self, offset: usize, select: bool) {
         self.cursor = offset.min(self.buffer.len());
         self.goal = None;
         if !select {
@@ -100,8 +100,8 @@ impl Editing {
 
     /// Selects a range, with the cursor at its end.
     pub fn select(&mut self, range: Range<usize>) {
-        self.go_to(range.start, false);
-        self.go_to(range.end, true);
+        self.move_to(range.start, false);
+        self.move_to(range.end, true);
     }
 
     /// Selects the word around an offset.
@@ -115,7 +115,7 @@ impl Editing {
     }
 
     /// Moves the cursor. With `select`, extends the selection.
-    pub fn go(&mut self, way: Move, select: bool) {
+    pub fn move_cursor(&mut self, way: Move, select: bool) {
         let selection = self.selection();
         // Left and Right collapse a selection to its start or end.
         let (cursor, goal) = match way {
@@ -123,7 +123,7 @@ impl Editing {
             Move::Right if !select && !selection.is_empty() => (selection.end, None),
             _ => movement::follow(&self.buffer, self.cursor, way, self.goal),
         };
-        self.go_to(cursor, select);
+        self.move_to(cursor, select);
         self.goal = goal;
     }
 
@@ -197,7 +197,7 @@ impl Editing {
             changes.push(self.apply(range.clone(), new));
         }
         (self.anchor, self.cursor, self.goal) = (at, at, None);
-        self.history.note(Step { changes, before, after: (at, at), joins: Joins::Nothing });
+        self.history.record(Step { changes, before, after: (at, at), joins: Joins::Nothing });
         Ok(())
     }
 
@@ -227,7 +227,7 @@ impl Editing {
     pub fn replace_all(&mut self, text: &[u8]) -> Result<(), Refused> {
         let cursor = self.cursor;
         self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
-        self.go_to(cursor, false);
+        self.move_to(cursor, false);
         Ok(())
     }
 
@@ -252,7 +252,7 @@ impl Editing {
             _ => before.checked_sub(1).and_then(|last| letters.nth(last)).map_or(0, |last| last + 1),
         };
         self.replace_all(text.as_bytes())?;
-        self.go_to(cursor, false);
+        self.move_to(cursor, false);
         Ok(true)
     }
 
@@ -321,7 +321,7 @@ impl Editing {
             return;
         }
         (self.anchor, self.cursor, self.goal) = (anchor, cursor, None);
-        self.history.note(Step { changes, before, after: (anchor, cursor), joins: Joins::Nothing });
+        self.history.record(Step { changes, before, after: (anchor, cursor), joins: Joins::Nothing });
     }
 
     /// Undoes the last step. Returns false if there is no step.
@@ -355,7 +355,7 @@ impl Editing {
         let at = range.start + bytes;
         let change = self.apply(range, new);
         (self.anchor, self.cursor, self.goal) = (at, at, None);
-        self.history.note(Step { changes: vec![change], before, after: (at, at), joins });
+        self.history.record(Step { changes: vec![change], before, after: (at, at), joins });
         Ok(())
     }
 
@@ -364,7 +364,7 @@ impl Editing {
         let change = Change { at, removed: self.buffer.replace(range, new), inserted: new.to_vec() };
         self.version += 1;
         self.changed_from = Some(self.changed_from.map_or(at, |from| from.min(at)));
-        self.followed.note(self.version, &change);
+        self.followed.record(self.version, &change);
         change
     }
 
@@ -389,7 +389,7 @@ mod tests {
     fn with_cursor(text: &str) -> Editing {
         let at = text.find('|').unwrap();
         let mut editing = Editing::new(text.replacen('|', "", 1).into_bytes());
-        editing.go_to(at, false);
+        editing.move_to(at, false);
         editing
     }
 
@@ -411,7 +411,7 @@ mod tests {
         assert_eq!(shown(&editing), "|");
         assert!(editing.redo() && editing.redo() && !editing.redo());
         assert_eq!(shown(&editing), "ab cd|");
-        editing.go(Move::Left, false);
+        editing.move_cursor(Move::Left, false);
         editing.delete(Move::Left);
         editing.delete(Move::Left);
         assert_eq!(shown(&editing), "ab|d");
@@ -472,20 +472,20 @@ mod tests {
     #[test]
     fn moves_follow_words_lines_and_wide_letters() {
         let mut editing = with_cursor("  let r| = 5\n球球球球 end\n");
-        editing.go(Move::LineStart, false);
+        editing.move_cursor(Move::LineStart, false);
         assert_eq!(shown(&editing), "  |let r = 5\n球球球球 end\n");
-        editing.go(Move::LineStart, false);
-        editing.go(Move::WordRight, false);
-        editing.go(Move::WordRight, false);
+        editing.move_cursor(Move::LineStart, false);
+        editing.move_cursor(Move::WordRight, false);
+        editing.move_cursor(Move::WordRight, false);
         assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
-        editing.go(Move::Down(1), false);
+        editing.move_cursor(Move::Down(1), false);
         assert_eq!(shown(&editing), "  let r = 5\n球球球球| end\n");
-        editing.go(Move::Down(1), false);
-        editing.go(Move::Up(2), false);
+        editing.move_cursor(Move::Down(1), false);
+        editing.move_cursor(Move::Up(2), false);
         assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
-        editing.go(Move::End, true);
+        editing.move_cursor(Move::End, true);
         assert_eq!(editing.selected(), " = 5\n球球球球 end\n".as_bytes());
-        editing.go(Move::Left, false);
+        editing.move_cursor(Move::Left, false);
         assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
         editing.select_word(3);
         assert_eq!(editing.selected(), b"let");
@@ -531,7 +531,7 @@ mod tests {
     fn ranges_of_earlier_versions_are_found_again() {
         let mut editing = Editing::new(b"one two three".to_vec());
         let version = editing.version();
-        editing.go_to(0, false);
+        editing.move_to(0, false);
         editing.insert(b">> ").unwrap();
         assert_eq!(editing.place(version, 4..7), Some(7..10));
         editing.replace_part(8..9, b"OO").unwrap();

@@ -32,7 +32,7 @@ impl Step {
         self.changes.iter().map(|change| change.removed.len() + change.inserted.len()).sum()
     }
 
-    fn take(&mut self, step: Self) {
+    fn merge(&mut self, step: Self) {
         self.after = step.after;
         match (self.changes.last_mut(), &step.changes[..], step.joins) {
             (Some(last), [next], Joins::Typing) => last.inserted.extend_from_slice(&next.inserted),
@@ -58,12 +58,12 @@ pub(crate) struct History {
 }
 
 impl History {
-    pub(crate) fn note(&mut self, step: Step) {
+    pub(crate) fn record(&mut self, step: Step) {
         self.undone.clear();
         match self.done.last_mut().filter(|last| last.joins == step.joins && follows(last, &step)) {
             Some(last) => {
                 self.bytes -= last.bytes();
-                last.take(step);
+                last.merge(step);
                 self.bytes += last.bytes();
             }
             None => {
@@ -129,7 +129,7 @@ pub(crate) struct Followed {
 }
 
 impl Followed {
-    pub(crate) fn note(&mut self, version: u64, change: &Change) {
+    pub(crate) fn record(&mut self, version: u64, change: &Change) {
         if self.changes.len() >= LIMITS.followed_changes_max {
             self.changes.pop_front();
         }

@@ -71,8 +71,8 @@ fn act(editing: &mut Editing, action: &Action) {
         Action::Insert(text) => editing.insert(text).unwrap(),
         Action::Line => editing.insert_line().unwrap(),
         Action::Delete(way) => editing.delete(*way),
-        Action::Go(way, select) => editing.go(*way, *select),
-        Action::GoTo(place, select) => editing.go_to(*place, *select),
+        Action::Go(way, select) => editing.move_cursor(*way, *select),
+        Action::GoTo(place, select) => editing.move_to(*place, *select),
         Action::Indent(deeper) => editing.indent(*deeper),
         Action::Comment => editing.toggle_comment(),
         Action::Turn(place, text) => editing.turn(*place..*place + 2, text).unwrap(),
@@ -125,13 +125,13 @@ proptest! {
         let mut editing = Editing::new(begin);
         let mut met = vec![0];
         while editing.cursor() < editing.buffer().len() {
-            editing.go(Move::Right, false);
+            editing.move_cursor(Move::Right, false);
             prop_assert!(Some(&editing.cursor()) > met.last());
             met.push(editing.cursor());
         }
         while let Some(place) = met.pop() {
             prop_assert_eq!(editing.cursor(), place);
-            editing.go(Move::Left, false);
+            editing.move_cursor(Move::Left, false);
         }
     }
 

@@ -80,7 +80,7 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
         let mut first = None;
         for number in signals.forever() {
             if let Some(signal) = u8::try_from(number).ok().and_then(Signal::of) {
-                take(signal, &mut first, &answer);
+                answer_signal(signal, &mut first, &answer);
             }
         }
     })?;
@@ -94,11 +94,12 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
 #[cfg(windows)]
 pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     let mut first = None;
-    ctrlc::set_handler(move || take(Signal::Interrupt, &mut first, &answer)).map_err(io::Error::other)
+    ctrlc::set_handler(move || answer_signal(Signal::Interrupt, &mut first, &answer))
+        .map_err(io::Error::other)
 }
 
 /// Answers the first signal. A signal that is no part of the same request ends the process.
-fn take(signal: Signal, first: &mut Option<Instant>, answer: &impl Fn(Signal)) {
+fn answer_signal(signal: Signal, first: &mut Option<Instant>, answer: &impl Fn(Signal)) {
     let now = Instant::now();
     match *first {
         None => {

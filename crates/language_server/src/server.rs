@@ -219,7 +219,7 @@ impl Server {
             (State::Ready, "workspace/didChangeWatchedFiles") => {
                 self.documents.parsed.clear();
                 let uris: Vec<String> = self.documents.uris().cloned().collect();
-                uris.iter().for_each(|uri| self.diagnosing.want(uri));
+                uris.iter().for_each(|uri| self.diagnosing.request(uri));
             }
             _ => {}
         }
@@ -270,7 +270,7 @@ impl Server {
         let included = self.diagnosing.results.remove(&uri).map(|result| result.included).unwrap_or_default();
         let alone: Vec<String> =
             self.documents.uris().filter(|uri| is_among(uri, &included)).cloned().collect();
-        alone.iter().for_each(|uri| self.diagnosing.want(uri));
+        alone.iter().for_each(|uri| self.diagnosing.request(uri));
         self.diagnosing.wanted.remove(&uri);
         self.diagnosing.revisions.remove(&uri);
         self.publish(&uri)
@@ -278,12 +278,12 @@ impl Server {
 
     /// Requests diagnostics of a document and of all scenes that include it.
     fn changed(&mut self, uri: &str) {
-        self.diagnosing.want(uri);
+        self.diagnosing.request(uri);
         let Some(path) = path_of(uri) else { return };
         let roots = self.diagnosing.results.values().filter(|result| result.included.contains(&path));
         let roots: Vec<String> = roots.map(|result| result.uri.clone()).collect();
         for root in roots.iter().filter(|root| self.documents.get(root).is_some()) {
-            self.diagnosing.want(root);
+            self.diagnosing.request(root);
         }
     }
 
@@ -365,7 +365,7 @@ impl Server {
 }
 
 impl Diagnosing {
-    fn want(&mut self, uri: &str) {
+    fn request(&mut self, uri: &str) {
         self.revision += 1;
         self.revisions.insert(uri.to_owned(), self.revision);
         self.wanted.insert(uri.to_owned());

@@ -244,7 +244,7 @@ impl Analyzer {
         self.progress.position += frames.len() as u64;
         let mut rest = frames;
         while !rest.is_empty() {
-            (_, rest) = self.buffer.take(rest);
+            (_, rest) = self.buffer.fill(rest);
             self.emit_if_full(emit);
         }
     }
@@ -335,7 +335,7 @@ impl Analyzer {
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.followers.bands.follow(value, height);
         }
-        self.rhythm.hear(pulse, &powers, &mut self.last);
+        self.rhythm.process(pulse, &powers, &mut self.last);
         let frames_per_point = hop / WAVE_PER_HOP;
         mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
     }

@@ -203,7 +203,7 @@ impl BeatTracker {
         self.held[0] = flux;
         let held = self.held[..self.hold].iter().fold(0.0_f32, |largest, flux| largest.max(*flux));
         self.observe(held);
-        self.tell()
+        self.current()
     }
 
     fn move_on(&mut self) {
@@ -243,7 +243,7 @@ impl BeatTracker {
         }
     }
 
-    fn tell(&mut self) -> Beat {
+    fn current(&mut self) -> Beat {
         let best = self.chosen();
         let around = self.around(best);
         let (mut x, mut y, mut mass, mut moments) = (0.0, 0.0, 0.0, 0.0);

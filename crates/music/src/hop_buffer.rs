@@ -33,7 +33,7 @@ impl HopBuffer {
     }
 
     /// Stores frames, clamped to ±8 and finite, until the window is full. Returns the stored and the remaining frames.
-    pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
+    pub(super) fn fill<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));
         for (stored, frame) in free.iter_mut().zip(now) {

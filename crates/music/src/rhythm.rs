@@ -52,7 +52,7 @@ impl Rhythm {
     }
 
     /// Completes the features of a moment of live input.
-    pub(super) fn hear(
+    pub(super) fn process(
         &mut self,
         RhythmMoment { begins, beat, strokes }: RhythmMoment,
         powers: &[f32; BAND_COUNT],

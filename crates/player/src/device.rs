@@ -47,7 +47,7 @@ pub(crate) trait Port: Sized + Send + 'static {
 
     /// Returns a function that opens and starts a device on another thread. The function may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
-    fn note(link: &Self::Link) -> Self::Note;
+    fn describe(link: &Self::Link) -> Self::Note;
     /// Handles a newly opened device. It is called after the device's status was published.
     fn ready(&mut self, link: Self::Link);
     fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;

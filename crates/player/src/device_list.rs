@@ -100,7 +100,7 @@ impl DeviceList {
     }
 
     /// Queries the sound system. This may block as long as the sound system does.
-    fn look() -> Self {
+    fn query() -> Self {
         hush_sound_library();
         let watched = hosts_by_preference().into_iter().find(|id| is_watched(*id));
         let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
@@ -151,7 +151,7 @@ impl DeviceWatch {
         let looking = shared.clone();
         let worker = Worker::spawn("device watch", move || {
             while !looking.stop.load(Ordering::Relaxed) {
-                looking.note(DeviceList::look());
+                looking.publish(DeviceList::query());
                 looking.looks.fetch_add(1, Ordering::Release);
                 std::thread::park_timeout(LOOK_PERIOD);
             }
@@ -174,7 +174,7 @@ impl DeviceWatch {
 }
 
 impl Shared {
-    fn note(&self, device_list: DeviceList) {
+    fn publish(&self, device_list: DeviceList) {
         let mut slot = self.device_list.lock().unwrap_or_else(PoisonError::into_inner);
         if self.generation.load(Ordering::Relaxed) == 0 || **slot != device_list {
             *slot = Arc::new(device_list);
@@ -239,10 +239,10 @@ mod tests {
     #[test]
     fn only_changes_count() {
         let shared = Shared::default();
-        shared.note(DeviceList::default());
-        shared.note(DeviceList::default());
+        shared.publish(DeviceList::default());
+        shared.publish(DeviceList::default());
         assert_eq!(shared.generation.load(Ordering::Relaxed), 1);
-        shared.note(DeviceList { known: true, ..DeviceList::default() });
+        shared.publish(DeviceList { known: true, ..DeviceList::default() });
         assert_eq!(shared.generation.load(Ordering::Relaxed), 2);
     }
 

@@ -80,7 +80,7 @@ struct Listing {
 
 impl SharedListing {
     /// Publishes a new list: the id and the data of each entry, and the edit that an undo would take back.
-    pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>, undo: Option<Arc<str>>) {
+    pub fn publish(&self, entries: impl Iterator<Item = (u64, ListedTrack)>, undo: Option<Arc<str>>) {
         // Build the map before taking the lock, because the list may have many entries.
         let mut places = HashMap::new();
         let entries: Vec<ListedTrack> = entries
@@ -101,7 +101,7 @@ impl SharedListing {
     }
 
     /// Publishes new data about entry `id`. Only one thread may publish.
-    pub fn tell_entry(&self, id: u64, track: &ListedTrack) {
+    pub fn publish_entry(&self, id: u64, track: &ListedTrack) {
         let Some((index, _)) = self.place(id) else { return };
         // Copy the list before taking the lock, so that readers do not wait.
         let mut tracks = self.tracks().as_ref().clone();
@@ -154,15 +154,15 @@ mod tests {
     #[test]
     fn a_snapshot_does_not_change() {
         let shared = SharedListing::default();
-        shared.tell([(7, named("a")), (3, named("b"))].into_iter(), None);
+        shared.publish([(7, named("a")), (3, named("b"))].into_iter(), None);
         let held = shared.tracks();
-        shared.tell_entry(3, &ListedTrack { duration: Some(5.0), ..named("B") });
+        shared.publish_entry(3, &ListedTrack { duration: Some(5.0), ..named("B") });
         assert_eq!((held.revision, held.entries[1].name.as_str()), (1, "b"));
         let now = shared.tracks();
         assert_eq!((now.revision, now.entries[1].name.as_str()), (2, "B"));
         assert_eq!(now.entries[1].duration, Some(5.0));
-        shared.tell_entry(3, &now.entries[1]);
-        shared.tell_entry(8, &named("c"));
+        shared.publish_entry(3, &now.entries[1]);
+        shared.publish_entry(8, &named("c"));
         assert!(Arc::ptr_eq(&now, &shared.tracks()));
         assert_eq!([7, 3, 8].map(|id| shared.place(id)), [Some((0, 2)), Some((1, 2)), None]);
     }

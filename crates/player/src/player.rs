@@ -161,7 +161,7 @@ impl Player {
         }
         let track = first.info.clone();
         let listing = SharedListing::default();
-        listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))), None);
+        listing.publish(std::iter::once((track.id, ListedTrack::from(&*track))), None);
         list.fill_listing(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
@@ -323,7 +323,7 @@ impl Player {
     /// The current state of playback.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.threads.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
-        let place = self.position.look();
+        let place = self.position.current();
         self.track = place.track;
         let (ended, next) = self.audible.end_and_next(output.history.as_ref());
         self.find_place();

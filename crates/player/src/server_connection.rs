@@ -53,18 +53,18 @@ impl ServerConnection {
 
 fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> {
     if let Some(client) = asking
-        && let Ok(answer) = ask(client)
+        && let Ok(answer) = query(client)
     {
         return Some(answer);
     }
     // This is the first query, or the server has restarted.
     let client = Client::from_env(c"mariana").ok()?;
-    let answer = ask(&client).ok();
+    let answer = query(&client).ok();
     *asking = Some(client);
     answer
 }
 
-fn ask(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
+fn query(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
     // cpal gives its connections this name.
     let name = CString::new(format!("cpal-pulseaudio-{}", std::process::id())).unwrap_or_default();
     let server = block_on(client.server_info())?.cookie;

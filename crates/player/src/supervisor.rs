@@ -104,7 +104,7 @@ impl<P: Port> Supervisor<P> {
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 
 impl<N: Clone> NoteReader<N> {
-    pub(crate) fn note(&self) -> N {
+    pub(crate) fn describe(&self) -> N {
         lock(&self.0).note.clone()
     }
 }
@@ -189,15 +189,15 @@ impl<P: Port> Watch<P> {
         if self.target.is_some() {
             self.open();
         } else {
-            self.go_silent("the sound is switched off".into());
+            self.switch_to_silence("the sound is switched off".into());
         }
         loop {
             match inbox.recv_timeout(WATCH_PERIOD) {
                 Ok((_, Event::Quit)) | Err(RecvTimeoutError::Disconnected) => break,
-                Ok((number, event)) => self.hear(number, event),
+                Ok((number, event)) => self.handle_event(number, event),
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            self.look();
+            self.poll();
         }
         if let Some(opening) = self.opening.take() {
             opening.thread.close();
@@ -244,7 +244,7 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    fn hear(&mut self, number: u64, event: Event<P::Link>) {
+    fn handle_event(&mut self, number: u64, event: Event<P::Link>) {
         let is_opening = self.opening.as_ref().is_some_and(|opening| opening.thread.number == number);
         let is_current = matches!(&self.current, Current::Device { thread, .. } if thread.number == number);
         match event {
@@ -265,7 +265,7 @@ impl<P: Port> Watch<P> {
             Event::Opened(opened) if is_opening => {
                 if let Some(Opening { mut thread, .. }) = self.opening.take() {
                     thread.connection = opened.connection;
-                    self.take(thread, opened);
+                    self.adopt(thread, opened);
                 }
             }
             Event::Refused(error, kind) if is_opening => {
@@ -287,7 +287,7 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
+    fn adopt(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
         let Opened { link, entry, description, calls, .. } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
         self.had = Some(entry.clone());
@@ -299,7 +299,7 @@ impl<P: Port> Watch<P> {
         {
             let mut status = lock(&self.status);
             let openings = status.openings + 1;
-            let note = P::note(&link);
+            let note = P::describe(&link);
             *status = StreamStatus {
                 description,
                 device: Some(entry),
@@ -327,14 +327,14 @@ impl<P: Port> Watch<P> {
             _ => false,
         };
         if !stands {
-            self.go_silent(error.to_string());
+            self.switch_to_silence(error.to_string());
         } else if self.superseded {
             lock(&self.status).refused = Some(error.to_string());
         }
         self.retry_at = Some(Instant::now() + wait_before_retry(kind));
     }
 
-    fn look(&mut self) {
+    fn poll(&mut self) {
         if let Some(opening) = &mut self.opening
             && !opening.overdue
             && opening.since.elapsed() >= OPEN_LIMIT
@@ -342,7 +342,7 @@ impl<P: Port> Watch<P> {
             opening.overdue = true;
             let error = DeviceError::Timeout { direction: P::DIRECTION, seconds: OPEN_LIMIT.as_secs() };
             if !matches!(self.current, Current::Device { .. }) {
-                self.go_silent(error.to_string());
+                self.switch_to_silence(error.to_string());
             } else if self.superseded {
                 lock(&self.status).refused = Some(error.to_string());
             }
@@ -422,7 +422,7 @@ impl<P: Port> Watch<P> {
         gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
     }
 
-    fn go_silent(&mut self, reason: String) {
+    fn switch_to_silence(&mut self, reason: String) {
         let reported = lock(&self.status).silent.replace(reason.clone());
         if reported.as_ref() != Some(&reason) {
             tracing::info!("no sound {}: {reason}", P::DIRECTION);

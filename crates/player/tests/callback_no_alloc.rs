@@ -98,9 +98,9 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
         let length = if random.below(50) == 0 { random.below(4097) } else { random.below(65) };
         let age = [None, Some(Duration::from_millis(5)), Some(Duration::MAX)][random.below(3)];
         assert_no_alloc(|| match length % 3 {
-            0 => tap.take(&integers[..length], channels, age),
-            1 => tap.take(&samples[..length], channels, age),
-            _ => tap.take(&bytes[..length], channels, age),
+            0 => tap.receive(&integers[..length], channels, age),
+            1 => tap.receive(&samples[..length], channels, age),
+            _ => tap.receive(&bytes[..length], channels, age),
         });
         sent += (length / channels) as u64;
         if random.below(300) == 0 {

@@ -1,5 +1,5 @@
 //! Preview images of scenes, for phones. The show stores finished images here, in memory only. When a phone requests
-//! a missing image, the scene's title is queued. The show takes the queue with [`Album::take_wanted`].
+//! a missing image, the scene's title is queued. The show takes the queue with [`Album::drain_requested`].
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,7 +48,7 @@ impl Album {
     }
 
     /// Takes the titles of scenes whose images phones have requested, in order of request.
-    pub fn take_wanted(&self) -> Vec<String> {
+    pub fn drain_requested(&self) -> Vec<String> {
         std::mem::take(&mut *self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -65,7 +65,7 @@ impl Album {
     }
 
     /// Requests the image of an existing scene. Returns true for the first request.
-    pub(crate) fn want(&self, scene: &str) -> bool {
+    pub(crate) fn request(&self, scene: &str) -> bool {
         let mut pages = self.lock();
         let is_new = pages.len() < LIMITS.pictures_max && !pages.contains_key(scene);
         if is_new {
@@ -87,17 +87,19 @@ mod tests {
     #[test]
     fn an_image_is_requested_once_and_then_available() {
         let album = Album::default();
-        assert!(album.want("orb") && !album.want("orb") && album.find("orb").is_none());
+        assert!(album.request("orb") && !album.request("orb") && album.find("orb").is_none());
         let other = album.clone();
-        assert_eq!(other.take_wanted(), ["orb"]);
-        assert!(other.take_wanted().is_empty() && !album.want("orb"));
+        assert_eq!(other.drain_requested(), ["orb"]);
+        assert!(other.drain_requested().is_empty() && !album.request("orb"));
         assert_eq!(album.count(), 0);
         assert!(other.put("orb", Arc::from(&b"jpeg"[..])));
         assert_eq!((album.find("orb").as_deref(), album.count()), (Some(&b"jpeg"[..]), 1));
-        assert!(album.want("heart"));
-        assert_eq!(album.take_wanted(), ["heart"]);
+        assert!(album.request("heart"));
+        assert_eq!(album.drain_requested(), ["heart"]);
         album.miss("heart");
-        assert!(album.find("heart").is_none() && !album.want("heart") && album.take_wanted().is_empty());
+        assert!(
+            album.find("heart").is_none() && !album.request("heart") && album.drain_requested().is_empty()
+        );
     }
 
     #[test]
@@ -107,9 +109,9 @@ mod tests {
         assert!(!album.put("large", of(LIMITS.picture_bytes_max + 1)));
         assert!(album.put("fits", of(LIMITS.picture_bytes_max)));
         for scene in 1..LIMITS.pictures_max {
-            assert!(album.want(&scene.to_string()), "{scene}");
+            assert!(album.request(&scene.to_string()), "{scene}");
         }
-        assert!(!album.want("one more") && !album.put("one more", of(1)));
+        assert!(!album.request("one more") && !album.put("one more", of(1)));
         assert!(album.put("fits", of(1)), "a full album still accepts a new image of a known scene");
     }
 }

@@ -17,7 +17,7 @@ pub(crate) struct ConnectionSlot {
 }
 
 impl ConnectionLimit {
-    pub(crate) fn take(&self, address: IpAddr, limits: &Limits) -> Option<ConnectionSlot> {
+    pub(crate) fn reserve(&self, address: IpAddr, limits: &Limits) -> Option<ConnectionSlot> {
         let address = address.to_canonical();
         let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let of_address = taken.get(&address).copied().unwrap_or_default();
@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn one_address_cannot_take_all_slots() {
         let connection_limit = ConnectionLimit::default();
-        let take = |last: u8| connection_limit.take(IpAddr::from([10, 0, 0, last]), &LIMITS);
+        let take = |last: u8| connection_limit.reserve(IpAddr::from([10, 0, 0, last]), &LIMITS);
         let mut taken: Vec<ConnectionSlot> =
             (0..LIMITS.connections_per_address_max).map_while(|_| take(1)).collect();
         assert_eq!(taken.len(), LIMITS.connections_per_address_max);

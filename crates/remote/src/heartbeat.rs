@@ -28,7 +28,7 @@ impl Heartbeat {
     }
 
     /// Counts a received message. Returns false if the rate limit is exceeded.
-    pub(crate) fn note_heard(&mut self, now: Instant) -> bool {
+    pub(crate) fn count_message(&mut self, now: Instant) -> bool {
         self.heard = now;
         let (left, since) = self.allowance;
         let grown = f64::from(self.limits.messages_per_second_max)
@@ -69,7 +69,7 @@ mod tests {
             [heartbeat.due(at(5)), heartbeat.due(at(6)), heartbeat.due(at(10))],
             [Due::Ask, Due::Nothing, Due::Ask]
         );
-        heartbeat.note_heard(at(10));
+        heartbeat.count_message(at(10));
         assert_eq!(heartbeat.due(at(39)), Due::Ask);
         assert_eq!(heartbeat.due(at(40)), Due::GiveUp);
     }
@@ -78,16 +78,16 @@ mod tests {
     fn messages_beyond_the_burst_limit_are_too_many() {
         let start = Instant::now();
         let mut heartbeat = Heartbeat::new(LIMITS, start);
-        assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(start)));
-        assert!(!heartbeat.note_heard(start));
+        assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.count_message(start)));
+        assert!(!heartbeat.count_message(start));
         // After one second, the allowance is one second of messages, minus the message that was rejected before.
         let later = start + Duration::from_secs(1);
-        assert!((1..LIMITS.messages_per_second_max).all(|_| heartbeat.note_heard(later)));
-        assert!(!heartbeat.note_heard(later));
+        assert!((1..LIMITS.messages_per_second_max).all(|_| heartbeat.count_message(later)));
+        assert!(!heartbeat.count_message(later));
         // Even a long pause does not make the allowed burst larger.
         let later = start + Duration::from_secs(1_000);
-        assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(later)));
-        assert!(!heartbeat.note_heard(later));
+        assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.count_message(later)));
+        assert!(!heartbeat.count_message(later));
     }
 
     #[test]
@@ -95,6 +95,6 @@ mod tests {
         let start = Instant::now();
         let mut heartbeat = Heartbeat::new(LIMITS, start);
         let at = |number: u32| start + Duration::from_secs(1) * number / LIMITS.messages_per_second_max;
-        assert!((0..20 * LIMITS.messages_at_once_max).all(|number| heartbeat.note_heard(at(number))));
+        assert!((0..20 * LIMITS.messages_at_once_max).all(|number| heartbeat.count_message(at(number))));
     }
 }

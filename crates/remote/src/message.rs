@@ -114,7 +114,7 @@ mod tests {
         ActionRow { name: "volume", takes: ValueType::Level, meaning: "a volume" },
     ];
 
-    fn ask(text: &str) -> Result<Asked, Refused> {
+    fn parse_request(text: &str) -> Result<Asked, Refused> {
         understand(text, ACTIONS)
     }
 
@@ -130,14 +130,17 @@ mod tests {
             seconds: 0.0,
             changed_by: ChangedBy::Phone,
         };
-        assert_eq!(ask(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(change)));
-        assert_eq!(ask(r#"{"do":"next"}"#), act("next", ActionValue::Nothing));
-        assert_eq!(ask(r#"{"do":"next","with":0}"#), Ok(Asked::Nothing));
-        assert_eq!(ask(r#"{"do":"pause","with":true}"#), act("pause", ActionValue::Number(1.0)));
-        assert_eq!(ask(r#"{"do":"pause","with":null}"#), act("pause", ActionValue::Nothing));
-        assert_eq!(ask(r#"{"do":"volume","with":7}"#), act("volume", ActionValue::Number(1.0)));
-        assert_eq!(ask(r#"{"do":"volume","with":-1e9}"#), act("volume", ActionValue::Number(0.0)));
-        assert_eq!(ask(r#"{"do":"scene","with":"orb"}"#), act("scene", ActionValue::Text("orb".to_owned())));
+        assert_eq!(parse_request(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(change)));
+        assert_eq!(parse_request(r#"{"do":"next"}"#), act("next", ActionValue::Nothing));
+        assert_eq!(parse_request(r#"{"do":"next","with":0}"#), Ok(Asked::Nothing));
+        assert_eq!(parse_request(r#"{"do":"pause","with":true}"#), act("pause", ActionValue::Number(1.0)));
+        assert_eq!(parse_request(r#"{"do":"pause","with":null}"#), act("pause", ActionValue::Nothing));
+        assert_eq!(parse_request(r#"{"do":"volume","with":7}"#), act("volume", ActionValue::Number(1.0)));
+        assert_eq!(parse_request(r#"{"do":"volume","with":-1e9}"#), act("volume", ActionValue::Number(0.0)));
+        assert_eq!(
+            parse_request(r#"{"do":"scene","with":"orb"}"#),
+            act("scene", ActionValue::Text("orb".to_owned()))
+        );
     }
 
     #[test]
@@ -162,21 +165,21 @@ mod tests {
             r#"{"do":7}"#,
             &"[".repeat(1_000),
         ] {
-            assert_eq!(ask(text), Err(Refused::Rubbish), "{text:.60}");
+            assert_eq!(parse_request(text), Err(Refused::Rubbish), "{text:.60}");
         }
     }
 
     #[test]
     fn oversized_and_unknown_messages_are_rejected() {
-        assert_eq!(ask(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
-        assert_eq!(ask(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
+        assert_eq!(parse_request(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
+        assert_eq!(parse_request(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
         let long = "x".repeat(CONTROL_LIMITS.name_bytes_max + 1);
-        assert_eq!(ask(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
-        assert_eq!(ask(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
+        assert_eq!(parse_request(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
+        assert_eq!(parse_request(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
         for text in
             [r#"{"do":"quit"}"#, r#"{"do":""}"#, r#"{"do":"volume"}"#, r#"{"do":"pause","with":"on"}"#]
         {
-            assert_eq!(ask(text), Err(Refused::Unknown), "{text}");
+            assert_eq!(parse_request(text), Err(Refused::Unknown), "{text}");
         }
     }
 }

@@ -58,11 +58,11 @@ impl<'a> PhoneSession<'a> {
         Self { socket, shared, reported: SentState::default(), heartbeat, unread: None }
     }
 
-    pub(crate) fn go_on(mut self) -> End {
+    pub(crate) fn run(mut self) -> End {
         let _ = self.socket.get_ref().set_write_timeout(Some(self.shared.limits.delta_interval));
         let mut due = Instant::now();
         let end = loop {
-            if let Err(end) = self.tell_if_due(&mut due).and_then(|()| self.listen(due)) {
+            if let Err(end) = self.send_if_due(&mut due).and_then(|()| self.listen(due)) {
                 break end;
             }
         };
@@ -70,7 +70,7 @@ impl<'a> PhoneSession<'a> {
         end
     }
 
-    fn tell_if_due(&mut self, due: &mut Instant) -> Result<(), End> {
+    fn send_if_due(&mut self, due: &mut Instant) -> Result<(), End> {
         let now = Instant::now();
         if now < *due {
             return Ok(());
@@ -90,15 +90,15 @@ impl<'a> PhoneSession<'a> {
         match (self.heartbeat.due(now), state_delta) {
             (Due::GiveUp, _) => Err(self.close(CloseCode::Policy, "no message for too long")),
             (Due::Ask, state_delta) => {
-                self.say(Message::Ping(Default::default()))?;
-                self.say(Message::text(state_delta.unwrap_or_else(|| ALIVE.to_owned())))
+                self.send(Message::Ping(Default::default()))?;
+                self.send(Message::text(state_delta.unwrap_or_else(|| ALIVE.to_owned())))
             }
-            (Due::Nothing, Some(state_delta)) => self.say(Message::text(state_delta)),
+            (Due::Nothing, Some(state_delta)) => self.send(Message::text(state_delta)),
             (Due::Nothing, None) => Ok(()),
         }
     }
 
-    fn say(&mut self, message: Message) -> Result<(), End> {
+    fn send(&mut self, message: Message) -> Result<(), End> {
         match self.socket.write(message) {
             Ok(()) => self.flush(),
             Err(Error::Io(error)) if is_patience(&error) => {
@@ -138,13 +138,13 @@ impl<'a> PhoneSession<'a> {
             }
             Err(error) => return Err(error.to_string()),
         };
-        if !self.heartbeat.note_heard(Instant::now()) {
+        if !self.heartbeat.count_message(Instant::now()) {
             self.shared.input_queue.refuse(|refusals| refusals.too_many += 1);
             return Err(self.close(CloseCode::Policy, "too many messages"));
         }
         match message {
             Message::Text(text) => {
-                self.take(&text);
+                self.handle_text(&text);
                 Ok(())
             }
             Message::Binary(_) => {
@@ -155,7 +155,7 @@ impl<'a> PhoneSession<'a> {
         }
     }
 
-    fn take(&self, text: &str) {
+    fn handle_text(&self, text: &str) {
         let input_queue = &self.shared.input_queue;
         input_queue.count();
         match understand(text, self.shared.actions) {

@@ -174,7 +174,7 @@ impl Shared {
         let listener = TcpListener::bind(self.place.resolve()?)?;
         let listens = listener.local_addr()?;
         let shared = self.clone();
-        thread(move || shared.take_connections(&listener))?;
+        thread(move || shared.accept_connections(&listener))?;
         Ok(listens)
     }
 
@@ -199,7 +199,7 @@ impl Shared {
         self.is_over.load(Ordering::Relaxed)
     }
 
-    fn take_connections(self: &Arc<Self>, listener: &TcpListener) {
+    fn accept_connections(self: &Arc<Self>, listener: &TcpListener) {
         for stream in listener.incoming() {
             if self.is_over() {
                 return;
@@ -211,7 +211,9 @@ impl Shared {
             };
             let Ok(from) = stream.peer_addr() else { continue };
             // Close connections beyond the limit without an answer, because an answer would delay other connections.
-            let Some(connection_slot) = self.connection_limit.take(from.ip(), &self.limits) else { continue };
+            let Some(connection_slot) = self.connection_limit.reserve(from.ip(), &self.limits) else {
+                continue;
+            };
             let shared = self.clone();
             if let Err(error) = thread(move || shared.serve(stream, from.ip(), &connection_slot)) {
                 tracing::warn!("cannot start a thread for a phone: {error}");
@@ -253,7 +255,7 @@ impl Shared {
                 Some(jpeg) => answer_own(&stream, ("image/jpeg", &jpeg), &[], within),
                 None => {
                     let is_one = self.board.read(|present| present.scenes.contains(&scene));
-                    if is_one && self.album.want(&scene) {
+                    if is_one && self.album.request(&scene) {
                         (self.wake)();
                     }
                     http::answer_in_words(
@@ -294,7 +296,7 @@ impl Shared {
         tracing::info!("a phone connected");
         let accepted = phone_session::accept(&stream, key, self.limits.head_time_max);
         let end = match accepted {
-            Ok(()) => PhoneSession::new(stream, rest, self).go_on(),
+            Ok(()) => PhoneSession::new(stream, rest, self).run(),
             Err(error) => error.to_string(),
         };
         tracing::info!("a phone disconnected: {end}");

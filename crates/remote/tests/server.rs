@@ -232,11 +232,11 @@ fn a_requested_image_of_an_existing_scene_is_made_and_served() {
     for nothing in ["orb", "..%2F..%2Fetc%2Fpasswd", "", "page.js", "%"] {
         assert_eq!(place.status(&at(nothing)), "404", "{nothing}");
     }
-    assert!(place.album.take_wanted().is_empty(), "only images of existing scenes are requested");
+    assert!(place.album.drain_requested().is_empty(), "only images of existing scenes are requested");
     assert_eq!(place.status(&at("gr%C3%B6%C3%9Fe")), "404");
     // The show is woken once for the requested image.
     place.state_delta.recv_timeout(PATIENCE).unwrap();
-    assert_eq!(place.album.take_wanted(), ["größe"]);
+    assert_eq!(place.album.drain_requested(), ["größe"]);
     let mut phone = place.phone();
     phone.state_delta_with("scene");
     assert!(place.album.put("größe", std::sync::Arc::from(&b"a picture"[..])));
@@ -276,7 +276,7 @@ fn a_phone_sends_input_and_receives_others_changes() {
     phone.say(r#"{"turn":"size","to":3.5}"#);
     phone.say(r#"{"do":"scene","with":"city"}"#);
     place.wait_for_counts(2, 0);
-    let heard = place.input_queue.take();
+    let heard = place.input_queue.drain();
     let turned = &heard.params[0];
     assert_eq!((&*turned.name, turned.to, turned.changed_by), ("size", Amount::Value(3.5), ChangedBy::Phone));
     assert_eq!(heard.actions[0].given, ActionValue::Text("city".into()));
@@ -301,7 +301,7 @@ fn bad_messages_are_counted_and_the_session_continues() {
     place.wait_for_counts(10, 9);
     let refusals = place.input_queue.counts().1;
     assert_eq!((refusals.rubbish, refusals.unknown, refusals.not_numbers), (6, 2, 1));
-    assert_eq!(place.input_queue.take().params.len(), 1);
+    assert_eq!(place.input_queue.drain().params.len(), 1);
 }
 
 #[test]
@@ -311,7 +311,7 @@ fn a_message_beyond_the_size_limit_ends_the_session() {
     let sized = |bytes: usize| format!("{:bytes$}", r#"{"do":"blackout"}"#);
     phone.say(&sized(LIMITS.message_bytes_max));
     place.wait_for_counts(1, 0);
-    assert_eq!(place.input_queue.take().actions.len(), 1);
+    assert_eq!(place.input_queue.drain().actions.len(), 1);
     phone.say(&sized(LIMITS.message_bytes_max + 1));
     assert_eq!(phone.end(), Some(CloseCode::Size));
     // A fragmented message has the same limit.
@@ -352,9 +352,9 @@ fn a_flooding_phone_is_disconnected_and_others_are_served() {
     assert!(matches!(flood.end(), Some(CloseCode::Policy) | None));
     place.wait_for_phones(1);
     assert_eq!(place.input_queue.counts().1.too_many, 1);
-    place.input_queue.take();
+    place.input_queue.drain();
     phone.say(r#"{"turn":"size","to":0.25}"#);
-    while place.input_queue.take().params.iter().all(|change| change.to != Amount::Value(0.25)) {
+    while place.input_queue.drain().params.iter().all(|change| change.to != Amount::Value(0.25)) {
         std::thread::sleep(Duration::from_millis(2));
     }
 }

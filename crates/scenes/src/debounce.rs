@@ -45,7 +45,7 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    pub(super) fn note(&mut self, file: PathBuf, kind: Kind, now: Instant) {
+    pub(super) fn record(&mut self, file: PathBuf, kind: Kind, now: Instant) {
         match kind {
             Kind::Writing => {
                 self.writing.insert(file.clone());
@@ -69,7 +69,7 @@ impl Changes {
         Some(latest.min(self.last? + waits.quiet))
     }
 
-    pub(super) fn take(&mut self) -> BTreeSet<PathBuf> {
+    pub(super) fn drain(&mut self) -> BTreeSet<PathBuf> {
         std::mem::take(self).touched
     }
 }
@@ -84,7 +84,7 @@ mod tests {
         let start = Instant::now();
         let mut list = Changes::default();
         for (milliseconds, kind) in changes {
-            list.note("file".into(), *kind, start + Duration::from_millis(*milliseconds));
+            list.record("file".into(), *kind, start + Duration::from_millis(*milliseconds));
         }
         list.due(&WAITS).map(|due| due - start)
     }
@@ -110,10 +110,10 @@ mod tests {
     #[test]
     fn taken_changes_are_cleared() {
         let mut list = Changes::default();
-        list.note("a".into(), Kind::Writing, Instant::now());
-        list.note("b".into(), Kind::Touched, Instant::now());
-        assert_eq!(list.take(), ["a".into(), "b".into()].into());
+        list.record("a".into(), Kind::Writing, Instant::now());
+        list.record("b".into(), Kind::Touched, Instant::now());
+        assert_eq!(list.drain(), ["a".into(), "b".into()].into());
         assert_eq!(list.due(&WAITS), None);
-        assert_eq!(list.take(), [].into());
+        assert_eq!(list.drain(), [].into());
     }
 }

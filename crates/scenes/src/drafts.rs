@@ -80,12 +80,12 @@ impl Drafts {
     }
 
     /// Takes the findings that arrived since the last call: only the latest for each scene.
-    pub fn take_findings(&self) -> Vec<Findings> {
+    pub fn drain_findings(&self) -> Vec<Findings> {
         std::mem::take(&mut self.lock().findings)
     }
 
     /// Publishes findings, replacing older ones of the same scene.
-    pub fn tell(&self, findings: Findings) {
+    pub fn publish(&self, findings: Findings) {
         let mut shared = self.lock();
         shared.findings.retain(|other| other.source != findings.source);
         if shared.findings.len() >= FINDINGS_MAX {

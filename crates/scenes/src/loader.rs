@@ -190,7 +190,7 @@ where
             match message {
                 Ok(Message::Load(source)) => asked = Some(Asked::Source(source)),
                 Ok(Message::Again) => asked = asked.or(Some(Asked::Again)),
-                Ok(Message::Changed(file, kind)) => self.changes.note(file, kind, Instant::now()),
+                Ok(Message::Changed(file, kind)) => self.changes.record(file, kind, Instant::now()),
                 Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => match asked.take() {
                     Some(Asked::Source(source)) => self.begin(source),
@@ -203,7 +203,7 @@ where
                     None => {
                         if look.is_some_and(|look| look <= Instant::now()) {
                             looked = Instant::now();
-                            self.look();
+                            self.check_files();
                         }
                         self.check();
                     }
@@ -218,18 +218,18 @@ where
         let mut files = before.map_or_else(Vec::new, |current| current.files());
         files.extend(source.file().map(PathBuf::from));
         self.watch.set(&files);
-        self.changes.take();
+        self.changes.drain();
         let seen = files.into_iter().map(|file| (file.clone(), Some(Look::at(&file)))).collect();
         self.load(Current { source, seen });
     }
 
     /// Finds files that look changed although no event arrived.
-    fn look(&mut self) {
+    fn check_files(&mut self) {
         let Some(current) = &self.current else { return };
         self.watch.set(&current.files());
         for (file, seen) in &current.seen {
             if seen.as_ref().is_none_or(|seen| seen.stamp != Stamp::of(file)) {
-                self.changes.note(file.clone(), Kind::Touched, Instant::now());
+                self.changes.record(file.clone(), Kind::Touched, Instant::now());
             }
         }
     }
@@ -242,7 +242,7 @@ where
         if !due && !given_up {
             return;
         }
-        let mut touched: BTreeSet<PathBuf> = self.changes.take();
+        let mut touched: BTreeSet<PathBuf> = self.changes.drain();
         let Some(mut current) = self.current.take() else { return };
         // Watch the files before reading them, so that a change in between is reported.
         self.watch.set(&current.files());
@@ -298,7 +298,7 @@ where
                 let look = Look::at(file);
                 let doubtful = look.stamp.is_since(began);
                 if doubtful {
-                    self.changes.note(file.clone(), Kind::Touched, Instant::now());
+                    self.changes.record(file.clone(), Kind::Touched, Instant::now());
                 }
                 Some(look).filter(|_| !doubtful)
             });

@@ -141,13 +141,13 @@ impl Prober {
     }
 
     /// Asks for the surface at a point, given as fractions of the frame's width and height.
-    pub fn ask_point(&self, scenery: Scenery, at: [f64; 2]) {
+    pub fn request_point(&self, scenery: Scenery, at: [f64; 2]) {
         self.0.lock().point = Some((scenery, at));
         self.0.changed.notify_one();
     }
 
     /// Asks for the diagram of the ray through a point, for an image of `size` pixels.
-    pub fn ask_diagram(&self, scenery: Scenery, at: [f64; 2], size: (u32, u32)) {
+    pub fn request_diagram(&self, scenery: Scenery, at: [f64; 2], size: (u32, u32)) {
         self.0.lock().diagram = Some((scenery, at, size));
         self.0.changed.notify_one();
     }
@@ -159,7 +159,7 @@ impl Prober {
     }
 
     /// Asks for ray statistics.
-    pub fn ask_ray_statistics(&self, scenery: Scenery) {
+    pub fn request_ray_statistics(&self, scenery: Scenery) {
         self.0.lock().ray_statistics = Some(scenery);
         self.0.changed.notify_one();
     }
@@ -260,7 +260,7 @@ fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
 }
 
 /// Builds the frame's tree and passes it to `look`. Returns `None` once `is_wanted` is false.
-fn look<T>(
+fn probe<T>(
     scenery: &Scenery,
     is_wanted: &(dyn Fn() -> bool + Sync),
     look: impl FnOnce(&RayProbe<'_>) -> T,
@@ -274,7 +274,7 @@ fn look<T>(
 pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
     let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
     let scene = &scenery.world.scene;
-    let surface = look(scenery, is_wanted, |ray_probe| {
+    let surface = probe(scenery, is_wanted, |ray_probe| {
         let hit = ray_probe.trace(&ray).hit?;
         let object = scene.objects.get(hit.object)?;
         let deciding = Deciding::new(&scene.graph, object.shape).ok();
@@ -307,7 +307,7 @@ pub fn ray_diagram(
     let Scenery { world, frame, .. } = scenery;
     let ray = ray_at(frame, at, 1.0);
     let names: Vec<String> = world.scene.objects.iter().map(|object| object.name.clone()).collect();
-    look(scenery, is_wanted, |ray_probe| RayDiagram::of(ray_probe, frame, &ray, &names, size))
+    probe(scenery, is_wanted, |ray_probe| RayDiagram::of(ray_probe, frame, &ray, &names, size))
 }
 
 /// Computes ray statistics of a grid over the frame. Returns `None` once `is_wanted` is false.
@@ -316,7 +316,7 @@ pub fn ray_statistics_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
     let options = RayStatisticsOptions { columns: COLUMNS, rows };
     let ray = |x: f64, y: f64| ray_at(&scenery.frame, [x, y], 1.0);
-    look(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
+    probe(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
 }
 
 #[cfg(test)]
@@ -353,10 +353,11 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
     #[test]
     fn a_probed_point_has_an_object_a_position_and_a_source_range() {
         let scenery = scenery(BALLS);
-        let surface = |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.ask_point(scenery, at)) {
-            Answer::Point(probed) => probed.surface,
-            other => panic!("{other:?}"),
-        };
+        let surface =
+            |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.request_point(scenery, at)) {
+                Answer::Point(probed) => probed.surface,
+                other => panic!("{other:?}"),
+            };
         let ball = surface([0.5, 0.5]).unwrap();
         assert_eq!((ball.object.as_str(), ball.material.as_str()), ("near", "default"));
         assert!((ball.distance - 4.0).abs() < 1e-3 && (ball.position[2] - 4.0).abs() < 1e-3, "{ball:?}");
@@ -377,7 +378,7 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
     fn ray_statistics_have_the_aspect_of_the_frame_and_all_objects() {
         let scenery = scenery(BALLS);
         let Answer::RayStatistics(source, ray_statistics) =
-            asked(&scenery, |prober, scenery| prober.ask_ray_statistics(scenery))
+            asked(&scenery, |prober, scenery| prober.request_ray_statistics(scenery))
         else {
             panic!("no ray statistics arrived");
         };

@@ -53,7 +53,7 @@ impl Watch {
         let known = Arc::clone(&watch.wanted);
         match notify::recommended_watcher(move |event| sort(event, &known, &tell)) {
             Ok(watcher) => watch.watcher = Some(watcher),
-            Err(error) => watch.tell_blindness(&error.to_string()),
+            Err(error) => watch.report_blindness(&error.to_string()),
         }
         watch
     }
@@ -111,7 +111,7 @@ impl Watch {
             }
         }
         if let Some(error) = refused {
-            self.tell_blindness(&error.to_string());
+            self.report_blindness(&error.to_string());
         }
     }
 
@@ -120,7 +120,7 @@ impl Watch {
         self.complete
     }
 
-    fn tell_blindness(&mut self, reason: &str) {
+    fn report_blindness(&mut self, reason: &str) {
         if !std::mem::replace(&mut self.reported, true) {
             tracing::warn!(
                 "the system does not report changed scenes ({reason}): Mariana checks the files repeatedly instead"

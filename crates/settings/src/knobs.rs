@@ -103,10 +103,10 @@ impl KnobMemory {
     /// Fails if the file cannot be read or written. The change then lasts until the program ends.
     pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
         let kept = self.writer_thread.as_ref()?.poll()?;
-        Some(self.take(kept))
+        Some(self.apply(kept))
     }
 
-    fn take(&mut self, kept: Kept) -> Result<(), KnobsError> {
+    fn apply(&mut self, kept: Kept) -> Result<(), KnobsError> {
         self.waiting = self.waiting.saturating_sub(1);
         let after = kept?;
         if self.waiting == 0 && after.mappings.list() != self.file.mappings.list() {
@@ -184,7 +184,7 @@ mod tests {
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
         memory.change(&edit);
         let kept = memory.writer_thread.as_ref().unwrap().wait().unwrap();
-        memory.take(kept)
+        memory.apply(kept)
     }
 
     fn names(memory: &KnobMemory) -> Vec<String> {

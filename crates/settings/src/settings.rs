@@ -76,7 +76,7 @@ pub struct Settings {
 
 impl Settings {
     /// Notes that music was opened from `folder`.
-    pub fn note_recent_folder(&mut self, folder: &str) {
+    pub fn add_recent_folder(&mut self, folder: &str) {
         self.recent_folders.retain(|known| known != folder);
         self.recent_folders.insert(0, folder.to_owned());
         self.recent_folders.truncate(LIMITS.recent_folders_max);

@@ -76,7 +76,7 @@ impl LiveDirector {
     }
 
     /// Processes the features of a moment. Returns a new timeline if the scene changes.
-    pub fn hear(&mut self, heard: Hearing) -> Option<Timeline> {
+    pub fn process(&mut self, heard: Hearing) -> Option<Timeline> {
         let step = self.last.map_or(0.0, |last| heard.time - last.time);
         let has_jumped = !(0.0..5.0).contains(&step);
         let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
@@ -167,7 +167,7 @@ mod tests {
         for step in 0..seconds * 50 {
             let time = step as f64 / 50.0;
             let heard = Hearing { time, phase: (time * 2.0).fract() as f32, ..hearing(time) };
-            if let Some(timeline) = director.hear(heard) {
+            if let Some(timeline) = director.process(heard) {
                 let clip = timeline.at(time + 10.0).clip;
                 found.push((clip.start, clip.transition.kind.style()));
             }
@@ -212,7 +212,7 @@ mod tests {
         let mut director = director();
         let mut hear = |time| {
             director
-                .hear(Hearing { time, energy: 0.5, tempo: 0.0, ..QUIET })
+                .process(Hearing { time, energy: 0.5, tempo: 0.0, ..QUIET })
                 .map(|timeline| timeline.clips().iter().map(|clip| clip.scene.clone()).collect::<Vec<_>>())
         };
         assert_eq!(hear(100.0).map(|scenes| scenes.len()), Some(2));

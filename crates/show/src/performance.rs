@@ -127,7 +127,7 @@ impl Default for Performance {
 
 impl Performance {
     /// Records the state of the show at `time` seconds of the song.
-    pub fn note(&mut self, time: f64, seen: &OnStage<'_>) {
+    pub fn record(&mut self, time: f64, seen: &OnStage<'_>) {
         if !time.is_finite() || time < 0.0 {
             return;
         }
@@ -139,7 +139,7 @@ impl Performance {
         let before = known.unwrap_or(time);
         let is_close = |start: f64| plays_over || known.is_some_and(|known| start - known < 1e-3);
         if let Some(other) = &seen.other {
-            self.note_other(time, before, is_close(time), (seen, other));
+            self.record_other_deck(time, before, is_close(time), (seen, other));
         }
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
@@ -171,7 +171,7 @@ impl Performance {
                 self.begin_finish(&seen.picture);
             }
         }
-        self.note_finish(time, before, &seen.picture);
+        self.record_finish(time, before, &seen.picture);
         let Some(played) = self.scenes.last_mut() else { return };
         let turns = turned_camera(seen.turns, seen.moves);
         let fader = seen.other.as_ref().map(|other| Turned {
@@ -181,11 +181,11 @@ impl Performance {
             is_shown: false,
         });
         let params = seen.params.iter().copied();
-        self.is_full |= played.note(time, before, params.chain(turns).chain(fader));
+        self.is_full |= played.record(time, before, params.chain(turns).chain(fader));
     }
 
     /// Records the scene of the other deck, in an entry before the entry of the scene to which the fader leads.
-    fn note_other(
+    fn record_other_deck(
         &mut self,
         time: f64,
         before: f64,
@@ -219,13 +219,13 @@ impl Performance {
         let from = if is_in_pair { self.scenes.iter_mut().nth_back(1) } else { self.scenes.last_mut() };
         if let Some(from) = from {
             let turns = turned_camera(other.turns, &[]);
-            self.is_full |= from.note(time, before, other.params.iter().copied().chain(turns));
+            self.is_full |= from.record(time, before, other.params.iter().copied().chain(turns));
         }
     }
 
     /// Records a change of the image settings at `time` seconds, while the last recorded frame is still
     /// displayed.
-    pub fn note_picture(&mut self, time: f64, picture: &Finish) {
+    pub fn record_picture(&mut self, time: f64, picture: &Finish) {
         if !time.is_finite() || time < 0.0 {
             return;
         }
@@ -233,7 +233,7 @@ impl Performance {
             self.forget_from(time);
         }
         let before = self.last.replace(time).unwrap_or(time);
-        self.note_finish(time, before, picture);
+        self.record_finish(time, before, picture);
     }
 
     /// Records a freeze that starts at the moment of the last recorded frame and shows that frame.
@@ -242,7 +242,7 @@ impl Performance {
         let [brightness, given_way] = self.finish;
         let [_, fraction] = picture.numbers;
         let Some(last) = self.last else { return };
-        self.note_picture(last, &Finish { numbers: [brightness, fraction], ..*picture });
+        self.record_picture(last, &Finish { numbers: [brightness, fraction], ..*picture });
         if given_way > 0.0
             && let Some(line) = self.scenes.last_mut().and_then(|played| played.lines.get_mut(name))
         {
@@ -269,7 +269,7 @@ impl Performance {
     }
 
     /// Records changes of the image settings. Image settings persist across scenes, so only changes are stored.
-    fn note_finish(&mut self, time: f64, before: f64, picture: &Finish) {
+    fn record_finish(&mut self, time: f64, before: f64, picture: &Finish) {
         let Some(played) = self.scenes.last_mut() else { return };
         let known = PICTURE_NUMBERS.into_iter().zip(picture.numbers).zip(&mut self.finish);
         for ((name, value), known) in known {
@@ -287,7 +287,7 @@ impl Performance {
                 played.lines.insert(name.to_owned(), Line { own: last, points });
             }
             if let Some(line) = played.lines.get_mut(name) {
-                line.note(time, before, value);
+                line.record(time, before, value);
             }
         }
     }
@@ -343,7 +343,7 @@ fn turned_camera<'a>(turns: [f32; 3], moves: &[Move]) -> impl Iterator<Item = Tu
 
 impl Line {
     /// Records `value` at `time`; `before` is the previous recorded moment.
-    fn note(&mut self, time: f64, before: f64, value: f32) {
+    fn record(&mut self, time: f64, before: f64, value: f32) {
         let Some(&(at, last)) = self.points.last() else { return };
         if last.to_bits() == value.to_bits() {
             return;
@@ -414,7 +414,7 @@ fn setting_of(one: &Move, start: f64) -> Setting {
 impl Played {
     /// Records values of this entry's scene at `time`; `before` is the previous recorded moment. Returns true if a
     /// limit was reached.
-    fn note<'a>(&mut self, time: f64, before: f64, values: impl Iterator<Item = Turned<'a>>) -> bool {
+    fn record<'a>(&mut self, time: f64, before: f64, values: impl Iterator<Item = Turned<'a>>) -> bool {
         let mut is_full = false;
         for Turned { name, value, own, is_shown } in values {
             if !self.lines.contains_key(name) {
@@ -431,7 +431,7 @@ impl Played {
                 self.lines.insert(name.to_owned(), Line { own, points });
             }
             if let Some(line) = self.lines.get_mut(name) {
-                line.note(time, before, value);
+                line.record(time, before, value);
             }
         }
         is_full

@@ -202,7 +202,7 @@ impl ControllersPanel {
     }
 
     /// Handles a key. Returns true if the panel used the key, and the key's command.
-    pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+    pub fn handle_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let Key::Named(named) = key else { return (false, None) };
         let row = self.rows.get(self.selected);
         match named {

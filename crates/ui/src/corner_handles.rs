@@ -34,13 +34,13 @@ impl CornerHandles {
     }
 
     /// Sets the corners and selects one of them.
-    pub fn take(&mut self, selected: usize, corners: Corners) {
+    pub fn set_corners(&mut self, selected: usize, corners: Corners) {
         (self.selected, self.corners) = (selected.min(3), corners);
     }
 
     /// Handles a key. Tab selects the next corner, arrows move the selected corner, and Home resets all four. Returns
     /// `None` for unrelated keys, otherwise the key's command, if any.
-    pub fn take_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
+    pub fn handle_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
         let step = if shift { LARGE_STEP } else { STEP };
         let way = match key {
             Key::Named(NamedKey::Tab) => {
@@ -91,17 +91,17 @@ mod tests {
     fn keys_select_and_move_corners_and_leave_other_keys_alone() {
         let mut handles = CornerHandles::new(Corners::default());
         let key = |key: NamedKey| Key::Named(key);
-        assert_eq!(handles.take_key(&key(NamedKey::Tab), false), Some(None));
-        let moved = handles.take_key(&key(NamedKey::ArrowLeft), true);
+        assert_eq!(handles.handle_key(&key(NamedKey::Tab), false), Some(None));
+        let moved = handles.handle_key(&key(NamedKey::ArrowLeft), true);
         let to = |place| Some(Some(Command::MoveCorner(MovedCorner { corner: 1, place, settled: true })));
         assert_eq!(moved, to([1.0 - LARGE_STEP, 0.0]));
-        handles.take(1, Corners::default().with(1, [0.9, 0.1]).unwrap());
-        let moved = handles.take_key(&key(NamedKey::ArrowDown), false);
+        handles.set_corners(1, Corners::default().with(1, [0.9, 0.1]).unwrap());
+        let moved = handles.handle_key(&key(NamedKey::ArrowDown), false);
         assert_eq!(moved, to([0.9, 0.1 + STEP]));
-        assert_eq!(handles.take_key(&key(NamedKey::Tab), true), Some(None));
+        assert_eq!(handles.handle_key(&key(NamedKey::Tab), true), Some(None));
         assert_eq!(handles.selected, 0);
-        assert_eq!(handles.take_key(&key(NamedKey::Home), false), Some(Some(Command::ResetCorners)));
-        assert_eq!(handles.take_key(&Key::Character("n".into()), false), None);
+        assert_eq!(handles.handle_key(&key(NamedKey::Home), false), Some(Some(Command::ResetCorners)));
+        assert_eq!(handles.handle_key(&Key::Character("n".into()), false), None);
     }
 
     #[test]

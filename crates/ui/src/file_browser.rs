@@ -148,7 +148,7 @@ impl FileBrowser {
             revision: 0,
         };
         browser.list_places();
-        browser.trouble = browser.reader.ask_for_places().err().or(browser.trouble);
+        browser.trouble = browser.reader.request_places().err().or(browser.trouble);
         if let Some(folder) = folder {
             browser.enter(folder);
         }
@@ -192,15 +192,15 @@ impl FileBrowser {
     pub fn update(&mut self) {
         while let Some(answer) = self.reader.answer() {
             match answer {
-                Answer::Places(places) => self.take_places(places),
-                Answer::Folder(folder, listing) if folder == self.folder => self.take_listing(listing),
+                Answer::Places(places) => self.show_places(places),
+                Answer::Folder(folder, listing) if folder == self.folder => self.show_listing(listing),
                 // The user has left this folder.
                 Answer::Folder(..) => {}
             }
         }
     }
 
-    fn take_places(&mut self, places: Vec<Place>) {
+    fn show_places(&mut self, places: Vec<Place>) {
         self.common = places;
         self.list_places();
         if self.folder.as_os_str().is_empty() {
@@ -209,7 +209,7 @@ impl FileBrowser {
         }
     }
 
-    fn take_listing(&mut self, listing: Result<Vec<FileEntry>, String>) {
+    fn show_listing(&mut self, listing: Result<Vec<FileEntry>, String>) {
         tracing::debug!("{} is listed", self.folder.display());
         (self.entries, self.trouble) = match listing {
             Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
@@ -218,7 +218,7 @@ impl FileBrowser {
         };
         self.search();
         let music = self.entries.iter().filter(|entry| entry.kind == FileKind::Music);
-        self.tags.want_folder(music.map(|entry| entry.path.clone()));
+        self.tags.request_folder(music.map(|entry| entry.path.clone()));
         let left = self.came_from.take();
         let is_left =
             |at: &usize| self.entries.get(*at).is_some_and(|entry| Some(&entry.path) == left.as_ref());
@@ -226,17 +226,17 @@ impl FileBrowser {
     }
 
     /// Notes which matching entries are visible, so that their tags are read first.
-    pub fn note_drawn(&self, places: Range<usize>) {
+    pub fn record_drawn(&self, places: Range<usize>) {
         let visible = places.filter_map(|place| self.entry(place));
         let music = visible.filter(|entry| entry.kind == FileKind::Music);
-        self.tags.want(music.map(|entry| entry.path.as_path()));
+        self.tags.request(music.map(|entry| entry.path.as_path()));
     }
 
     /// Handles a key and returns its commands. Letters search, arrows select, Enter opens, and Backspace or Alt+Up goes
     /// up. Tab switches between the entries and the shortcuts. Shift+Enter adds the entry to the tracks. Ctrl+Enter
     /// plays the whole folder, and Ctrl+Shift+Enter adds it. Ctrl+D marks the folder. Escape clears the search text;
     /// without a search text it closes the list.
-    pub fn take_key(&mut self, key: &Key, held: Modifiers) -> Vec<Command> {
+    pub fn handle_key(&mut self, key: &Key, held: Modifiers) -> Vec<Command> {
         self.revision += 1;
         let command = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
         let shift = held.contains(Modifiers::SHIFT);
@@ -244,25 +244,25 @@ impl FileBrowser {
             Key::Named(NamedKey::Escape) if self.query.text().is_empty() => return vec![CLOSE],
             Key::Named(NamedKey::Enter) if command => return self.open_folder(shift),
             Key::Character(letter) if command && letter.eq_ignore_ascii_case("d") => return self.mark(),
-            Key::Named(NamedKey::ArrowUp) if held.contains(Modifiers::ALT) => self.go_up(),
+            Key::Named(NamedKey::ArrowUp) if held.contains(Modifiers::ALT) => self.enter_parent(),
             Key::Named(NamedKey::Tab) => {
                 let first = self.places.iter().position(|place| place.path == self.folder).unwrap_or(0);
                 let to_places = self.selected_place.is_none() && !self.places.is_empty();
                 self.selected_place = to_places.then_some(first);
             }
-            Key::Named(named) if self.selected_place.is_some() && self.take_place_key(*named) => {}
+            Key::Named(named) if self.selected_place.is_some() && self.handle_place_key(*named) => {}
             Key::Named(NamedKey::Enter) => return self.open(self.selected, shift),
             Key::Named(NamedKey::ArrowRight) => {
                 if self.entry(self.selected).is_some_and(|entry| entry.kind == FileKind::Folder) {
                     return self.open(self.selected, false);
                 }
             }
-            Key::Named(NamedKey::ArrowLeft) => self.go_up(),
-            Key::Named(NamedKey::Backspace) if self.query.text().is_empty() => self.go_up(),
+            Key::Named(NamedKey::ArrowLeft) => self.enter_parent(),
+            Key::Named(NamedKey::Backspace) if self.query.text().is_empty() => self.enter_parent(),
             key => {
                 if let Some(place) = moved(key, self.selected) {
                     self.select(place);
-                } else if self.query.take_key(key, command) {
+                } else if self.query.handle_key(key, command) {
                     self.selected_place = None;
                     self.search();
                     self.selected = 0;
@@ -273,7 +273,7 @@ impl FileBrowser {
     }
 
     /// Handles a key for the shortcuts. Returns false for other keys.
-    fn take_place_key(&mut self, key: NamedKey) -> bool {
+    fn handle_place_key(&mut self, key: NamedKey) -> bool {
         let selected = self.selected_place.unwrap_or(0);
         match key {
             NamedKey::Enter | NamedKey::ArrowRight => self.enter_place(selected),
@@ -332,7 +332,7 @@ impl FileBrowser {
     }
 
     /// Enters the parent folder.
-    pub fn go_up(&mut self) {
+    pub fn enter_parent(&mut self) {
         if let Some(above) = self.folder.parent().map(Path::to_owned) {
             let left = self.folder.clone();
             self.enter(above);
@@ -346,7 +346,7 @@ impl FileBrowser {
         self.came_from = None;
         self.folder.clone_from(&folder);
         self.revision += 1;
-        self.trouble = Some(self.reader.ask(folder).err().unwrap_or_else(|| READING.to_owned()));
+        self.trouble = Some(self.reader.request(folder).err().unwrap_or_else(|| READING.to_owned()));
     }
 
     fn select(&mut self, place: usize) {

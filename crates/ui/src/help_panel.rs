@@ -36,7 +36,7 @@ impl HelpPanel {
     /// Handles a key; `command` is true while Ctrl or Command is held. Letters search, arrows select, and Enter
     /// carries out the selected row. H and F1 close the table; H searches once there is a search text. Returns true if
     /// the table used the key, and the key's commands.
-    pub fn take_key(&mut self, key: &Key, command: bool) -> (bool, Vec<Command>) {
+    pub fn handle_key(&mut self, key: &Key, command: bool) -> (bool, Vec<Command>) {
         let last = self.rows().len().saturating_sub(1);
         let selected = match key {
             Key::Named(NamedKey::Escape) if self.query().is_empty() => return (true, vec![CLOSE]),
@@ -56,7 +56,7 @@ impl HelpPanel {
             Key::Named(NamedKey::Home) => 0,
             Key::Named(NamedKey::End) => last,
             key => {
-                let changed = self.query.take_key(key, command);
+                let changed = self.query.handle_key(key, command);
                 if changed {
                     self.selected = self.row_of_key().unwrap_or(0);
                     self.revision += 1;
@@ -100,14 +100,14 @@ mod tests {
     use mariana_commands::{Switch, bindings};
 
     fn press(help: &mut HelpPanel, key: NamedKey) -> Vec<Command> {
-        let (taken, commands) = help.take_key(&Key::Named(key), false);
+        let (taken, commands) = help.handle_key(&Key::Named(key), false);
         assert!(taken, "the table ignores {key:?}");
         commands
     }
 
     fn typed(help: &mut HelpPanel, text: &str) {
         for letter in text.chars() {
-            assert_eq!(help.take_key(&Key::Character(letter.to_string()), false), (true, Vec::new()));
+            assert_eq!(help.handle_key(&Key::Character(letter.to_string()), false), (true, Vec::new()));
         }
     }
 
@@ -141,13 +141,13 @@ mod tests {
     fn the_key_that_opens_the_table_closes_it_until_something_is_typed() {
         let mut help = HelpPanel::default();
         let h = Key::Character("h".to_owned());
-        assert_eq!(help.take_key(&h, false), (true, vec![CLOSE]));
+        assert_eq!(help.handle_key(&h, false), (true, vec![CLOSE]));
         typed(&mut help, "s");
-        assert_eq!(help.take_key(&h, false), (true, Vec::new()));
+        assert_eq!(help.handle_key(&h, false), (true, Vec::new()));
         assert_eq!(help.query(), "sh");
         assert_eq!(press(&mut help, NamedKey::F1), [CLOSE]);
         for key in [Key::Named(NamedKey::F5), Key::Named(NamedKey::ArrowLeft), Key::Other] {
-            assert_eq!(help.take_key(&key, false), (false, Vec::new()), "{key:?} belongs to the show");
+            assert_eq!(help.handle_key(&key, false), (false, Vec::new()), "{key:?} belongs to the show");
         }
     }
 

@@ -20,7 +20,7 @@
 //!     device: None,
 //! });
 //! assert!(panel.rows().iter().any(|row| row.name == "Quality"));
-//! panel.take_key(&Key::Named(NamedKey::ArrowDown));
+//! panel.handle_key(&Key::Named(NamedKey::ArrowDown));
 //! assert_eq!(panel.selected(), 1);
 //! ```
 //!

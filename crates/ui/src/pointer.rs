@@ -33,7 +33,7 @@ pub(crate) struct Pointer {
 }
 
 impl Pointer {
-    pub(crate) fn take(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
+    pub(crate) fn handle(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
         match input {
             Input::PointerMoved(place) => self.moved(*place),
             Input::PointerButton { button: PointerButton::Primary, pressed: true } => self.pressed(now),
@@ -108,7 +108,7 @@ mod tests {
         let (mut pointer, now) = (Pointer::default(), Instant::now());
         let (down, up) = (button(true), button(false));
         let mut all = |events: &[&Input]| -> Vec<Option<Gesture>> {
-            events.iter().map(|event| pointer.take(event, now)).collect()
+            events.iter().map(|event| pointer.handle(event, now)).collect()
         };
         let click = [None, None, None, Some(Gesture::Click([10.0, 10.0]))];
         assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a shaking hand");
@@ -125,7 +125,7 @@ mod tests {
     fn a_gesture_begins_at_the_press_or_at_the_pointer() {
         let (mut pointer, now) = (Pointer::default(), Instant::now());
         let mut after = |event: &Input| {
-            let _ = pointer.take(event, now);
+            let _ = pointer.handle(event, now);
             pointer.began()
         };
         assert_eq!(after(&to(5.0, 6.0)), [5.0, 6.0]);
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn wheels_and_touchpads_zoom() {
         let mut pointer = Pointer::default();
-        let mut zoom = |wheel| pointer.take(&Input::Wheel(wheel), Instant::now());
+        let mut zoom = |wheel| pointer.handle(&Input::Wheel(wheel), Instant::now());
         assert_eq!(zoom(Wheel::Notches([0.0, -2.0])), Some(Gesture::Zoom(-2.0)));
         assert_eq!(zoom(Wheel::Pixels([7.0, 20.0])), Some(Gesture::Zoom(0.5)));
         assert_eq!(zoom(Wheel::Notches([1.0, 0.0])), None);

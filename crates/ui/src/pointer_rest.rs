@@ -19,7 +19,7 @@ pub struct PointerRest {
 
 impl PointerRest {
     /// Handles an event of the window.
-    pub fn take(&mut self, input: &Input, now: Instant) {
+    pub fn handle(&mut self, input: &Input, now: Instant) {
         match input {
             Input::PointerMoved(position) => {
                 let moved = self
@@ -76,13 +76,13 @@ mod tests {
     fn a_pointer_that_moves_wakes_and_one_that_rests_sleeps() {
         let (mut rest, start) = (PointerRest::default(), Instant::now());
         let at = |ms| start + Duration::from_millis(ms);
-        rest.take(&to(10.0, 10.0), start);
+        rest.handle(&to(10.0, 10.0), start);
         assert!(!rest.is_awake(false, start), "the window opened below it");
-        rest.take(&to(11.0, 10.0), start);
+        rest.handle(&to(11.0, 10.0), start);
         assert!(!rest.is_awake(false, start), "the table shook");
-        rest.take(&to(14.0, 10.0), start);
+        rest.handle(&to(14.0, 10.0), start);
         assert!(rest.is_awake(false, at(2_499)) && !rest.is_awake(false, at(2_500)));
-        rest.take(&to(20.0, 10.0), at(3_000));
+        rest.handle(&to(20.0, 10.0), at(3_000));
         assert!(rest.is_awake(true, at(5_000)) && rest.is_awake(false, at(7_400)));
         assert!(!rest.is_awake(false, at(7_501)));
     }
@@ -90,13 +90,13 @@ mod tests {
     #[test]
     fn in_full_screen_it_rests_at_once() {
         let (mut rest, now) = (PointerRest::default(), Instant::now());
-        rest.take(&to(10.0, 10.0), now);
-        rest.take(&to(20.0, 10.0), now);
+        rest.handle(&to(10.0, 10.0), now);
+        rest.handle(&to(20.0, 10.0), now);
         rest.sleep();
         assert!(!rest.is_awake(true, now));
-        rest.take(&Input::PointerLeft, now);
+        rest.handle(&Input::PointerLeft, now);
         assert_eq!(rest.falls_asleep(), None);
-        rest.take(&to(30.0, 10.0), now);
+        rest.handle(&to(30.0, 10.0), now);
         assert!(rest.is_awake(false, now));
     }
 }

@@ -155,7 +155,7 @@ impl SceneBrowser {
 
     /// Records the drawn tiles, the number of tiles side by side, and the index of the tile that should move. Requests
     /// missing thumbnails of the drawn tiles.
-    pub fn note_drawn(
+    pub fn record_drawn(
         &mut self,
         places: Range<usize>,
         columns: usize,
@@ -166,7 +166,7 @@ impl SceneBrowser {
         if self.moving.as_ref().map(|moving| &moving.source) != source {
             let source = source.cloned();
             self.moving = source.clone().map(|source| Moving { source, frames: Vec::new() });
-            source.into_iter().for_each(|source| thumbnails.ask_for_motion(source));
+            source.into_iter().for_each(|source| thumbnails.request_motion(source));
         }
         self.columns = columns.max(1);
         let mut wanted = Vec::new();
@@ -179,17 +179,17 @@ impl SceneBrowser {
             }
         }
         if !wanted.is_empty() {
-            thumbnails.ask_for_pictures(wanted);
+            thumbnails.request_pictures(wanted);
         }
     }
 
     /// Requests the descriptions of all scenes.
-    pub fn ask_for_descriptions(&self, thumbnails: &mut Thumbnails) {
-        thumbnails.ask_for_descriptions(self.tiles.iter().map(|tile| &tile.source));
+    pub fn request_descriptions(&self, thumbnails: &mut Thumbnails) {
+        thumbnails.request_descriptions(self.tiles.iter().map(|tile| &tile.source));
     }
 
     /// Stores descriptions and thumbnails that have been found.
-    pub fn take(&mut self, found: Vec<Looked>) {
+    pub fn store(&mut self, found: Vec<Looked>) {
         let mut described = false;
         for Looked { source, about } in found {
             self.revision += 1;
@@ -210,7 +210,7 @@ impl SceneBrowser {
             }
         }
         if described {
-            self.filters.note(self.tiles.iter().map(|tile| &tile.about));
+            self.filters.offer_moods(self.tiles.iter().map(|tile| &tile.about));
         }
         if described && (!self.query().is_empty() || self.filters.are_any()) {
             self.search_again();
@@ -220,7 +220,7 @@ impl SceneBrowser {
     /// Handles a key and returns its commands; `command` is true while Ctrl or Command is held. Letters search, arrows
     /// select, Enter shows, and Tab marks. Ctrl with M or E chooses the next mood or energy. Escape clears the search
     /// text, then the filters, and then closes the list.
-    pub fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
+    pub fn handle_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
             Key::Named(NamedKey::Escape) if self.query().is_empty() => {
@@ -242,7 +242,7 @@ impl SceneBrowser {
             Key::Named(NamedKey::Home) => self.select(0),
             Key::Named(NamedKey::End) => self.select(usize::MAX),
             key => {
-                if self.query.take_key(key, command) {
+                if self.query.handle_key(key, command) {
                     self.search();
                     self.selected = 0;
                 }
@@ -328,7 +328,7 @@ mod tests {
 
     fn typed(browser: &mut SceneBrowser, text: &str) {
         for letter in text.chars() {
-            assert_eq!(browser.take_key(&Key::Character(letter.to_string()), false), []);
+            assert_eq!(browser.handle_key(&Key::Character(letter.to_string()), false), []);
         }
     }
 
@@ -340,16 +340,16 @@ mod tests {
         assert_eq!(names(&browser), ["city", "clockwork", "quick"], "names that begin with it come first");
         typed(&mut browser, "LO");
         assert_eq!(names(&browser), ["clockwork"]);
-        let shown = browser.take_key(&Key::Named(NamedKey::Enter), false);
+        let shown = browser.handle_key(&Key::Named(NamedKey::Enter), false);
         let source = SceneSource::Shipped("clockwork".into());
         assert_eq!(shown, [Command::ShowScene(Box::new(source)), CLOSE]);
         typed(&mut browser, "zz");
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), []);
-        let _ = browser.take_key(&Key::Named(NamedKey::Backspace), false);
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Enter), false), []);
+        let _ = browser.handle_key(&Key::Named(NamedKey::Backspace), false);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Escape), false), []);
         assert_eq!((browser.query(), names(&browser).len()), ("", 5));
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
-        assert_eq!(browser.take_key(&Key::Character("c".into()), true), []);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
+        assert_eq!(browser.handle_key(&Key::Character("c".into()), true), []);
         assert_eq!(browser.query(), "");
     }
 
@@ -358,7 +358,7 @@ mod tests {
         let mut browser = browser(&["a", "b", "c", "d", "e"]);
         browser.columns = 3;
         let mut go = |key| {
-            let _ = browser.take_key(&Key::Named(key), false);
+            let _ = browser.handle_key(&Key::Named(key), false);
             browser.selected
         };
         assert_eq!(go(NamedKey::ArrowDown), 4);
@@ -371,9 +371,9 @@ mod tests {
     #[test]
     fn marked_scenes_come_first_and_the_selection_stays_with_its_scene() {
         let mut browser = browser(&["a", "b", "c"]);
-        let _ = browser.take_key(&Key::Named(NamedKey::End), false);
+        let _ = browser.handle_key(&Key::Named(NamedKey::End), false);
         let marked = Command::MarkScenes(["c".to_owned()].into());
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Tab), false), [marked]);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Tab), false), [marked]);
         assert_eq!((names(&browser), browser.selected), (vec!["c", "a", "b"], 0));
         assert!(browser.is_present(2));
         assert_eq!(browser.mark(0), [Command::MarkScenes(BTreeSet::new())]);
@@ -390,7 +390,7 @@ mod tests {
                 energy: Some(*energy),
             }),
         };
-        browser.take(names.iter().map(looked).collect());
+        browser.store(names.iter().map(looked).collect());
         browser
     }
 
@@ -404,7 +404,7 @@ mod tests {
         ]);
         assert_eq!(browser.filters.moods, ["calm", "night", "wet"], "moods of one scene are left out");
         let press = |browser: &mut SceneBrowser, letter: &str| {
-            assert_eq!(browser.take_key(&Key::Character(letter.to_owned()), true), []);
+            assert_eq!(browser.handle_key(&Key::Character(letter.to_owned()), true), []);
         };
         press(&mut browser, "m");
         assert_eq!(names(&browser), ["sea", "moon"]);
@@ -414,13 +414,13 @@ mod tests {
         assert_eq!(names(&browser), ["city"]);
         browser.filter(SceneFilter::Mood(1));
         assert_eq!(names(&browser), ["city", "fire"]);
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Escape), false), []);
         assert_eq!(names(&browser).len(), 4);
         for _ in 0..4 {
             press(&mut browser, "e");
         }
         assert!(!browser.filters.are_any(), "after the last energy come all scenes");
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
+        assert_eq!(browser.handle_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
         typed(&mut browser, "wild");
         assert_eq!(names(&browser), ["fire"], "moods are found by typing");
     }
@@ -435,10 +435,10 @@ mod tests {
             source: SceneSource::Shipped(name.to_owned()),
             about: About::Motion(frames(count)),
         };
-        browser.note_drawn(0..2, 2, Some(1), &mut thumbnails);
-        browser.take(vec![moved("b", 5), moved("a", 3)]);
+        browser.record_drawn(0..2, 2, Some(1), &mut thumbnails);
+        browser.store(vec![moved("b", 5), moved("a", 3)]);
         assert_eq!([0, 1, 2].map(|place| browser.frames(place).len()), [0, 5, 0]);
-        browser.note_drawn(0..2, 2, None, &mut thumbnails);
+        browser.record_drawn(0..2, 2, None, &mut thumbnails);
         assert!(browser.frames(1).is_empty());
     }
 
@@ -446,7 +446,7 @@ mod tests {
     fn an_empty_list_ignores_keys() {
         let mut browser = browser(&[]);
         for key in [NamedKey::Enter, NamedKey::Tab, NamedKey::ArrowDown, NamedKey::End] {
-            assert_eq!(browser.take_key(&Key::Named(key), false), []);
+            assert_eq!(browser.handle_key(&Key::Named(key), false), []);
         }
     }
 }

@@ -85,7 +85,7 @@ impl SettingsPanel {
 
     /// Handles a key: arrows select and change, Enter chooses the next value. Returns true if the panel used the key,
     /// and the key's command.
-    pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+    pub fn handle_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let command = match key {
             Key::Named(NamedKey::ArrowUp) => {
                 self.select(self.selected.saturating_sub(1));
@@ -120,14 +120,14 @@ impl SettingsPanel {
             _ => return None,
         };
         let command = Command::Set(SetSetting { setting: setting.clone(), settled: true });
-        self.note_turned();
+        self.record_turned();
         Some(command)
     }
 
     /// Selects a row and changes its number, if the row has a number.
     pub fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
         self.select(row);
-        self.note_turned();
+        self.record_turned();
         match &self.rows.get(row)?.values {
             Values::Delay(_) => Some(Command::Delay(Delay { milliseconds: number, settled })),
             Values::Percent { setting, .. } => {
@@ -137,7 +137,7 @@ impl SettingsPanel {
         }
     }
 
-    fn note_turned(&mut self) {
+    fn record_turned(&mut self) {
         let is_seen =
             |row: &SettingRow| row.group.is_seen() && !matches!(row.values, Values::OneOfRows { .. });
         if self.rows.get(self.selected).is_some_and(is_seen) {
@@ -268,7 +268,7 @@ pub(crate) mod tests {
     }
 
     fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<Command> {
-        let (taken, change) = panel.take_key(&Key::Named(key));
+        let (taken, change) = panel.handle_key(&Key::Named(key));
         assert!(taken, "the panel ignores {key:?}");
         change
     }
@@ -317,7 +317,7 @@ pub(crate) mod tests {
         assert_eq!(panel.rows[panel.selected].name, "Crop");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
-            assert_eq!(panel.take_key(&key), (false, None), "{key:?} belongs to the show");
+            assert_eq!(panel.handle_key(&key), (false, None), "{key:?} belongs to the show");
         }
     }
 

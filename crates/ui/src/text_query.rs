@@ -15,7 +15,7 @@ impl TextQuery {
     }
 
     /// Handles a key that types or deletes. With `command` held, letters are ignored. Returns true if the text changed.
-    pub(crate) fn take_key(&mut self, key: &Key, command: bool) -> bool {
+    pub(crate) fn handle_key(&mut self, key: &Key, command: bool) -> bool {
         match key {
             Key::Named(NamedKey::Escape) => !std::mem::take(&mut self.0).is_empty(),
             Key::Named(NamedKey::Backspace) => self.0.pop().is_some(),
@@ -57,17 +57,17 @@ mod tests {
         let mut query = TextQuery::default();
         assert!(query.fits("anything") && !query.begins("anything"));
         for letter in ["S", "e", "a"] {
-            assert!(query.take_key(&Key::Character(letter.into()), false));
+            assert!(query.handle_key(&Key::Character(letter.into()), false));
         }
-        assert!(!query.take_key(&Key::Character("x".into()), true), "Ctrl+X is not a letter");
-        assert!(query.take_key(&Key::Named(NamedKey::Space), false));
-        assert!(query.take_key(&Key::Character("d".into()), false));
+        assert!(!query.handle_key(&Key::Character("x".into()), true), "Ctrl+X is not a letter");
+        assert!(query.handle_key(&Key::Named(NamedKey::Space), false));
+        assert!(query.handle_key(&Key::Character("d".into()), false));
         assert!(query.fits("deep sea") && query.fits("Seaside") && !query.fits("sea"));
         assert!(!query.begins("deep sea"));
-        assert!(query.take_key(&Key::Character("a".repeat(500)), false));
+        assert!(query.handle_key(&Key::Character("a".repeat(500)), false));
         assert_eq!(query.text().chars().count(), LENGTH_MAX);
-        assert!(!query.take_key(&Key::Character("a".into()), false));
-        assert!(query.take_key(&Key::Named(NamedKey::Escape), false) && query.text().is_empty());
-        assert!(!query.take_key(&Key::Named(NamedKey::Backspace), false));
+        assert!(!query.handle_key(&Key::Character("a".into()), false));
+        assert!(query.handle_key(&Key::Named(NamedKey::Escape), false) && query.text().is_empty());
+        assert!(!query.handle_key(&Key::Named(NamedKey::Backspace), false));
     }
 }

@@ -93,9 +93,9 @@ impl TrackPanel {
     }
 
     /// Notes which rows are visible, so that their tags are read first.
-    pub fn note_drawn(&self, rows: Range<usize>) {
+    pub fn record_drawn(&self, rows: Range<usize>) {
         let visible = rows.filter_map(|row| self.list.entries.get(self.track_in(row)?));
-        self.tags.want(visible.filter_map(|track| track.file.as_deref()));
+        self.tags.request(visible.filter_map(|track| track.file.as_deref()));
     }
 
     /// Begins a search, or ends it and shows all tracks again.
@@ -109,7 +109,7 @@ impl TrackPanel {
 
     /// Handles a key. Returns its commands; `None` for a key that belongs to the show. Arrows select, Enter plays,
     /// Delete removes, Alt and an arrow move the track, Ctrl+Z takes back the last change, and `/` or Ctrl+F searches.
-    pub fn take_key(&mut self, key: &Key, held: Modifiers) -> Option<Vec<Command>> {
+    pub fn handle_key(&mut self, key: &Key, held: Modifiers) -> Option<Vec<Command>> {
         let command = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
         let is_letter =
             |wanted: &str| matches!(key, Key::Character(text) if text.eq_ignore_ascii_case(wanted));
@@ -121,7 +121,7 @@ impl TrackPanel {
             return Some(Vec::new());
         }
         if held.contains(Modifiers::ALT) {
-            return self.take_move_key(key);
+            return self.handle_move_key(key);
         }
         if let Some(row) = moved(key, self.selected) {
             self.select(row);
@@ -142,7 +142,7 @@ impl TrackPanel {
             }
             key => {
                 let query = self.query.as_mut()?;
-                if query.take_key(key, command) {
+                if query.handle_key(key, command) {
                     self.search();
                     self.select(0);
                 }
@@ -151,7 +151,7 @@ impl TrackPanel {
         }
     }
 
-    fn take_move_key(&mut self, key: &Key) -> Option<Vec<Command>> {
+    fn handle_move_key(&mut self, key: &Key) -> Option<Vec<Command>> {
         let to = moved(key, self.selected)?.min(self.list.entries.len().saturating_sub(1));
         if self.is_filtered() || to == self.selected {
             return Some(Vec::new());
@@ -204,11 +204,11 @@ mod tests {
     }
 
     fn key(panel: &mut TrackPanel, key: NamedKey) -> Option<Vec<Command>> {
-        panel.take_key(&Key::Named(key), Modifiers::empty())
+        panel.handle_key(&Key::Named(key), Modifiers::empty())
     }
 
     fn letter(panel: &mut TrackPanel, text: &str, held: Modifiers) -> Option<Vec<Command>> {
-        panel.take_key(&Key::Character(text.to_owned()), held)
+        panel.handle_key(&Key::Character(text.to_owned()), held)
     }
 
     #[test]
@@ -218,11 +218,11 @@ mod tests {
         assert_eq!(key(&mut panel, NamedKey::ArrowDown), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::ArrowDown), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::Enter), Some(vec![Command::PlayTrack(2)]));
-        let alt_up = panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT);
+        let alt_up = panel.handle_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT);
         assert_eq!((alt_up, panel.selected), (Some(vec![Command::MoveTrack((2, 1))]), 1));
-        let alt_home = panel.take_key(&Key::Named(NamedKey::Home), Modifiers::ALT);
+        let alt_home = panel.handle_key(&Key::Named(NamedKey::Home), Modifiers::ALT);
         assert_eq!((alt_home, panel.selected), (Some(vec![Command::MoveTrack((1, 0))]), 0));
-        assert_eq!(panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
+        assert_eq!(panel.handle_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
         assert_eq!(key(&mut panel, NamedKey::Delete), Some(vec![Command::RemoveTrack(0)]));
         assert_eq!(letter(&mut panel, "z", Modifiers::CONTROL), Some(vec![Command::UndoTracks]));
         // Other keys belong to the show.
@@ -235,7 +235,7 @@ mod tests {
         let mut panel = panel(&[], 7);
         for pressed in [NamedKey::ArrowDown, NamedKey::End, NamedKey::Enter, NamedKey::Delete] {
             assert_eq!(key(&mut panel, pressed), Some(vec![]), "{pressed:?}");
-            assert_eq!(panel.take_key(&Key::Named(pressed), Modifiers::ALT).unwrap_or_default(), []);
+            assert_eq!(panel.handle_key(&Key::Named(pressed), Modifiers::ALT).unwrap_or_default(), []);
         }
         assert_eq!((panel.selected, panel.track_in(0)), (0, None));
         assert_eq!(panel.totals(|_| "x".into()), "0 tracks");
@@ -255,7 +255,7 @@ mod tests {
         let _ = key(&mut panel, NamedKey::Backspace);
         assert_eq!((panel.rows(), panel.track_in(1)), (2, Some(2)));
         let _ = key(&mut panel, NamedKey::ArrowDown);
-        assert_eq!(panel.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
+        assert_eq!(panel.handle_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
         // The list changes during the search.
         panel.update(&list(&["x", "Ebb", "y", "Ebb"]));
         assert_eq!((panel.rows(), panel.selected, panel.track_in(1)), (2, 1, Some(3)));

@@ -18,7 +18,7 @@ pub struct UserInput {
 
 impl UserInput {
     /// Handles input and returns its command, if any.
-    pub fn take(&mut self, input: &Input, now: Instant) -> Option<Command> {
+    pub fn handle(&mut self, input: &Input, now: Instant) -> Option<Command> {
         match input {
             Input::Dropped(path) => {
                 self.dropped.push(path.clone());
@@ -29,7 +29,7 @@ impl UserInput {
                 None
             }
             Input::Key(press) => Command::of_press(press, self.held),
-            _ => self.pointer.take(input, now).map(|gesture| match gesture {
+            _ => self.pointer.handle(input, now).map(|gesture| match gesture {
                 Gesture::DoubleClick => Command::Fullscreen(Switch::Toggle),
                 Gesture::Drag(way) => Command::TurnCamera(way),
                 Gesture::Zoom(notches) => Command::ZoomCamera(notches),
@@ -49,7 +49,7 @@ impl UserInput {
     }
 
     /// Removes and returns the dropped files.
-    pub fn take_dropped(&mut self) -> Vec<PathBuf> {
+    pub fn drain_dropped(&mut self) -> Vec<PathBuf> {
         std::mem::take(&mut self.dropped)
     }
 
@@ -83,17 +83,17 @@ mod tests {
     fn files_that_are_dropped_together_are_taken_together_and_once() {
         let mut input = UserInput::default();
         for name in ["a.wav", "b.wav"] {
-            assert_eq!(input.take(&Input::Dropped(name.into()), Instant::now()), None);
+            assert_eq!(input.handle(&Input::Dropped(name.into()), Instant::now()), None);
         }
-        assert_eq!(input.take_dropped(), [PathBuf::from("a.wav"), "b.wav".into()]);
-        assert!(input.take_dropped().is_empty());
+        assert_eq!(input.drain_dropped(), [PathBuf::from("a.wav"), "b.wav".into()]);
+        assert!(input.drain_dropped().is_empty());
     }
 
     #[test]
     fn a_double_click_asks_for_full_screen() {
         let (mut input, now) = (UserInput::default(), Instant::now());
         let mut click =
-            |pressed| input.take(&Input::PointerButton { button: PointerButton::Primary, pressed }, now);
+            |pressed| input.handle(&Input::PointerButton { button: PointerButton::Primary, pressed }, now);
         assert_eq!([click(true), click(false)], [None, Some(Command::Inspect([0.0, 0.0]))]);
         assert_eq!(click(true), Some(Command::Fullscreen(Switch::Toggle)));
     }
@@ -102,10 +102,10 @@ mod tests {
     fn shift_is_held_until_it_is_let_go() {
         let mut input = UserInput::default();
         for held in [Modifiers::SHIFT, Modifiers::SHIFT | Modifiers::ALT] {
-            let _ = input.take(&Input::Modifiers(held), Instant::now());
+            let _ = input.handle(&Input::Modifiers(held), Instant::now());
             assert!(input.held.shift_key(), "{held:?}");
         }
-        let _ = input.take(&Input::Modifiers(Modifiers::ALT), Instant::now());
+        let _ = input.handle(&Input::Modifiers(Modifiers::ALT), Instant::now());
         assert!(!input.held.shift_key());
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn measure_edit(
         SceneResources::upload_after(Some(before), &gl, world.clone(), buffers.clone(), plan.clone())?;
     let frame = Frame::new(&world, request.at, sound, request.size);
     let built = resources.region_maker().build(&frame, resources.region_request(&frame));
-    resources.take_regions(built.into());
+    resources.upload_regions(built.into());
     let prepared = start.elapsed();
     let mut draw = |program: &Program, start: Instant| {
         renderer.draw(&frame, &resources, program)?;

@@ -46,7 +46,7 @@ impl<'a> Drawing<'a> {
             painter.headless_renderer.add_flash_limiter(&request.scene.shaders)?;
         }
         painter.graphs().for_each(|graph| song.know_for(graph));
-        painter.headless_renderer.hear(&song)?;
+        painter.headless_renderer.set_song(&song)?;
         painter.headless_renderer.expect_video();
         let holding = Holding::new(request.gain, request.start);
         Ok(Self { request, song, painter, holding, card, captions, expected })

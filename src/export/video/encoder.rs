@@ -33,7 +33,7 @@ const NOT_WRITTEN: &[&str] = &["No space left on device", "Error writing trailer
 /// The origin of a video's frames.
 #[derive(Clone, Copy)]
 pub(super) enum Frames<'a> {
-    /// Drawn frames, for [`Encoder::take`].
+    /// Drawn frames, for [`Encoder::encode`].
     Drawn,
     /// The frames of a video, which are copied.
     File(&'a Path),
@@ -100,7 +100,7 @@ impl Encoder {
         Ok(Self { process, output, path, keeps_others, marked, next, _inputs: inputs })
     }
 
-    pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
+    pub(super) fn encode(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
         self.process.write(rgba).map_err(|_| self.last_words())
     }
 

@@ -69,7 +69,7 @@ impl PartRecord {
         serde_json::from_str(note.as_str()?.strip_prefix(MARK)?).ok()
     }
 
-    pub(super) fn note(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         // A record of numbers and names can always be written.
         format!("{MARK}{}", serde_json::to_string(self).unwrap_or_default())
     }
@@ -84,7 +84,7 @@ impl WholeRecord {
         Ok(Self {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             song: song_hash(&request.song)?,
-            look: look_hash(request)?,
+            look: hash_of_frames(request)?,
             start: request.start,
             duration: request.duration,
             fps: request.fps,
@@ -111,7 +111,7 @@ impl WholeRecord {
 
 /// Hashes what decides about the frames, besides the song and what [`WholeRecord`] names. Paths do not count, because
 /// machines may have different ones.
-fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
+fn hash_of_frames(request: &VideoRequest) -> Result<u64, ExportError> {
     let mut look = Fingerprint::default();
     let scene = &request.scene;
     look.add(&(request.gain, &request.set, &request.lyrics, request.alpha, request.codec, request.quality));
@@ -213,14 +213,14 @@ fn write_pieces(
         let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
         if PartRecord::read(&file).as_ref() != Some(&piece) {
             let Some(picture) = drawing.draw(number)? else { break };
-            let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.note()))?;
+            let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.describe()))?;
             let sink = Sink::encoder(encoder, request.alpha);
             write_frames(drawing, sink, Some(picture), (number, last), progress)?;
         }
         pieces.push((file, piece.seconds()));
         number = last;
     }
-    let file = Encoder::start(&silent, path, Frames::Files(&pieces), Some(&record.note()))?.finish()?;
+    let file = Encoder::start(&silent, path, Frames::Files(&pieces), Some(&record.describe()))?.finish()?;
     // Pieces that cannot be removed only take room.
     let _ = std::fs::remove_dir_all(&folder);
     Ok(file)
@@ -243,7 +243,7 @@ fn write_frames(
         };
         let Some(mut picture) = next else { break };
         drawing.letter(&mut picture, number);
-        if !writer.take(picture) {
+        if !writer.write(picture) {
             break;
         }
         number += 1;

@@ -51,7 +51,7 @@ impl Sink {
     }
 
     /// Writes a frame of RGBA bytes. Returns false if the reader has closed the output.
-    fn take(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
+    fn write(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
         match self {
             Self::Stills { folder, size, has_alpha, written } => {
                 let pixels = if *has_alpha { Pixels::transparent(rgba) } else { Pixels::opaque(rgba) };
@@ -60,8 +60,8 @@ impl Sink {
                 Ok(true)
             }
             Self::Standard => write_standard(&y4m::frame(rgba)),
-            Self::Encoder { ffmpeg, has_alpha: true } => ffmpeg.take(&straight(rgba)).map(|()| true),
-            Self::Encoder { ffmpeg, .. } => ffmpeg.take(rgba).map(|()| true),
+            Self::Encoder { ffmpeg, has_alpha: true } => ffmpeg.encode(&straight(rgba)).map(|()| true),
+            Self::Encoder { ffmpeg, .. } => ffmpeg.encode(rgba).map(|()| true),
         }
     }
 
@@ -92,7 +92,7 @@ impl FrameWriter {
     }
 
     /// Passes a frame to the thread. Returns false if writing has ended; [`FrameWriter::finish`] returns the error.
-    pub(super) fn take(&self, rgba: Vec<u8>) -> bool {
+    pub(super) fn write(&self, rgba: Vec<u8>) -> bool {
         self.frames.send(rgba).is_ok()
     }
 
@@ -106,7 +106,7 @@ impl FrameWriter {
 
 fn write_all(mut sink: Sink, incoming: &Receiver<Vec<u8>>) -> Result<Sink, ExportError> {
     for rgba in incoming {
-        if !sink.take(&rgba)? {
+        if !sink.write(&rgba)? {
             break;
         }
     }

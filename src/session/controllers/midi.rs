@@ -47,7 +47,7 @@ impl Midi {
 
     /// The next message about devices; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
-        self.look_at_devices();
+        self.update_devices();
         while let Some(kept) = self.memory.poll() {
             self.revision += 1;
             self.news.extend(kept.err().map(|error| (error.to_string(), true)));
@@ -55,7 +55,7 @@ impl Midi {
         (!self.news.is_empty()).then(|| self.news.remove(0))
     }
 
-    fn look_at_devices(&mut self) {
+    fn update_devices(&mut self) {
         let Some(state) = self.state().filter(|state| state.is_known) else { return };
         if self.reported.as_ref() == Some(&state.devices) {
             return;
@@ -88,7 +88,7 @@ impl Midi {
         self.learning.as_ref().map(Learning::target)
     }
 
-    pub(crate) fn learn(&mut self, target: Target) {
+    pub(crate) fn start_learning(&mut self, target: Target) {
         let is_same = self.learning() == Some(&target);
         self.learning = (!is_same).then(|| Learning::of(target));
         self.revision += 1;
@@ -107,7 +107,7 @@ impl Midi {
 
     /// Returns the effects of the moved `knobs`. `levels` are the values of actions. While a mapping is learned, knobs
     /// have no effect.
-    pub(super) fn take(
+    pub(super) fn apply(
         &mut self,
         knobs: &[KnobMove],
         scene: &SceneSession,
@@ -132,7 +132,7 @@ impl Midi {
             match &mut self.learning {
                 Some(learning) => learning.notice(knob, now),
                 None => {
-                    self.note_encoder(knob);
+                    self.record_encoder(knob);
                     let mappings = &mut self.memory.file_mut().mappings;
                     outcomes.extend(mappings.apply(knob, commands::for_controllers(), stands));
                 }
@@ -142,7 +142,7 @@ impl Midi {
     }
 
     /// Keeps the encoding of a knob that turned out to be an encoder.
-    fn note_encoder(&mut self, knob: &KnobMove) {
+    fn record_encoder(&mut self, knob: &KnobMove) {
         let KnobMove { source, device, encoding: Some(encoding), .. } = knob else { return };
         let is_new = |one: &&Mapping| one.encoding.is_none() && one.is_moved_by(knob);
         let new: Vec<Mapping> = self.memory.file().mappings.list().iter().filter(is_new).cloned().collect();

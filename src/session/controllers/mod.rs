@@ -94,7 +94,7 @@ impl Controllers {
         self.scenes.0 != scene || self.scenes.1.is_empty()
     }
 
-    pub(crate) fn note_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
+    pub(crate) fn publish_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
         self.scenes = (scene, scenes.into_iter().map(|source| (source.title(), source)).collect());
     }
 
@@ -110,21 +110,21 @@ impl Controllers {
         self.board.put(Present { scenes, params: sliders.to_vec(), ..present });
     }
 
-    pub(crate) fn take(&mut self, now: Instant) -> Option<InputBatch> {
+    pub(crate) fn drain(&mut self, now: Instant) -> Option<InputBatch> {
         if now < self.free || !self.input_queue.has_any() {
             return None;
         }
         self.free = now + INTERVAL;
-        Some(self.input_queue.take())
+        Some(self.input_queue.drain())
     }
 
-    pub(crate) fn take_knobs(
+    pub(crate) fn apply_knobs(
         &mut self,
         knobs: &[KnobMove],
         scene: &SceneSession,
         levels: &[(&str, f32)],
     ) -> (Vec<Outcome>, Option<String>) {
-        (self.midi.take(knobs, scene, levels), self.midi.finish_learning())
+        (self.midi.apply(knobs, scene, levels), self.midi.finish_learning())
     }
 
     pub(crate) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {
@@ -173,13 +173,13 @@ impl Controllers {
     }
 
     /// Notes that input has changed the scene. The input arrived at `since` and is visible from `revision` on.
-    pub(crate) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
+    pub(crate) fn record_turned(&mut self, since: Option<Instant>, revision: u64) {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));
     }
 
-    pub(crate) fn note_shown(&mut self, revision: u64) {
+    pub(crate) fn record_shown(&mut self, revision: u64) {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
-            self.times.note(clock::since(since));
+            self.times.record(clock::since(since));
         }
     }
 
@@ -190,7 +190,7 @@ impl Controllers {
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }
 
-    pub(crate) fn note_unknown(&self) {
+    pub(crate) fn report_unknown(&self) {
         self.input_queue.refuse(|refusals| refusals.unknown += 1);
     }
 }

@@ -86,7 +86,7 @@ impl Network {
         self.sender.as_ref().map(|_| self.sample_due)
     }
 
-    pub(crate) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
+    pub(crate) fn publish_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         let Some(sender) = self.sender.as_ref().filter(|_| now >= self.sample_due) else { return };
         self.sample_due = now + self.interval;
         sender.put(sample(features, song));

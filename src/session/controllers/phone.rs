@@ -36,10 +36,10 @@ impl Phones {
     }
 
     pub(super) fn wanted_pictures(&self) -> Vec<String> {
-        self.album.take_wanted()
+        self.album.drain_requested()
     }
 
-    pub(crate) fn note_picture(&self, looked: &Looked) {
+    pub(crate) fn record_picture(&self, looked: &Looked) {
         if self.remote.is_none() {
             return;
         }

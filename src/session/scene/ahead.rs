@@ -125,16 +125,16 @@ impl PreparedAhead {
     }
 
     /// Stores the first tree of the scene `id`. If `tree` is `None`, abandons the scene.
-    pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
+    pub(super) fn receive_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
         let Some(tree) = tree else { return self.leave_where(|scene| scene.id == id) };
         if let Some(scene) = self.scenes_mut().find(|scene| scene.id == id) {
-            scene.resources.take_regions(tree);
+            scene.resources.upload_regions(tree);
             scene.tree = FirstTree::There;
         }
     }
 
     /// Requests trees again, because a request for another scene drops earlier requests.
-    pub(super) fn ask_again_for_trees(&mut self) {
+    pub(super) fn request_trees_again(&mut self) {
         for neighbour in self.all_mut() {
             if let State::Loaded { scene, has_asked, .. } = &mut neighbour.state {
                 *has_asked = scene.tree != FirstTree::Coming;
@@ -154,7 +154,7 @@ impl PreparedAhead {
     }
 
     /// Sets the scenes to prepare; keeps those already prepared. Returns `true` if the selection has changed.
-    pub(super) fn want(
+    pub(super) fn request(
         &mut self,
         wanted: WantedAhead,
         neighbours_of: impl FnOnce(&SceneSource) -> [Option<SceneSource>; 2],
@@ -167,11 +167,11 @@ impl PreparedAhead {
             WantedAhead::Upcoming(sources) => sources.clone(),
         };
         self.of = Some(wanted);
-        self.want_sources(sources);
+        self.request_sources(sources);
         true
     }
 
-    fn want_sources(&mut self, wanted: [Option<SceneSource>; 2]) {
+    fn request_sources(&mut self, wanted: [Option<SceneSource>; 2]) {
         let Some(neighbours) = &mut self.neighbours else { return };
         let has = |at: usize, neighbours: &[Neighbour; 2]| {
             neighbours[at].source.is_some() && neighbours[at].source == wanted[1 - at]
@@ -226,7 +226,7 @@ impl PreparedAhead {
 
     /// Returns the neighbour `to` if it is loaded or fading out. The shown scene `from` becomes the neighbour on the
     /// other side.
-    pub(super) fn take(
+    pub(super) fn remove(
         &mut self,
         to: &SceneSource,
         from: SceneSource,
@@ -266,7 +266,11 @@ impl PreparedAhead {
 
     /// Continues with the first neighbour that is not ready: requests its scene, or returns what the scene lacks. Does
     /// not load a scene that is still `fading_out`.
-    pub(super) fn go_on(&mut self, sdf: SdfChoice, fading_out: Option<&SceneSource>) -> Option<Lacking> {
+    pub(super) fn prepare_next(
+        &mut self,
+        sdf: SdfChoice,
+        fading_out: Option<&SceneSource>,
+    ) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {
                 State::Left => continue,
@@ -341,7 +345,7 @@ mod tests {
 
     fn wanted(ahead: &mut PreparedAhead, sources: [&SceneSource; 2]) -> bool {
         let sources = sources.map(|source| Some(source.clone()));
-        ahead.want(WantedAhead::Upcoming(sources), |_| [None, None])
+        ahead.request(WantedAhead::Upcoming(sources), |_| [None, None])
     }
 
     fn loaded(ahead: &PreparedAhead) -> (usize, bool) {
@@ -361,23 +365,23 @@ mod tests {
         let [broken, ball, box_] = ["sphere(p", "sphere(p, 1)", "box(p, 1)"].map(text);
         let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
         assert!(wanted(&mut ahead, [&broken, &ball]) && !wanted(&mut ahead, [&broken, &ball]));
-        assert!(ahead.go_on(sdf, None).is_none(), "still loading");
+        assert!(ahead.prepare_next(sdf, None).is_none(), "still loading");
         assert_eq!(loaded(&ahead), (0, false));
         ahead.put(0, None);
-        assert!(ahead.go_on(sdf, None).is_none());
+        assert!(ahead.prepare_next(sdf, None).is_none());
         assert_eq!(loaded(&ahead), (1, true));
         ahead.put(1, Some(uploaded(context.gl(), 7, &ball)));
-        let lacking = ahead.go_on(sdf, None).unwrap();
+        let lacking = ahead.prepare_next(sdf, None).unwrap();
         assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
-        assert!(!ahead.go_on(sdf, None).unwrap().tree, "already requested");
+        assert!(!ahead.prepare_next(sdf, None).unwrap().tree, "already requested");
         assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "not drawn yet");
         // The scene is now the next one, and stays prepared.
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
         assert_eq!(ahead.next_sources().next(), Some(&ball));
         // The tree of this scene is too slow, so the other scene is prepared.
-        ahead.take_tree(7, None);
-        assert!(ahead.go_on(sdf, None).is_none() && ahead.scenes().next().is_none());
+        ahead.receive_tree(7, None);
+        assert!(ahead.prepare_next(sdf, None).is_none() && ahead.scenes().next().is_none());
         assert_eq!(loaded(&ahead), (1, true));
     }
 
@@ -389,11 +393,11 @@ mod tests {
         wanted(&mut ahead, [&box_, &box_]);
         ahead.put(0, Some(uploaded(context.gl(), 1, &box_)));
         let mut shown = loader();
-        let scene = ahead.take(&box_, ball.clone(), &mut shown, &mut None).unwrap();
+        let scene = ahead.remove(&box_, ball.clone(), &mut shown, &mut None).unwrap();
         assert_eq!(scene.id, 1);
         // The previously shown scene is now a neighbour, ready to be shown again.
         ahead.keep(uploaded(context.gl(), 0, &ball));
         assert!(ahead.has_rehearsed(&ball));
-        assert_eq!(ahead.take(&ball, box_, &mut shown, &mut None).map(|scene| scene.id), Some(0));
+        assert_eq!(ahead.remove(&ball, box_, &mut shown, &mut None).map(|scene| scene.id), Some(0));
     }
 }

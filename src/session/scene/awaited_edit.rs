@@ -16,11 +16,11 @@ pub(super) struct AwaitedEdit {
 }
 
 impl AwaitedEdit {
-    pub(super) fn ask(&mut self, now: Instant) {
+    pub(super) fn start(&mut self, now: Instant) {
         self.since = Some(now);
     }
 
-    pub(super) fn note_loaded(&mut self, took: Duration) {
+    pub(super) fn record_loaded(&mut self, took: Duration) {
         self.since = None;
         self.is_slow = took > SLOW;
     }
@@ -40,17 +40,17 @@ mod tests {
         let at = |ms| start + Duration::from_millis(ms);
         let mut edit = AwaitedEdit::default();
         assert_eq!(edit.until(start), None);
-        edit.ask(start);
+        edit.start(start);
         assert_eq!(edit.until(at(3)), Some(at(20)));
         assert_eq!(edit.until(at(20)), None, "the wait is over");
-        edit.note_loaded(Duration::from_millis(9));
+        edit.record_loaded(Duration::from_millis(9));
         assert_eq!(edit.until(at(9)), None, "already loaded");
-        edit.ask(at(100));
-        edit.note_loaded(Duration::from_millis(300));
-        edit.ask(at(500));
+        edit.start(at(100));
+        edit.record_loaded(Duration::from_millis(300));
+        edit.start(at(500));
         assert_eq!(edit.until(at(501)), None, "the last load was slow");
-        edit.note_loaded(Duration::from_millis(10));
-        edit.ask(at(600));
+        edit.record_loaded(Duration::from_millis(10));
+        edit.start(at(600));
         assert_eq!(edit.until(at(601)), Some(at(620)), "loads are fast again");
     }
 }

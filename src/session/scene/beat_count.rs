@@ -11,7 +11,7 @@ pub(super) struct BeatCount {
 
 impl BeatCount {
     /// Notes the position in the beat, 0..1, and the beat's number in its bar, from 1; 0 while unknown.
-    pub(super) fn note(&mut self, phase: f32, beat_in_bar: f32) {
+    pub(super) fn record(&mut self, phase: f32, beat_in_bar: f32) {
         let phase = if phase.is_finite() { phase.clamp(0.0, 1.0) } else { 0.0 };
         if phase < self.phase - 0.5 {
             self.whole += 1.0;
@@ -40,12 +40,12 @@ mod tests {
         for (phase, beats) in
             [(0.2, 0.2), (0.6, 0.6), (0.9, 0.9), (0.1, 1.1), (0.6, 1.6), (0.05, 2.05), (0.95, 1.95)]
         {
-            count.note(phase, 0.0);
+            count.record(phase, 0.0);
             assert!((count.beats() - beats).abs() < 1e-6, "{count:?}, not {beats}");
         }
-        count.note(0.5, 1.0);
+        count.record(0.5, 1.0);
         assert!((count.beats() - 0.5).abs() < 1e-6, "the nearest first beat: {count:?}");
-        count.note(f32::NAN, 4.0);
+        count.record(f32::NAN, 4.0);
         assert_eq!(count.beats(), -1.0);
     }
 }

@@ -48,11 +48,11 @@ impl SceneCamera {
         }
     }
 
-    pub(super) fn note_shown(&mut self, shown: OrbitControls) {
+    pub(super) fn record_shown(&mut self, shown: OrbitControls) {
         self.shown = shown;
     }
 
-    pub(super) fn note_own_pitch(&mut self, pitch: f64) {
+    pub(super) fn set_own_pitch(&mut self, pitch: f64) {
         self.own_pitch = pitch;
     }
 }
@@ -65,7 +65,7 @@ mod tests {
     fn the_first_move_starts_from_the_shows_camera_and_explains_how_to_return() {
         let mut camera = SceneCamera::default();
         let turned = OrbitControls::of_turns([0.25, 0.0, 1.0]);
-        camera.note_shown(turned);
+        camera.record_shown(turned);
         assert!(camera.move_by(|orbit, _| orbit.zoom(1.0)).is_some());
         let mut wanted = turned;
         wanted.zoom(1.0);

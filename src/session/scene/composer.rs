@@ -157,7 +157,7 @@ impl SceneComposer {
             scenes.end_fade();
         }
         let of = Ingredients { scenes, show, parameters, choice };
-        let drawn = self.go_on(of, renderer, picture, way)?;
+        let drawn = self.resume(of, renderer, picture, way)?;
         if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
             // The previous scene is kept for its fade, or as a neighbour.
             let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
@@ -174,7 +174,7 @@ impl SceneComposer {
         self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
     }
 
-    fn go_on(
+    fn resume(
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
@@ -191,12 +191,12 @@ impl SceneComposer {
             let below = *below;
             let scene = of.scenes.at(below.unwrap_or(Place::Shown));
             let Some(scene) = scene else { return Ok(None) };
-            let progress = renderer.go_on(&scene.resources, program, go)?;
+            let progress = renderer.resume(&scene.resources, program, go)?;
             let Some(making) = &mut self.making else { return Ok(None) };
             match (progress, below) {
                 (Progress::Finished { spent }, Some(_)) => {
                     renderer.keep_light()?;
-                    self.change.note_light(spent);
+                    self.change.record_light(spent);
                     self.making = None;
                 }
                 (Progress::Finished { spent }, None) => {
@@ -214,7 +214,7 @@ impl SceneComposer {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictures.finish(Some(id), drawn.spent);
-        if self.fading.goes_on_by_itself() || self.feedback.take_incomplete() {
+        if self.fading.goes_on_by_itself() || self.feedback.reset_incomplete() {
             self.revision += 1;
         }
         Ok(Some(drawn))
@@ -262,7 +262,7 @@ impl SceneComposer {
             return Ok(None);
         };
         let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
-        self.camera.note_shown(orbit);
+        self.camera.record_shown(orbit);
         let (is_untried, cells) = (scene.tree == FirstTree::Untried, of.choice.cells);
         let draw_options =
             DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away: below.is_some() };
@@ -288,7 +288,7 @@ impl SceneComposer {
             renderer.begin_light(&frame, &scene.resources)?;
             return Ok(scene.program(mode).cloned().map(making));
         }
-        self.camera.note_own_pitch(frame.own_pitch());
+        self.camera.set_own_pitch(frame.own_pitch());
         match &outgoing {
             Some(outgoing) if outgoing.clip.is_some() => renderer.set_fade(Some(outgoing.fraction)),
             _ => {
@@ -327,7 +327,7 @@ impl SceneComposer {
         let mut pace = std::mem::take(&mut self.feedback);
         let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, frame), picture);
         let moment = (now, picture, self.projection.stereo);
-        let fed = pace.go_on(renderer, (scene.id, &scene.resources, program), moment, &frame_at);
+        let fed = pace.draw(renderer, (scene.id, &scene.resources, program), moment, &frame_at);
         self.feedback = pace;
         fed
     }
@@ -402,8 +402,13 @@ impl SceneComposer {
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
-    pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
-        self.change.note_left(left, self.pictures.took(), self.camera.orbit, show, parameters);
+    pub(super) fn save_outgoing(
+        &mut self,
+        left: &PreparedScene,
+        show: &ShowFollower,
+        parameters: &Parameters,
+    ) {
+        self.change.save_outgoing(left, self.pictures.took(), self.camera.orbit, show, parameters);
     }
 
     /// Starts a fade from the outgoing to the incoming scene. Cuts during a view, whose colours encode numbers.
@@ -411,7 +416,7 @@ impl SceneComposer {
         if self.fades_with_both(of) {
             self.fading.cut();
         } else if self.views.choice.is_none() {
-            self.fading.want();
+            self.fading.request();
         }
     }
 
@@ -441,22 +446,22 @@ impl SceneComposer {
         self.regions.insist(choice.is_some());
     }
 
-    pub(super) fn take_views(
+    pub(super) fn receive_views(
         &mut self,
         of: ProgramOf,
         program: Result<Program, GpuError>,
     ) -> Result<(), GpuError> {
-        self.views.take(of, program).inspect_err(|_| self.regions.insist(false))
+        self.views.receive(of, program).inspect_err(|_| self.regions.insist(false))
     }
 
-    pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
+    pub(super) fn record_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
         // Ignore the times of views, which use other programs, and of fades, which draw two scenes.
         if self.views.choice.is_some() || of.scenes.fading_out.is_some() {
             return;
         }
         let built = scene.resources.regions();
-        if built.is_some_and(|built| self.regions.note_frame_time(drawn, &built, time, of.choice.cells)) {
+        if built.is_some_and(|built| self.regions.record_frame_time(drawn, &built, time, of.choice.cells)) {
             self.revision += 1;
         }
     }
@@ -490,7 +495,7 @@ impl SceneComposer {
         self.views.choice
     }
 
-    pub(crate) fn look_different(&mut self) {
+    pub(crate) fn redraw(&mut self) {
         self.revision += 1;
     }
 
@@ -516,17 +521,17 @@ impl SceneComposer {
     /// has come that the last frame lacks. Returns sentences about videos and cameras.
     pub(crate) fn follow_textures(&mut self, cover: Option<Arc<RgbaImage>>) -> Vec<String> {
         let is_another = cover.is_some() && self.textures.set_cover(cover);
-        if self.textures.take_news() || is_another {
+        if self.textures.has_new_pictures() || is_another {
             self.outdate();
         }
-        self.textures.take_messages()
+        self.textures.drain_messages()
     }
 
     /// Passes the texts of the song to the scenes that show them; `None` if there are none. Requests a new frame if a
     /// text has been baked that the last frame lacks.
     pub(crate) fn follow_song_texts(&mut self, texts: Option<SongTexts>) {
         let are_others = texts.is_some_and(|texts| self.song_shapes.set_texts(texts));
-        if self.song_shapes.take_news() || are_others {
+        if self.song_shapes.has_new_texts() || are_others {
             self.outdate();
         }
     }

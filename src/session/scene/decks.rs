@@ -121,7 +121,7 @@ impl Decks {
         DeckStrip { decks: [deck(0), deck(1)], crossfade: self.crossfade(now), mixes, mix: self.mix }
     }
 
-    pub(super) fn take_in_hand(&mut self, deck: usize) {
+    pub(super) fn hold_deck(&mut self, deck: usize) {
         self.in_hand = deck.min(1);
     }
 

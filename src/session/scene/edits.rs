@@ -21,7 +21,7 @@ pub(super) struct Edits {
 
 impl Edits {
     /// Notes that a changed text of the current scene is shown from `now` on.
-    pub(super) fn note(&mut self, now: Instant) {
+    pub(super) fn record(&mut self, now: Instant) {
         self.last = Some(now);
     }
 
@@ -48,10 +48,10 @@ mod tests {
         let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
         let mut edits = Edits::default();
         assert!(!edits.save_samples(INTERPRETED, start), "opening a scene does not count as an edit");
-        edits.note(start);
+        edits.record(start);
         assert!(edits.save_samples(INTERPRETED, start) && edits.save_samples(INTERPRETED, at(1_999)));
         assert!(!edits.save_samples(INTERPRETED, at(2_000)));
-        edits.note(at(1_500));
+        edits.record(at(1_500));
         assert!(edits.save_samples(INTERPRETED, at(3_400)), "each edit counts anew");
         edits.forget();
         assert!(!edits.save_samples(INTERPRETED, at(1_600)), "another scene is not edited");
@@ -61,7 +61,7 @@ mod tests {
     fn a_compiled_program_takes_all_samples() {
         let now = Instant::now();
         let mut edits = Edits::default();
-        edits.note(now);
+        edits.record(now);
         assert!(!edits.save_samples(Some(Mode::Compiled), now) && !edits.save_samples(None, now));
     }
 }

@@ -104,7 +104,7 @@ impl Fading {
     }
 
     /// Requests a fade, because the next frame shows another scene.
-    pub(super) fn want(&mut self) {
+    pub(super) fn request(&mut self) {
         let usual = if self.cuts { Duration::ZERO } else { self.length };
         self.going = self.next.take().unwrap_or(usual);
         (self.from, self.announced) = (From::Scene, false);
@@ -114,7 +114,7 @@ impl Fading {
     /// Notes that the frozen frame is released and fades out within `seconds`.
     pub(super) fn release(&mut self, seconds: f64) {
         self.next_takes(seconds);
-        self.want();
+        self.request();
         self.from = From::HeldPicture;
     }
 
@@ -283,7 +283,7 @@ mod tests {
         let fraction =
             |fading: &mut Fading, ms| fading.step(begun(start + Duration::from_millis(ms), &stands, false));
         assert_eq!(fraction(&mut fading, 0), None);
-        fading.want();
+        fading.request();
         assert!(fading.goes_on());
         // The outgoing scene was shown for a while.
         assert_eq!(fraction(&mut fading, 9_000), Some(1.0));
@@ -299,7 +299,7 @@ mod tests {
     fn a_fade_follows_the_song_while_it_plays() {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
-        fading.want();
+        fading.request();
         let fraction = fading.step(begun(now, &at(10.25), true));
         assert_eq!((fraction, fading.of_scene_with_song()), (Some(1.0 - 0.0005), Some((2.0, 10.249))));
         // The song is paused and resumed; the fraction depends only on the moment.
@@ -310,7 +310,7 @@ mod tests {
         }
         assert_eq!(fading.step(begun(now, &at(12.5), true)), None);
         assert!(!fading.goes_on());
-        fading.want();
+        fading.request();
         fading.step(begun(now, &at(20.0), true));
         let another = Moment { track: 4, ..at(20.5) };
         assert_eq!(fading.step(begun(now, &another, true)), None, "another track plays");
@@ -319,14 +319,14 @@ mod tests {
     #[test]
     fn a_fade_without_length_is_a_cut() {
         let mut fading = Fading::of(0.0);
-        fading.want();
+        fading.request();
         assert!(!fading.goes_on());
         fading.set_seconds(3.0);
         fading.set_cuts(true);
-        fading.want();
+        fading.request();
         assert!(!fading.goes_on());
         fading.set_cuts(false);
-        fading.want();
+        fading.request();
         assert!(fading.goes_on());
     }
 

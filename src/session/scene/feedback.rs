@@ -29,7 +29,7 @@ pub(super) struct FeedbackPace {
 
 impl FeedbackPace {
     /// Draws frames of feedback for an image at `time`; `frame_at` returns the frames.
-    pub(super) fn go_on(
+    pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,
         (id, scene, program): (u64, &SceneResources, &Program),
@@ -63,7 +63,7 @@ impl FeedbackPace {
     }
 
     /// True if an image since the last call lacked frames.
-    pub(super) fn take_incomplete(&mut self) -> bool {
+    pub(super) fn reset_incomplete(&mut self) -> bool {
         std::mem::take(&mut self.is_incomplete)
     }
 }

@@ -45,7 +45,7 @@ impl SceneKnobs {
     }
 
     /// Updates the bindings that the sliders show. `bound` returns the binding of a scene's parameter.
-    pub(super) fn note_bound(&mut self, bound: impl Fn(&str, &str) -> Option<Bound>) {
+    pub(super) fn update_bindings(&mut self, bound: impl Fn(&str, &str) -> Option<Bound>) {
         for (slider, knob) in self.sliders.iter_mut().zip(&self.knobs) {
             slider.bound = bound(&knob.scene, &slider.name);
         }

@@ -60,7 +60,7 @@ impl SceneLibrary {
     pub(crate) fn load_again(&mut self) {
         tracing::debug!("{} is loaded again for its draft", self.wanted.title());
         self.loader.load_again();
-        self.edit.ask(clock::now());
+        self.edit.start(clock::now());
     }
 
     pub(super) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
@@ -72,7 +72,7 @@ impl SceneLibrary {
     }
 
     /// Notes that this scene was requested. Does not load it.
-    pub(super) fn want(&mut self, source: SceneSource) {
+    pub(super) fn request(&mut self, source: SceneSource) {
         self.wanted = source;
     }
 
@@ -80,7 +80,7 @@ impl SceneLibrary {
         self.loader.request(self.wanted.clone());
     }
 
-    pub(super) fn take_over(&mut self, wanted: SceneSource) {
+    pub(super) fn adopt(&mut self, wanted: SceneSource) {
         if wanted != self.wanted {
             self.list = SceneList::around(&wanted);
             self.wanted = wanted;
@@ -92,7 +92,7 @@ impl SceneLibrary {
     pub(super) fn poll(&mut self) -> Option<Loaded<Result<ReadyScene, SceneError>>> {
         while let Some(loaded) = self.loader.poll() {
             if loaded.source == self.wanted {
-                self.edit.note_loaded(loaded.took);
+                self.edit.record_loaded(loaded.took);
                 return Some(loaded);
             }
         }

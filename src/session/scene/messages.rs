@@ -43,7 +43,7 @@ impl Messages {
     }
 
     /// Replaces the remark in the status line (key I). The remark disappears when its `task` ends.
-    pub(super) fn note_remark(&mut self, remark: String, task: Option<u64>) {
+    pub(super) fn set_remark(&mut self, remark: String, task: Option<u64>) {
         self.remark = Some((remark, task));
     }
 
@@ -69,10 +69,10 @@ mod tests {
     #[test]
     fn a_remark_ends_with_its_task_and_a_problem_with_the_next_scene() {
         let mut messages = Messages::default();
-        messages.note_remark("the driver is slow".to_owned(), Some(3));
+        messages.set_remark("the driver is slow".to_owned(), Some(3));
         assert_eq!(messages.remark(|task| task == 3), Some("the driver is slow"));
         assert_eq!(messages.remark(|_| false), None);
-        messages.note_remark("interpreted instead".to_owned(), None);
+        messages.set_remark("interpreted instead".to_owned(), None);
         assert_eq!(messages.remark(|_| false), Some("interpreted instead"));
         messages.set_problem("orb has mistakes".to_owned(), "line 3".to_owned());
         messages.answer("compiled".to_owned());

@@ -74,8 +74,8 @@ impl DeckChanges<'_> {
     }
 
     /// Lets the sliders and controllers change the parameters of this deck's scene.
-    pub(crate) fn take_in_hand(&mut self, deck: usize) {
-        self.change(|decks, _| decks.take_in_hand(deck));
+    pub(crate) fn hold_deck(&mut self, deck: usize) {
+        self.change(|decks, _| decks.hold_deck(deck));
         if let Some(decks) = &*self.decks {
             let (title, letter) = (decks.scene_in_hand().title(), LETTERS[decks.in_hand]);
             self.messages.answer(format!("{title} on deck {letter} in hand: the sliders change it"));
@@ -88,7 +88,7 @@ impl DeckChanges<'_> {
         let mut is_loaded = false;
         self.change(|decks, _| {
             is_loaded = decks.load(deck, source, time);
-            decks.take_in_hand(if is_loaded { deck } else { decks.in_hand });
+            decks.hold_deck(if is_loaded { deck } else { decks.in_hand });
         });
         if is_loaded {
             self.show();

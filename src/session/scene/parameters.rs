@@ -48,7 +48,7 @@ impl Parameters {
         (self.model, self.begun)
     }
 
-    pub(super) fn take_over(&mut self, (model, begun): (Model, Instant)) {
+    pub(super) fn adopt(&mut self, (model, begun): (Model, Instant)) {
         let (beats, turned) = (self.beats, self.turned.take());
         *self = Self { revision: self.revision, beats, turned, ..Self::new(model, begun) };
     }
@@ -58,20 +58,20 @@ impl Parameters {
         clock::since(self.begun).as_secs_f64()
     }
 
-    pub(super) fn go_to(&mut self, moment: &Moment) {
+    pub(super) fn seek(&mut self, moment: &Moment) {
         let Moment { song_time, features, song, .. } = moment;
         (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), *song_time);
-        self.beats.note(features.phase, song.beat_in_bar);
+        self.beats.record(features.phase, song.beat_in_bar);
         let sound = LazyCell::new(|| sound_inputs(features, song));
         let beats = self.beats.beats();
-        self.model.hear(self.now, |name| Some(UnitInput::named(name)?.value(&sound, beats)));
+        self.model.move_bound(self.now, |name| Some(UnitInput::named(name)?.value(&sound, beats)));
     }
 
     pub(super) fn follow_sound(&self, scene: &PreparedScene) -> bool {
         scene.knobs.titles().into_iter().any(|title| self.model.follows_sound(title))
     }
 
-    pub(super) fn note_turning(&mut self) {
+    pub(super) fn record_turning(&mut self) {
         self.revision += 1;
     }
 
@@ -88,7 +88,7 @@ impl Parameters {
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
             (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
         }
-        scene.knobs.note_bound(|scene, name| self.model.bound(scene, name));
+        scene.knobs.update_bindings(|scene, name| self.model.bound(scene, name));
         if is_turned {
             self.revision += 1;
         }
@@ -114,7 +114,7 @@ impl Parameters {
         place.is_some()
     }
 
-    pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
+    pub(super) fn record_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let before = self.read(scene, clips, self.song_time);
         let moved: Vec<(usize, f32)> = (scene.knobs.sliders.iter().zip(before).enumerate())
             .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
@@ -316,7 +316,7 @@ mod tests {
         if let Some(slider) = scene.knobs.sliders.first_mut() {
             slider.value = slider.default;
         }
-        parameters.note_moved(&mut scene, &clips);
+        parameters.record_moved(&mut scene, &clips);
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
         assert_eq!(parameters.moved(&scene), Snapshot::default());
         let mut again = Parameters::new(Model::default(), Instant::now());

@@ -83,10 +83,10 @@ impl TurnedParameters<'_> {
         }
     }
 
-    pub(crate) fn note_moved(self) {
+    pub(crate) fn record_moved(self) {
         if let Some(scene) = self.scene {
             let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-            self.parameters.note_moved(scene, &clips);
+            self.parameters.record_moved(scene, &clips);
         }
     }
 }

@@ -77,7 +77,7 @@ impl ScenePreparation {
     ///
     /// # Errors
     /// Fails if the driver rejects the scene, and no other scene can be shown.
-    pub(super) fn take_loaded(
+    pub(super) fn receive_loaded(
         &mut self,
         ready: Result<ReadyScene, SceneError>,
         scenes: &mut PreparedScenes,
@@ -145,7 +145,7 @@ impl ScenePreparation {
         let PreparedScenes { coming: Some(scene), ahead, .. } = scenes else { return };
         if scene.tree == FirstTree::Coming {
             self.trials.request(scene.id, &scene.resources, self.choice.cells);
-            ahead.ask_again_for_trees();
+            ahead.request_trees_again();
         }
         let fits = scene.programs.interpreter.is_some();
         let (compiles, interprets) = match self.choice.sdf {
@@ -222,7 +222,7 @@ impl ScenePreparation {
     ///
     /// # Errors
     /// Fails if no scene can be shown.
-    pub(super) fn take_program(
+    pub(super) fn receive_program(
         &mut self,
         task: &Task,
         program: Result<Program, GpuError>,
@@ -231,8 +231,8 @@ impl ScenePreparation {
     ) -> Result<Vec<Refusal>, GpuError> {
         match (task, program) {
             (Task::Universal { non_lipschitz }, program) => {
-                if let Some(sentence) = self.programs.take_universal(*non_lipschitz, program) {
-                    messages.note_remark(sentence.to_owned(), None);
+                if let Some(sentence) = self.programs.receive_universal(*non_lipschitz, program) {
+                    messages.set_remark(sentence.to_owned(), None);
                     let waits = |scene: &&PreparedScene| {
                         let needed = scene.programs.interpreter.as_ref();
                         needed.is_some_and(|needed| needed.is_non_lipschitz() == *non_lipschitz)
@@ -253,13 +253,13 @@ impl ScenePreparation {
                 }
             }
             (_, Ok(_)) => {}
-            (task, Err(error)) => return self.take_failure(task, error, scenes, messages),
+            (task, Err(error)) => return self.handle_failure(task, error, scenes, messages),
         }
         Ok(Vec::new())
     }
 
     /// Handles a compile error. The affected scenes are drawn in the other mode, if there is one.
-    fn take_failure(
+    fn handle_failure(
         &mut self,
         task: &Task,
         error: GpuError,
@@ -323,7 +323,7 @@ impl ScenePreparation {
         }
         let is_technical = self.choice.sdf == SdfChoice::Auto && source.file().is_none();
         match compilable || interpretable {
-            true if is_technical => messages.note_remark(heading, None),
+            true if is_technical => messages.set_remark(heading, None),
             true => messages.set_problem(heading, error.to_string()),
             false => return Some(Refusal { source, heading, text: error.to_string() }),
         }
@@ -331,14 +331,14 @@ impl ScenePreparation {
     }
 
     /// Takes the first tree of a new scene; `None` if the build was too slow.
-    pub(super) fn take_tree(
+    pub(super) fn receive_tree(
         &mut self,
         id: u64,
         tree: Option<Arc<BuiltRegions>>,
         scenes: &mut PreparedScenes,
     ) -> TreeVerdict {
         if scenes.ahead.scenes().any(|scene| scene.id == id) {
-            scenes.ahead.take_tree(id, tree);
+            scenes.ahead.receive_tree(id, tree);
             return TreeVerdict::Fine;
         }
         let is_first = scenes.shown.is_none();
@@ -346,7 +346,7 @@ impl ScenePreparation {
             return TreeVerdict::Fine;
         };
         if let Some(tree) = tree {
-            scene.resources.take_regions(tree);
+            scene.resources.upload_regions(tree);
             scene.tree = FirstTree::There;
             return TreeVerdict::Fine;
         }
@@ -368,7 +368,7 @@ impl ScenePreparation {
 
     /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene is
     /// shown again with this program; otherwise the scene is refused. `why` is the beginning of a sentence.
-    pub(super) fn take_back(
+    pub(super) fn withdraw(
         &mut self,
         mut expensive: PreparedScene,
         mode: Mode,
@@ -424,11 +424,11 @@ impl ScenePreparation {
 
     /// Continues to prepare the next scenes. Called when the current scene is complete.
     pub(super) fn prepare_ahead(&mut self, wanted: WantedAhead, scenes: &mut PreparedScenes) {
-        if scenes.ahead.want(wanted, |source| self.library.neighbours_of(source)) {
+        if scenes.ahead.request(wanted, |source| self.library.neighbours_of(source)) {
             self.forget_obsolete(scenes);
         }
         let fading_out = scenes.fading_out.as_ref().map(|scene| &scene.source);
-        let lacking = scenes.ahead.go_on(self.choice.sdf, fading_out);
+        let lacking = scenes.ahead.prepare_next(self.choice.sdf, fading_out);
         let Some(Lacking { id, program, tree }) = lacking else { return };
         let Some(scene) = scenes.get_mut(id) else { return };
         if tree {
@@ -442,7 +442,7 @@ impl ScenePreparation {
         }
     }
 
-    pub(super) fn take_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
+    pub(super) fn receive_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
         for (at, loaded) in scenes.ahead.poll() {
             // Ignore errors: they are reported when the user requests the scene.
             let ready = loaded.value.ok().filter(|ready| scenes.ahead.has_room_for(&ready.world));
@@ -459,12 +459,13 @@ impl ScenePreparation {
     }
 
     /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
-    pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
+    pub(super) fn request_scene(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
         // Only a scene that is already shown can take a neighbour's place.
         let from = scenes.shown_source().filter(|shown| *shown == &self.library.wanted).cloned();
         let PreparedScenes { ahead, fading_out, .. } = scenes;
-        let prepared = from.and_then(|from| ahead.take(&source, from, &mut self.library.loader, fading_out));
-        self.library.want(source);
+        let prepared =
+            from.and_then(|from| ahead.remove(&source, from, &mut self.library.loader, fading_out));
+        self.library.request(source);
         match prepared {
             Some(scene) => {
                 self.bring(scene, scenes);
@@ -554,7 +555,7 @@ impl ScenePreparation {
             if self.user_waits_for(task, scenes, messages.hint.is_some()) {
                 messages.answer(sentence.clone());
             }
-            messages.note_remark(sentence, Some(id));
+            messages.set_remark(sentence, Some(id));
         }
     }
 

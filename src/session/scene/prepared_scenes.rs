@@ -124,14 +124,14 @@ impl PreparedScenes {
     }
 
     /// True if a drawn scene reads curves of the sound, or if no scene is shown yet.
-    pub(crate) fn hear_curves(&self) -> bool {
+    pub(crate) fn read_curves(&self) -> bool {
         let drawn = [&self.shown, &self.before, &self.fading_out];
         self.shown.is_none() || drawn.into_iter().flatten().any(|scene| scene.hears_curves)
     }
 
     /// True if a scene reads parts of the song. Scenes that are prepared in advance count too, because it takes time to
     /// read the parts.
-    pub(crate) fn hear_parts(&self) -> bool {
+    pub(crate) fn read_parts(&self) -> bool {
         self.all().any(|scene| scene.hears_parts)
     }
 

@@ -68,7 +68,7 @@ impl NextPicture {
         }
         let frame = match came {
             Some((frame, regions)) => {
-                scene.resources.take_regions(regions);
+                scene.resources.upload_regions(regions);
                 frame
             }
             None => {

@@ -74,7 +74,7 @@ impl ProgramLibrary {
         None
     }
 
-    pub(super) fn note_picture(&mut self) {
+    pub(super) fn record_picture(&mut self) {
         self.has_shown = true;
     }
 
@@ -98,7 +98,7 @@ impl ProgramLibrary {
 
     /// Takes a universal interpreter or its error. After an error, returns a message; each scene then gets its own
     /// interpreter.
-    pub(super) fn take_universal(
+    pub(super) fn receive_universal(
         &mut self,
         non_lipschitz: bool,
         program: Result<Program, GpuError>,
@@ -229,7 +229,7 @@ impl ProgramLibrary {
     }
 
     fn request_universal(&mut self, non_lipschitz: bool, scene: &PreparedScene) {
-        let Some(variant) = self.universal.ask(non_lipschitz) else { return };
+        let Some(variant) = self.universal.request(non_lipschitz) else { return };
         let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
         job.can_be_given_up = true;
         tracing::info!("the universal interpreter is requested{}", of_kind(non_lipschitz));

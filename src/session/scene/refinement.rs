@@ -45,12 +45,12 @@ impl Refinement {
         matches!(self.stage, Stage::Wanted)
     }
 
-    /// True if a call of [`Self::go_on`] may make the frame better.
+    /// True if a call of [`Self::resume`] may make the frame better.
     pub(super) fn is_unfinished(&self) -> bool {
         matches!(self.stage, Stage::Wanted | Stage::Going { .. })
     }
 
-    pub(super) fn want(&mut self) {
+    pub(super) fn request(&mut self) {
         self.stage = Stage::Wanted;
     }
 
@@ -69,7 +69,7 @@ impl Refinement {
 
     /// Continues for about `patience` with the frame that is shown as `of`. Returns true if the image has become better,
     /// and a message.
-    pub(super) fn go_on(
+    pub(super) fn resume(
         &mut self,
         renderer: &mut Renderer,
         (scene, mode, frame): (&PreparedScene, Mode, &Frame),

@@ -132,7 +132,7 @@ impl SceneRegions {
             shown.size = wanted.size;
             frame = frame.resized(scene.world(), wanted.size);
         }
-        scene.take_regions(regions);
+        scene.upload_regions(regions);
         self.waited = true;
         Some((frame, shown))
     }
@@ -166,7 +166,7 @@ impl SceneRegions {
     }
 
     /// Notes the time of a frame drawn with `built`. Returns `true` if the use of trees has changed.
-    pub(super) fn note_frame_time(
+    pub(super) fn record_frame_time(
         &mut self,
         drawn: (u64, Mode),
         built: &BuiltRegions,

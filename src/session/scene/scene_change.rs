@@ -65,7 +65,7 @@ impl SceneChange {
         self.begun = Some(Begun { shown, sound, lit: None });
     }
 
-    pub(super) fn note_light(&mut self, spent: Duration) {
+    pub(super) fn record_light(&mut self, spent: Duration) {
         if let Some(begun) = &mut self.begun {
             begun.lit = Some(spent);
         }
@@ -85,7 +85,7 @@ impl SceneChange {
     }
 
     /// Saves the state of the outgoing scene. `took` is the time of its last frame, `orbit` its camera motion.
-    pub(super) fn note_left(
+    pub(super) fn save_outgoing(
         &mut self,
         scene: &PreparedScene,
         took: Duration,

@@ -116,10 +116,10 @@ impl SceneSession {
     }
 
     /// Continues where another session ended: with its parameter values, its requested scene, its show and its decks.
-    pub(crate) fn take_over(&mut self, from: TakenOver) {
+    pub(crate) fn adopt(&mut self, from: TakenOver) {
         let TakenOver { controllers, wanted, show, decks } = from;
-        self.parameters.take_over(controllers);
-        self.preparation.library.take_over(wanted);
+        self.parameters.adopt(controllers);
+        self.preparation.library.adopt(wanted);
         (self.show, self.decks) = (show, decks);
     }
 
@@ -168,7 +168,7 @@ impl SceneSession {
             self.deck_changes().end().filter(|stays| stays != &self.preparation.library.wanted)
         {
             self.composer.fading.next_takes_the_usual();
-            self.ask_for(stays);
+            self.request_scene(stays);
         }
     }
 
@@ -189,16 +189,16 @@ impl SceneSession {
     /// Fails if the driver rejects a scene, and no other scene can be shown.
     pub(crate) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.preparation.library.poll() {
-            self.take_loaded(loaded)?;
+            self.receive_loaded(loaded)?;
         }
         while let Some((task, program)) = self.preparation.programs.poll() {
-            let Some((task, program)) = self.take_special(task, program) else { continue };
+            let Some((task, program)) = self.receive_special(task, program) else { continue };
             let (scenes, messages) = (&mut self.scenes, &mut self.messages);
-            let refused = self.preparation.take_program(&task, program, scenes, messages)?;
+            let refused = self.preparation.receive_program(&task, program, scenes, messages)?;
             refused.into_iter().for_each(|refusal| self.refuse(refusal));
         }
         while let Some((id, tree)) = self.preparation.trials.poll() {
-            match self.preparation.take_tree(id, tree, &mut self.scenes) {
+            match self.preparation.receive_tree(id, tree, &mut self.scenes) {
                 TreeVerdict::Fine => {}
                 TreeVerdict::DrawnWithout(id) => self.composer.regions.do_without(id),
                 TreeVerdict::Refused(refusal) => self.refuse(refusal),
@@ -207,7 +207,7 @@ impl SceneSession {
         self.preparation.settle_numbers(&mut self.scenes);
         self.show_what_is_ready();
         self.preparation.prepare_for_edits(&self.scenes);
-        self.preparation.take_loaded_ahead(&mut self.scenes);
+        self.preparation.receive_loaded_ahead(&mut self.scenes);
         if self.is_complete() {
             let wanted = self.show.wanted_ahead(&self.preparation.library.wanted);
             self.preparation.prepare_ahead(wanted, &mut self.scenes);
@@ -216,11 +216,11 @@ impl SceneSession {
         Ok(())
     }
 
-    fn take_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
+    fn receive_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
         if loaded.value.is_ok() {
             self.messages.clear_problem();
         }
-        match self.preparation.take_loaded(loaded.value, &mut self.scenes)? {
+        match self.preparation.receive_loaded(loaded.value, &mut self.scenes)? {
             None => self.show_what_is_ready(),
             Some(refusal) => self.refuse(refusal),
         }
@@ -260,10 +260,10 @@ impl SceneSession {
         if replaced.as_ref().map(|replaced| &replaced.source) != Some(&shown.source) {
             self.composer.edits.forget();
         } else if !shown.settles {
-            self.composer.edits.note(clock::now());
+            self.composer.edits.record(clock::now());
         }
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
-            self.composer.note_left(left, &self.show, &self.parameters);
+            self.composer.save_outgoing(left, &self.show, &self.parameters);
         }
         // Do not keep a scene that was never drawn.
         if self.composer.pictures.scene() == replaced.as_ref().map(|scene| scene.id) {
@@ -294,7 +294,7 @@ impl SceneSession {
             return;
         }
         self.announced = now;
-        self.composer.look_different();
+        self.composer.redraw();
         let Some((name, (id, mode))) = self.scenes.name().zip(now) else { return };
         tracing::info!("{name} is shown, {mode}");
         if before.is_some_and(|(known, _)| known == id) && self.preparation.has_come(mode) {
@@ -321,21 +321,21 @@ impl SceneSession {
             self.preparation.forget_obsolete(&self.scenes);
         }
         if drawn.is_some() {
-            self.preparation.programs.note_picture();
+            self.preparation.programs.record_picture();
         } else if self.scenes.shown_id().is_some_and(|id| self.composer.regions.has_given_up(id)) {
-            self.take_back(TREE_TOO_LONG);
+            self.withdraw(TREE_TOO_LONG);
         }
         Ok(drawn)
     }
 
-    /// Removes a scene whose first frame is too slow ([`ScenePreparation::take_back`]); returns to the previous scene.
-    pub(crate) fn take_back(&mut self, why: &str) {
+    /// Removes a scene whose first frame is too slow ([`ScenePreparation::withdraw`]); returns to the previous scene.
+    pub(crate) fn withdraw(&mut self, why: &str) {
         let Some((mode, before)) = self.mode().zip(self.scenes.before.take()) else { return };
         let Some(expensive) = self.scenes.shown.replace(before) else { return };
         self.composer.give_picture_up();
         self.composer.fading.cut();
-        self.composer.look_different();
-        let refusal = self.preparation.take_back(expensive, mode, why, &mut self.scenes);
+        self.composer.redraw();
+        let refusal = self.preparation.withdraw(expensive, mode, why, &mut self.scenes);
         self.show_what_is_ready();
         if let Some(refusal) = refusal {
             self.refuse(refusal);
@@ -372,7 +372,7 @@ impl SceneSession {
             && self.preparation.programs.is_idle()
     }
 
-    pub(crate) fn go(&mut self, forward: bool) {
+    pub(crate) fn step_scene(&mut self, forward: bool) {
         let of_deck = self.deck_changes().neighbour(forward);
         self.show_source(of_deck.unwrap_or_else(|| self.preparation.library.beside(forward)));
     }
@@ -382,12 +382,12 @@ impl SceneSession {
         let Some(source) = self.deck_changes().load_cued(source) else { return };
         self.show.overrule();
         self.composer.fading.next_takes_the_usual();
-        self.ask_for(source);
+        self.request_scene(source);
     }
 
     /// Requests a scene, and shows a hint if the user has to wait for it.
-    fn ask_for(&mut self, source: SceneSource) {
-        let is_prepared = self.preparation.ask_for(source, &mut self.scenes);
+    fn request_scene(&mut self, source: SceneSource) {
+        let is_prepared = self.preparation.request_scene(source, &mut self.scenes);
         let wanted = &self.preparation.library.wanted;
         let waits = self.scenes.shown_source() != Some(wanted) && !self.show.asks_for(wanted);
         let hint = waits.then(|| format!("{} is being prepared", wanted.title()));
@@ -410,7 +410,7 @@ impl SceneSession {
             let now = self.parameters.clock();
             self.show.set_fader(decks.fader(now));
             if decks.moves(now) {
-                self.parameters.note_turning();
+                self.parameters.record_turning();
             }
         }
         let step = self.show.follow(time, &mut self.scenes, &now);
@@ -422,7 +422,7 @@ impl SceneSession {
             Some(seconds) => self.composer.fading.next_takes(seconds),
             None => self.composer.fading.next_takes_the_usual(),
         }
-        self.ask_for(source);
+        self.request_scene(source);
     }
 
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
@@ -442,10 +442,10 @@ impl SceneSession {
         if self.composer.change.is_begun() {
             return;
         }
-        self.parameters.go_to(moment);
+        self.parameters.seek(moment);
         self.update_sliders();
         if self.parameters_in_hand().are_turning() {
-            self.parameters.note_turning();
+            self.parameters.record_turning();
         }
     }
 
@@ -470,7 +470,7 @@ impl SceneSession {
             _ if possible => format!("{wanted}: the driver is preparing it"),
             _ => "the tape exceeds this driver's limits: the scene stays compiled".to_owned(),
         });
-        self.composer.look_different();
+        self.composer.redraw();
     }
 
     pub(crate) fn toggle_regions(&mut self) {
@@ -480,10 +480,10 @@ impl SceneSession {
         self.preparation.set_cells(cells);
         let words = if cells == CellUse::Never { "no regions" } else { "regions" };
         self.messages.answer(words.to_owned());
-        self.composer.look_different();
+        self.composer.redraw();
     }
 
-    pub(crate) fn go_view(&mut self, forward: bool) {
+    pub(crate) fn switch_view(&mut self, forward: bool) {
         self.show_view(self.composer.views.beside(forward));
     }
 
@@ -532,9 +532,9 @@ impl SceneSession {
         self.composer.edits.save_samples(self.mode(), now)
     }
 
-    pub(crate) fn note_frame_time(&mut self, time: Duration) {
+    pub(crate) fn record_frame_time(&mut self, time: Duration) {
         let (composer, of) = self.composing();
-        composer.note_frame_time(time, of);
+        composer.record_frame_time(time, of);
     }
 
     pub(crate) fn revision(&self) -> u64 {

@@ -167,7 +167,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     // The first frame of the loud scene is too expensive, so the calm scene returns.
     staged.draws(false);
     let before = staged.source("calm");
-    staged.session.take_back("a frame of this window would take about 99 s");
+    staged.session.withdraw("a frame of this window would take about 99 s");
     assert_eq!(staged.words(), [""; 0]);
     assert_eq!(staged.session.scenes.shown_source(), Some(&before));
     staged.session.follow(LOUD + 0.1);
@@ -178,7 +178,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     let loud = staged.source("loud");
     staged.session.show_source(loud);
     staged.wait_for("loud");
-    staged.session.take_back("a frame of this window would take about 99 s");
+    staged.session.withdraw("a frame of this window would take about 99 s");
     let words = staged.words();
     assert!(words.iter().any(|words| words.contains("loud is too much for this machine")), "{words:?}");
 }
@@ -277,7 +277,7 @@ fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     });
     assert_eq!(order, ["other", "calm"]);
     // A change to a neighbour needs no loader and no compiler.
-    staged.session.go(true);
+    staged.session.step_scene(true);
     assert_eq!(staged.session.scenes.name().as_deref(), Some("other"));
 }
 
@@ -290,7 +290,7 @@ fn a_driver_that_rejects_paths_ends_the_refinement_with_a_message() {
     );
     let rejected = GpuError::Compile { name: "path.frag".to_owned(), log: "no paths".to_owned() };
     let task = Task::Paths(ProgramOf::Compiled(0));
-    assert!(staged.session.take_special(task, Err(rejected)).is_none());
+    assert!(staged.session.receive_special(task, Err(rejected)).is_none());
     let words = staged.words();
     assert!(words.iter().any(|words| words == "this driver cannot draw paths of light"), "{words:?}");
     wait_until("the program that was requested", || {

@@ -37,7 +37,7 @@ impl UniversalInterpreters {
     }
 
     /// Marks the interpreter for this kind of formula as requested. Returns its variant, or `None` if already marked.
-    pub(super) fn ask(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
+    pub(super) fn request(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
         let one = self.of(non_lipschitz);
         matches!(one.state, State::Unasked).then(|| {
             one.state = State::Coming;
@@ -91,9 +91,9 @@ mod tests {
         let needed = Interpreter::universal(true);
         assert!(universal.serve(&needed) && !universal.are_coming(&needed));
         assert_eq!(universal.unasked(), Some(false), "distances first");
-        assert!(universal.ask(true).is_some() && universal.ask(true).is_none());
+        assert!(universal.request(true).is_some() && universal.request(true).is_none());
         assert!(universal.are_coming(&needed));
-        assert!(universal.ask(false).is_some());
+        assert!(universal.request(false).is_some());
         assert_eq!(universal.unasked(), None);
         universal.give_up(true);
         assert!(!universal.serve(&needed) && universal.find(&needed).is_none());

@@ -98,7 +98,11 @@ impl Views {
     }
 
     /// Takes a requested view program. If the driver rejects it, the view is turned off.
-    pub(super) fn take(&mut self, of: ProgramOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
+    pub(super) fn receive(
+        &mut self,
+        of: ProgramOf,
+        program: Result<Program, GpuError>,
+    ) -> Result<(), GpuError> {
         self.revision += 1;
         match program {
             Ok(program) => {

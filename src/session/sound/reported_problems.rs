@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use mariana_player::device_list::ListedDevice;
 use mariana_player::input::LiveStatus;
 
@@ -16,12 +16,12 @@ pub(super) struct Hints {
 
 impl Hints {
     /// Updates the hints from the input's state. Prints a new reason for silence.
-    pub(super) fn take(&mut self, status: &LiveStatus) {
+    pub(super) fn drain(&mut self, status: &LiveStatus) {
         self.suggestion.clone_from(&status.suggestion);
         self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
         if self.reported != status.silent {
             if let Some(reason) = &status.silent {
-                tell(&format!("no sound: {reason}"));
+                print_message(&format!("no sound: {reason}"));
             }
             self.reported.clone_from(&status.silent);
         }
@@ -43,12 +43,12 @@ impl ReportedProblems {
     /// Prints a problem on the terminal and queues it for the overlay.
     pub(super) fn add(&mut self, text: &str) {
         if self.all.insert(text.to_owned()) {
-            tell(text);
+            print_message(text);
             self.unsaid.push(text.to_owned());
         }
     }
 
-    pub(super) fn take(&mut self) -> Vec<String> {
+    pub(super) fn drain(&mut self) -> Vec<String> {
         std::mem::take(&mut self.unsaid)
     }
 }

@@ -136,6 +136,6 @@ impl DesktopControls for MediaControls {
         };
         let old = std::mem::replace(&mut *self.seen.lock(), new.clone());
         let jumped = (old.position_at(now) - status.position).abs() > JUMP;
-        self.changes.tell(&old, &new, jumped);
+        self.changes.send(&old, &new, jumped);
     }
 }

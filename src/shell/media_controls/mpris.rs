@@ -39,7 +39,7 @@ pub(super) struct Changes(Sender<Change>);
 
 impl Changes {
     /// Sends the differences between `new` and `old`, and the position if `jumped` is true.
-    pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
+    pub(super) fn send(&self, old: &Seen, new: &Seen, jumped: bool) {
         let mut properties = Vec::new();
         let mut add = |changed: bool, property: Property| {
             if changed {

@@ -18,7 +18,7 @@ pub(super) struct Changes(RefCell<Option<MediaControls>>);
 
 impl Changes {
     /// Shows the differences between `new` and `old`, and the position if `jumped` is true.
-    pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
+    pub(super) fn send(&self, old: &Seen, new: &Seen, jumped: bool) {
         let mut controls = self.0.borrow_mut();
         let Some(controls) = controls.as_mut() else { return };
         let mut told = Ok(());

@@ -188,7 +188,7 @@ impl LayersState {
     }
 
     /// Removes surfaces. A surface is destroyed when the show no longer draws into it.
-    fn take_down(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
+    fn remove_surfaces(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
         self.output_surfaces.remove(is_gone);
         self.waker.wake();
     }
@@ -233,13 +233,13 @@ impl OutputHandler for LayersState {
     }
 
     fn output_destroyed(&mut self, _: &Connection, _: &QueueHandle<Self>, output: WlOutput) {
-        self.take_down(|output_surface| *output_surface.output() == output);
+        self.remove_surfaces(|output_surface| *output_surface.output() == output);
     }
 }
 
 impl LayerShellHandler for LayersState {
     fn closed(&mut self, _: &Connection, _: &QueueHandle<Self>, layer: &LayerSurface) {
-        self.take_down(|output_surface| output_surface.is_of(layer));
+        self.remove_surfaces(|output_surface| output_surface.is_of(layer));
     }
 
     fn configure(

@@ -78,7 +78,7 @@ impl Wallpaper {
     ) -> Result<(), SessionError> {
         let Shown::Wall(wall) = &mut self.ground else { return Ok(()) };
         if is_new {
-            wall.look_different();
+            wall.redraw();
         }
         wall.show(window, draw)
     }

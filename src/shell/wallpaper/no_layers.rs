@@ -44,7 +44,7 @@ impl OutputSurface {
         match self.0 {}
     }
 
-    pub(crate) fn ask(&self) {
+    pub(crate) fn request_frame(&self) {
         match self.0 {}
     }
 }

@@ -27,7 +27,7 @@ impl WallpaperPause {
             let mut looks = Looks::new(output_surfaces);
             let mut rested = false;
             while let Some(is_on) = reported.upgrade() {
-                let look = looks.look();
+                let look = looks.classify();
                 let rests = look.is_covered || look.is_unseen || look.spares_battery;
                 if std::mem::replace(&mut rested, rests) != rests {
                     tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
@@ -76,7 +76,7 @@ impl Looks {
         }
     }
 
-    fn look(&mut self) -> Look {
+    fn classify(&mut self) -> Look {
         #[cfg(all(unix, not(target_os = "macos")))]
         let is_covered = self.windows.as_ref().is_some_and(windows::Windows::cover_everything);
         #[cfg(not(all(unix, not(target_os = "macos"))))]

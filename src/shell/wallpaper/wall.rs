@@ -5,7 +5,7 @@ use std::sync::Arc;
 use raw_window_handle::RawWindowHandle;
 
 use super::layers::{Extent, OutputSurface, OutputSurfaces};
-use crate::export::print::tell;
+use crate::export::print::print_message;
 use crate::session::SessionError;
 use crate::shell::window::{DrawTarget, GlWindowContext, SecondSurface};
 
@@ -31,7 +31,7 @@ impl DrawTarget for OutputSurface {
     }
 
     fn is_about_to_show(&self) {
-        self.ask();
+        self.request_frame();
     }
 }
 
@@ -104,7 +104,7 @@ impl Wall {
         self.hung.first().is_some_and(Hung::is_ready)
     }
 
-    pub(super) fn look_different(&mut self) {
+    pub(super) fn redraw(&mut self) {
         self.hung.iter_mut().for_each(|hung| hung.is_stale = true);
     }
 
@@ -127,8 +127,8 @@ impl Wall {
 /// Creates the OpenGL surface. If the driver refuses, the output has no wallpaper.
 fn hang(output_surface: &Arc<OutputSurface>, extent: Extent, window: &GlWindowContext) -> Hung {
     let surface = window.wayland_surface_of(output_surface.clone(), extent.pixels);
-    let surface =
-        surface.inspect_err(|error| tell(&format!("no wallpaper on {}: {error}", output_surface.name())));
+    let surface = surface
+        .inspect_err(|error| print_message(&format!("no wallpaper on {}: {error}", output_surface.name())));
     Hung {
         output_surface: output_surface.clone(),
         extent,

@@ -50,10 +50,10 @@ impl Windows {
     }
 
     pub(super) fn cover_everything(&self) -> bool {
-        self.look().unwrap_or(false)
+        self.query().unwrap_or(false)
     }
 
-    fn look(&self) -> Result<bool, Box<dyn Error>> {
+    fn query(&self) -> Result<bool, Box<dyn Error>> {
         let monitors = self.connection.randr_get_monitors(self.root, true)?.reply()?.monitors;
         let monitors: Vec<Rect> = monitors
             .iter()

@@ -51,7 +51,7 @@ pub struct ClockReading {
 
 impl Clock {
     /// Processes a message that arrived at `time`. Other kinds of messages are ignored.
-    pub fn take(&mut self, message: Message, time: f64) {
+    pub fn process(&mut self, message: Message, time: f64) {
         match message {
             Message::Clock => self.tick(time),
             Message::Start => {
@@ -164,7 +164,7 @@ mod tests {
         let period = 60.0 / tempo / 24.0;
         for number in 0..count {
             let off = [0.0, 0.0004, -0.0006, 0.0002, -0.0001][number as usize % 5];
-            clock.take(Message::Clock, start + f64::from(number) * period + off);
+            clock.process(Message::Clock, start + f64::from(number) * period + off);
         }
         start + f64::from(count) * period
     }
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn tempo_phase_and_bar_follow_the_clock() {
         let mut clock = Clock::default();
-        clock.take(Message::Start, 9.9);
+        clock.process(Message::Start, 9.9);
         run(&mut clock, 120.0, 10.0, 24 * 5 + 1);
         let reading = clock.reading().unwrap();
         assert!((reading.tempo - 120.0).abs() < 0.1, "{}", reading.tempo);
@@ -195,21 +195,21 @@ mod tests {
     #[test]
     fn a_stopped_song_continues_from_its_position_or_a_new_one() {
         let mut clock = Clock::default();
-        clock.take(Message::Start, 0.0);
+        clock.process(Message::Start, 0.0);
         let next = run(&mut clock, 120.0, 0.0, 24 * 2 + 13);
-        clock.take(Message::Stop, next);
+        clock.process(Message::Stop, next);
         let next = run(&mut clock, 120.0, next, 48);
         let beat = clock.reading().unwrap().beat_at(next).unwrap();
         assert!((beat - 2.5).abs() < 1e-9, "{beat}");
-        clock.take(Message::Continue, next);
+        clock.process(Message::Continue, next);
         let next = run(&mut clock, 120.0, next, 25);
         let beat = clock.reading().unwrap().beat_at(next - 0.5 / 24.0).unwrap();
         assert!((beat - 3.5).abs() < 0.01, "{beat}");
         // 16 sixteenths are one bar: the position is the start of the second bar.
-        clock.take(Message::Stop, next);
-        clock.take(Message::Position(16), next);
-        clock.take(Message::Continue, next);
-        clock.take(Message::Clock, next);
+        clock.process(Message::Stop, next);
+        clock.process(Message::Position(16), next);
+        clock.process(Message::Continue, next);
+        clock.process(Message::Clock, next);
         let (phase, number) = clock.reading().unwrap().phase_at(next + 0.01).unwrap();
         assert!(phase < 0.05 && number == 0, "{phase} {number}");
     }
@@ -218,7 +218,7 @@ mod tests {
     fn a_new_tempo_is_followed_within_a_beat_and_a_late_clock_ignored() {
         let mut clock = Clock::default();
         let next = run(&mut clock, 120.0, 0.0, 96);
-        clock.take(Message::Clock, next + 0.009);
+        clock.process(Message::Clock, next + 0.009);
         let next = run(&mut clock, 120.0, next + 60.0 / 120.0 / 24.0, 23);
         assert!((clock.reading().unwrap().tempo - 120.0).abs() < 0.5);
         run(&mut clock, 150.0, next, 24);
@@ -230,11 +230,11 @@ mod tests {
     fn repeated_or_decreasing_times_give_no_tempo() {
         let mut clock = Clock::default();
         for _ in 0..100 {
-            clock.take(Message::Clock, 1.0);
+            clock.process(Message::Clock, 1.0);
         }
         assert_eq!(clock.reading(), None);
-        clock.take(Message::Clock, f64::NAN);
-        clock.take(Message::Clock, -5.0);
+        clock.process(Message::Clock, f64::NAN);
+        clock.process(Message::Clock, -5.0);
         assert_eq!(clock.reading(), None);
     }
 }

@@ -50,21 +50,21 @@ impl Device {
     }
 
     /// Parses bytes and passes the events to `tell`.
-    pub fn hear(&mut self, bytes: &[u8], mut tell: impl FnMut(Said)) {
+    pub fn parse(&mut self, bytes: &[u8], mut tell: impl FnMut(Said)) {
         for byte in bytes {
             if let Some(message) = self.parser.push(*byte) {
-                self.take(message, &mut tell);
+                self.handle_message(message, &mut tell);
             }
         }
     }
 
-    fn take(&mut self, message: Message, tell: &mut impl FnMut(Said)) {
+    fn handle_message(&mut self, message: Message, tell: &mut impl FnMut(Said)) {
         let (source, value, is_press) = match message {
             Message::Note { channel, key, velocity } => {
                 (Source::Note { channel, key }, fraction(velocity), velocity > 0)
             }
             Message::Control { channel, number, value } => {
-                return self.take_control(channel, number, value, tell);
+                return self.handle_control(channel, number, value, tell);
             }
             Message::Bend { channel, value } => (Source::Bend { channel }, fraction_of_bend(value), false),
             Message::Program { channel, number } => (Source::Program { channel }, fraction(number), true),
@@ -78,7 +78,7 @@ impl Device {
         tell(Said::Moved(KnobMove::to(self.name.clone(), source, value, is_press)));
     }
 
-    fn take_control(&mut self, channel: u8, number: u8, value: u8, tell: &mut impl FnMut(Said)) {
+    fn handle_control(&mut self, channel: u8, number: u8, value: u8, tell: &mut impl FnMut(Said)) {
         let Some(state) = self.channels.get_mut(usize::from(channel)) else { return };
         let place = usize::from(number);
         let known = state.values.get_mut(place).zip(state.evidence.get_mut(place));
@@ -134,7 +134,7 @@ mod tests {
 
     fn said(bytes: &[u8]) -> Vec<Said> {
         let (mut device, mut said) = (Device::new("desk".into()), Vec::new());
-        device.hear(bytes, |one| said.push(one));
+        device.parse(bytes, |one| said.push(one));
         said
     }
 

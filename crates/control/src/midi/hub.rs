@@ -68,9 +68,7 @@ impl MidiHub {
             wake: Box::new(wake),
         });
         let of_thread = shared.clone();
-        std::thread::Builder::new()
-            .name("MIDI".into())
-            .spawn(move || look_again_and_again(ports, &of_thread))?;
+        std::thread::Builder::new().name("MIDI".into()).spawn(move || poll_ports(ports, &of_thread))?;
         Ok(Self(shared))
     }
 
@@ -94,15 +92,15 @@ impl Drop for MidiHub {
     }
 }
 
-fn look_again_and_again(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
+fn poll_ports(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
     let mut open: BTreeMap<String, Box<dyn Any>> = BTreeMap::new();
     while !shared.is_over.load(Ordering::Relaxed) {
-        look(&mut *ports, &mut open, shared);
+        update_ports(&mut *ports, &mut open, shared);
         std::thread::sleep(LOOK);
     }
 }
 
-fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
+fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
     let (names, trouble) = match ports.names() {
         Ok(names) => (names, None),
         Err(trouble) => (Vec::new(), Some(trouble)),
@@ -146,7 +144,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let name: Arc<str> = name.into();
     let mut device = Device::new(name.clone());
     Box::new(move |bytes| {
-        device.hear(bytes, |said| {
+        device.parse(bytes, |said| {
             shared.input_queue.count();
             match said {
                 Said::Moved(moved) => shared.input_queue.moved(moved),
@@ -158,7 +156,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
                         *clock = (Clock::default(), Some(name.clone()), now);
                     }
                     if clock.1.as_ref() == Some(&name) {
-                        clock.0.take(message, now);
+                        clock.0.process(message, now);
                         clock.2 = now;
                     }
                 }
@@ -235,7 +233,7 @@ mod tests {
         assert_eq!(state.devices, ["pads"]);
         assert_eq!(state.refused, [("locked".to_owned(), "another program has it".to_owned())]);
         hub_test.send("pads", &[0xb0, 7, 127, 7, 0, 7, 127]);
-        let knobs = input_queue.take().knobs;
+        let knobs = input_queue.drain().knobs;
         assert_eq!((knobs.len(), knobs[0].value, knobs[0].presses), (1, 1.0, 2), "{knobs:?}");
         hub_test.plug(&[]);
         news.recv().unwrap();
@@ -243,7 +241,7 @@ mod tests {
         hub_test.plug(&["pads"]);
         news.recv().unwrap();
         hub_test.send("pads", &[0x90, 60, 1]);
-        assert_eq!(input_queue.take().knobs.len(), 1);
+        assert_eq!(input_queue.drain().knobs.len(), 1);
     }
 
     #[test]

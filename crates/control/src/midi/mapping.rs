@@ -444,7 +444,7 @@ mod tests {
             KnobMove::to("desk".into(), KNOB, f32::from(value_of(encoding, *steps)) / 127.0, false)
         });
         let merged = moves.reduce(|mut moved, later| {
-            moved.go_on(&later);
+            moved.merge(&later);
             moved
         });
         merged.unwrap()

@@ -160,7 +160,7 @@ impl KnobMove {
     }
 
     /// Merges a later movement of the same control.
-    pub(crate) fn go_on(&mut self, later: &Self) {
+    pub(crate) fn merge(&mut self, later: &Self) {
         let ([least, most], [low, high]) = (self.way, later.way);
         (self.value, self.way) = (later.value, [least.min(low), most.max(high)]);
         self.presses = self.presses.saturating_add(later.presses);

@@ -177,7 +177,7 @@ mod tests {
         ActionRow { name: "tempo", takes: ValueType::Number, meaning: "a tempo" },
     ];
 
-    fn ask(addr: &str, args: &[OscType]) -> Result<Asked, Refused> {
+    fn parse_query(addr: &str, args: &[OscType]) -> Result<Asked, Refused> {
         understand(&OscMessage { addr: addr.to_owned(), args: args.to_vec() }, ACTIONS)
     }
 
@@ -193,13 +193,13 @@ mod tests {
     fn parameters_take_values_and_fractions_of_any_number_type() {
         use OscType::{Bool, Double, Float, Int, Long};
         for one in [Float(1.0), Double(1.0), Int(1), Long(1), Bool(true)] {
-            assert_eq!(ask("/param/size", std::slice::from_ref(&one)), turn(Amount::Value(1.0), 0.0));
-            assert_eq!(ask("/share/size", &[one, Float(0.5)]), turn(Amount::Fraction(1.0), 0.5));
+            assert_eq!(parse_query("/param/size", std::slice::from_ref(&one)), turn(Amount::Value(1.0), 0.0));
+            assert_eq!(parse_query("/share/size", &[one, Float(0.5)]), turn(Amount::Fraction(1.0), 0.5));
         }
-        assert_eq!(ask("/param/size", &[]), Ok(Asked::Tell(Query::Param("size".to_owned()))));
+        assert_eq!(parse_query("/param/size", &[]), Ok(Asked::Tell(Query::Param("size".to_owned()))));
         for rubbish in [Float(f32::NAN), Float(f32::INFINITY), Double(1e300)] {
-            assert_eq!(ask("/param/size", std::slice::from_ref(&rubbish)), Err(Refused::NotANumber));
-            assert_eq!(ask("/param/size", &[Float(1.0), rubbish]), Err(Refused::NotANumber));
+            assert_eq!(parse_query("/param/size", std::slice::from_ref(&rubbish)), Err(Refused::NotANumber));
+            assert_eq!(parse_query("/param/size", &[Float(1.0), rubbish]), Err(Refused::NotANumber));
         }
     }
 
@@ -207,50 +207,60 @@ mod tests {
     fn texts_are_numbers_where_numbers_are_expected() {
         let text = |text: &str| OscType::String(text.to_owned());
         for half in ["0.5", " 0.5 ", ".5", "5e-1", "+0.50\n"] {
-            assert_eq!(ask("/param/size", &[text(half)]), turn(Amount::Value(0.5), 0.0), "{half}");
-            assert_eq!(ask("/share/size", &[text("1"), text(half)]), turn(Amount::Fraction(1.0), 0.5));
-            assert_eq!(ask("/tempo", &[text(half)]), act("tempo", ActionValue::Number(0.5)));
+            assert_eq!(parse_query("/param/size", &[text(half)]), turn(Amount::Value(0.5), 0.0), "{half}");
+            assert_eq!(
+                parse_query("/share/size", &[text("1"), text(half)]),
+                turn(Amount::Fraction(1.0), 0.5)
+            );
+            assert_eq!(parse_query("/tempo", &[text(half)]), act("tempo", ActionValue::Number(0.5)));
         }
         for other in ["abc", "", " ", "0,5", "0.5 s", "0x1"] {
-            assert_eq!(ask("/param/size", &[text(other)]), Err(Refused::Unknown), "{other}");
-            assert_eq!(ask("/param/size", &[OscType::Int(1), text(other)]), Err(Refused::Unknown), "{other}");
-            assert_eq!(ask("/tempo", &[text(other)]), Err(Refused::Unknown), "{other}");
+            assert_eq!(parse_query("/param/size", &[text(other)]), Err(Refused::Unknown), "{other}");
+            assert_eq!(
+                parse_query("/param/size", &[OscType::Int(1), text(other)]),
+                Err(Refused::Unknown),
+                "{other}"
+            );
+            assert_eq!(parse_query("/tempo", &[text(other)]), Err(Refused::Unknown), "{other}");
         }
         for rubbish in ["NaN", "inf", "-infinity", "1e300"] {
-            assert_eq!(ask("/param/size", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
-            assert_eq!(ask("/share/size", &[OscType::Int(1), text(rubbish)]), Err(Refused::NotANumber));
-            assert_eq!(ask("/tempo", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
+            assert_eq!(parse_query("/param/size", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
+            assert_eq!(
+                parse_query("/share/size", &[OscType::Int(1), text(rubbish)]),
+                Err(Refused::NotANumber)
+            );
+            assert_eq!(parse_query("/tempo", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
         }
-        assert_eq!(ask("/pause", &[text("0")]), act("pause", ActionValue::Number(0.0)));
-        assert_eq!(ask("/next", &[text("0")]), Ok(Asked::Nothing));
-        assert_eq!(ask("/scene/orb", &[text("0")]), Ok(Asked::Nothing));
+        assert_eq!(parse_query("/pause", &[text("0")]), act("pause", ActionValue::Number(0.0)));
+        assert_eq!(parse_query("/next", &[text("0")]), Ok(Asked::Nothing));
+        assert_eq!(parse_query("/scene/orb", &[text("0")]), Ok(Asked::Nothing));
         // A scene may have a number as its name.
-        assert_eq!(ask("/scene", &[text("3")]), act("scene", ActionValue::Text("3".to_owned())));
+        assert_eq!(parse_query("/scene", &[text("3")]), act("scene", ActionValue::Text("3".to_owned())));
     }
 
     #[test]
     fn actions_are_addresses_and_released_buttons_do_nothing() {
-        assert_eq!(ask("/next", &[]), act("next", ActionValue::Nothing));
-        assert_eq!(ask("/next", &[OscType::Float(1.0)]), act("next", ActionValue::Nothing));
-        assert_eq!(ask("/next", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
-        assert_eq!(ask("/pause", &[OscType::Int(0)]), act("pause", ActionValue::Number(0.0)));
-        assert_eq!(ask("/tempo", &[OscType::Float(128.0)]), act("tempo", ActionValue::Number(128.0)));
-        assert_eq!(ask("/scene/orb", &[]), act("scene", ActionValue::Text("orb".to_owned())));
-        assert_eq!(ask("/scene/orb", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
-        assert_eq!(ask("/scene", &[OscType::Int(3)]), act("scene", ActionValue::Number(3.0)));
+        assert_eq!(parse_query("/next", &[]), act("next", ActionValue::Nothing));
+        assert_eq!(parse_query("/next", &[OscType::Float(1.0)]), act("next", ActionValue::Nothing));
+        assert_eq!(parse_query("/next", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
+        assert_eq!(parse_query("/pause", &[OscType::Int(0)]), act("pause", ActionValue::Number(0.0)));
+        assert_eq!(parse_query("/tempo", &[OscType::Float(128.0)]), act("tempo", ActionValue::Number(128.0)));
+        assert_eq!(parse_query("/scene/orb", &[]), act("scene", ActionValue::Text("orb".to_owned())));
+        assert_eq!(parse_query("/scene/orb", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
+        assert_eq!(parse_query("/scene", &[OscType::Int(3)]), act("scene", ActionValue::Number(3.0)));
         let name = OscType::String("orb".to_owned());
-        assert_eq!(ask("/scene", &[name]), act("scene", ActionValue::Text("orb".to_owned())));
+        assert_eq!(parse_query("/scene", &[name]), act("scene", ActionValue::Text("orb".to_owned())));
     }
 
     #[test]
     fn questions_are_addresses_without_arguments() {
-        assert_eq!(ask("/scene", &[]), Ok(Asked::Tell(Query::Scene)));
-        assert_eq!(ask("/tempo", &[]), Ok(Asked::Tell(Query::Tempo)));
-        assert_eq!(ask("/query", &[]), Ok(Asked::Tell(Query::All)));
-        assert_eq!(ask("/query/pause", &[]), Ok(Asked::Tell(Query::Switch("pause"))));
+        assert_eq!(parse_query("/scene", &[]), Ok(Asked::Tell(Query::Scene)));
+        assert_eq!(parse_query("/tempo", &[]), Ok(Asked::Tell(Query::Tempo)));
+        assert_eq!(parse_query("/query", &[]), Ok(Asked::Tell(Query::All)));
+        assert_eq!(parse_query("/query/pause", &[]), Ok(Asked::Tell(Query::Switch("pause"))));
         for (address, ..) in fixed_addresses() {
             let address = address.replace("SWITCH", "pause");
-            assert!(ask(&address, &[]).is_ok(), "{address}");
+            assert!(parse_query(&address, &[]).is_ok(), "{address}");
         }
     }
 
@@ -260,10 +270,10 @@ mod tests {
         for address in
             ["", "next", "/", "//", "/nothing", "/next/next", "/query/next", "/param", "/param/", &long]
         {
-            assert_eq!(ask(address, &[]), Err(Refused::Unknown), "{address}");
+            assert_eq!(parse_query(address, &[]), Err(Refused::Unknown), "{address}");
         }
         let long = OscType::String("x".repeat(LIMITS.name_bytes_max + 1));
-        assert_eq!(ask("/scene", &[long]), Err(Refused::Unknown));
-        assert_eq!(ask("/pause", &[OscType::String("on".to_owned())]), Err(Refused::Unknown));
+        assert_eq!(parse_query("/scene", &[long]), Err(Refused::Unknown));
+        assert_eq!(parse_query("/pause", &[OscType::String("on".to_owned())]), Err(Refused::Unknown));
     }
 }

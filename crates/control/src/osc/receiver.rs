@@ -64,7 +64,7 @@ impl OscReceiver {
                 }
             };
             if let Some(socket) = open_when_free(&place, &is_over, set_state) {
-                Hearing { actions, input_queue, board }.go_on(&socket, &is_over);
+                Hearing { actions, input_queue, board }.run(&socket, &is_over);
             }
         })?;
         Ok(receiver)
@@ -140,11 +140,11 @@ struct Hearing {
 }
 
 impl Hearing {
-    fn go_on(&self, socket: &UdpSocket, is_over: &AtomicBool) {
+    fn run(&self, socket: &UdpSocket, is_over: &AtomicBool) {
         let mut buffer = vec![0; PACKET_MAX];
         let (mut waiting, mut waited) = (Waiting::default(), LOOK);
         while !is_over.load(Ordering::Relaxed) {
-            while let Some((message, from)) = waiting.take(Instant::now()) {
+            while let Some((message, from)) = waiting.pop_due(Instant::now()) {
                 let mut answers = Vec::new();
                 self.obey(&message, &mut answers);
                 answers.into_iter().for_each(|answer| send(socket, answer, from));
@@ -158,7 +158,7 @@ impl Hearing {
             match socket.recv_from(&mut buffer) {
                 Ok((length, from)) => {
                     let packet = buffer.get(..length).unwrap_or_default();
-                    let answers = self.hear(packet, SystemTime::now(), |ahead, message| {
+                    let answers = self.handle_packet(packet, SystemTime::now(), |ahead, message| {
                         Instant::now().checked_add(ahead).is_some_and(|due| waiting.put(due, message, from))
                     });
                     answers.into_iter().for_each(|answer| send(socket, answer, from));
@@ -176,7 +176,7 @@ impl Hearing {
 
     /// Handles a packet at the system time `now` and returns the answers. `waits` takes the messages that are not due
     /// yet, and returns false if too many messages wait.
-    fn hear(
+    fn handle_packet(
         &self,
         packet: &[u8],
         now: SystemTime,

@@ -55,7 +55,7 @@ impl Waiting {
         has_room
     }
 
-    pub(super) fn take(&mut self, now: Instant) -> Option<(OscMessage, SocketAddr)> {
+    pub(super) fn pop_due(&mut self, now: Instant) -> Option<(OscMessage, SocketAddr)> {
         let first = self.messages.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())
     }
@@ -107,8 +107,8 @@ mod tests {
             assert!(waiting.put(at(ms), message(addr), from));
         }
         assert_eq!(waiting.patience(start), Some(Duration::from_millis(10)));
-        assert_eq!(waiting.take(at(9)), None);
-        let taken = |waiting: &mut Waiting| waiting.take(at(15)).map(|(message, _)| message.addr);
+        assert_eq!(waiting.pop_due(at(9)), None);
+        let taken = |waiting: &mut Waiting| waiting.pop_due(at(15)).map(|(message, _)| message.addr);
         assert_eq!([(); 3].map(|()| taken(&mut waiting)), [Some("/a".into()), Some("/b".into()), None]);
         let put = (1..=LIMITS.osc_waiting_max).filter(|_| waiting.put(at(30), message("/d"), from)).count();
         assert_eq!(put, LIMITS.osc_waiting_max - 1, "one message is already waiting");

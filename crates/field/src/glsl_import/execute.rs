@@ -273,7 +273,7 @@ impl<'m> Executor<'m, '_> {
         self.live = when;
         self.block(accept)?;
         let live_when = self.live;
-        let changed = self.memory.take_changes(mark);
+        let changed = self.memory.rewind_changes(mark);
         self.live = unless;
         self.block(reject)?;
         let live_unless = self.live;

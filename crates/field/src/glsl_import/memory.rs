@@ -62,7 +62,7 @@ impl Memory {
     }
 
     /// The slots that changed since a mark, with their values now. Restores the state at the mark.
-    pub(super) fn take_changes(&mut self, mark: usize) -> BTreeMap<u32, Part> {
+    pub(super) fn rewind_changes(&mut self, mark: usize) -> BTreeMap<u32, Part> {
         let mut changes = self.changes(mark);
         for (slot, part) in &mut changes {
             *part = self.at(*slot);

@@ -354,7 +354,7 @@ const ROOTED: [u32; 128] = {
     let mut place = 0;
     while place < Compound::ALL.len() {
         let parts = Compound::ALL[place].parts();
-        note(&mut rooted, parts[parts.len() - 1].op, Compound::ALL[place]);
+        insert(&mut rooted, parts[parts.len() - 1].op, Compound::ALL[place]);
         place += 1;
     }
     rooted
@@ -369,17 +369,17 @@ const BEFORE_LAST: [u32; 128] = {
         let parts = Compound::ALL[place].parts();
         let Part { a, b, .. } = parts[parts.len() - 1];
         if let Reads::Part(earlier) = a {
-            note(&mut before, parts[earlier].op, Compound::ALL[place]);
+            insert(&mut before, parts[earlier].op, Compound::ALL[place]);
         }
         if let Reads::Part(earlier) = b {
-            note(&mut before, parts[earlier].op, Compound::ALL[place]);
+            insert(&mut before, parts[earlier].op, Compound::ALL[place]);
         }
         place += 1;
     }
     before
 };
 
-const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
+const fn insert(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
     // A tape may store a sum as a difference, with the opposite sign of the number or product, and vice versa.
     if matches!(op, Op::Add | Op::Sub) {

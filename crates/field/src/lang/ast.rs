@@ -135,7 +135,7 @@ impl Ast {
     }
 
     #[inline]
-    pub(super) fn note(&mut self, event: NameEvent) {
+    pub(super) fn record(&mut self, event: NameEvent) {
         if let Some(events) = &mut self.name_events {
             events.push(event);
         }

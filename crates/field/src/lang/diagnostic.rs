@@ -266,7 +266,7 @@ impl Diagnostics {
     }
 
     /// Takes the warnings in the order of their locations.
-    pub(super) fn take_warnings(&mut self) -> Vec<Diagnostic> {
+    pub(super) fn drain_warnings(&mut self) -> Vec<Diagnostic> {
         self.warnings.sort_by_key(|one| one.span);
         std::mem::take(&mut self.warnings)
     }

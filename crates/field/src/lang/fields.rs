@@ -150,13 +150,13 @@ impl fmt::Display for FieldRange {
 }
 
 pub(super) trait Parts<N> {
-    fn take(numbers: &mut impl Iterator<Item = N>) -> Self;
+    fn from_numbers(numbers: &mut impl Iterator<Item = N>) -> Self;
     fn put(self, numbers: &mut Vec<N>);
     fn map(self, new: impl FnMut(N) -> N) -> Self;
 }
 
 impl<N: Default> Parts<N> for N {
-    fn take(numbers: &mut impl Iterator<Item = N>) -> Self {
+    fn from_numbers(numbers: &mut impl Iterator<Item = N>) -> Self {
         numbers.next().unwrap_or_default()
     }
 
@@ -170,8 +170,8 @@ impl<N: Default> Parts<N> for N {
 }
 
 impl<N: Default, const COUNT: usize> Parts<N> for [N; COUNT] {
-    fn take(numbers: &mut impl Iterator<Item = N>) -> Self {
-        std::array::from_fn(|_| N::take(numbers))
+    fn from_numbers(numbers: &mut impl Iterator<Item = N>) -> Self {
+        std::array::from_fn(|_| N::from_numbers(numbers))
     }
 
     fn put(self, numbers: &mut Vec<N>) {

@@ -165,7 +165,7 @@ fn compile_all(
     let loaded = load::load(name, text, &mut note_and_resolve, empty, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
-    let warnings = if scene.is_some() { diagnostics.take_warnings() } else { Vec::new() };
+    let warnings = if scene.is_some() { diagnostics.drain_warnings() } else { Vec::new() };
     Compiled { scene, warnings, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 

@@ -259,7 +259,7 @@ impl<'a> RayProbe<'a> {
         result
     }
 
-    fn note(&self, t: f32, value: f32) {
+    fn record(&self, t: f32, value: f32) {
         if let Some(steps) = &mut *self.steps.borrow_mut() {
             steps.push(RayStep { t, value });
         }
@@ -283,7 +283,7 @@ impl<'a> RayProbe<'a> {
                 cell = self.cell_at(&walk, t);
             }
             d = self.value(cell.as_ref(), ray.at(t), traced);
-            self.note(t, d);
+            self.record(t, d);
             // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
                 traced.capped = false;
@@ -324,7 +324,7 @@ impl<'a> RayProbe<'a> {
                 return None;
             }
             let value = self.value(cell.as_ref(), ray.at(t), traced);
-            self.note(t, value);
+            self.record(t, value);
             let radius = ray.spread * t;
             if value > 0.0 {
                 outside = (t, value);

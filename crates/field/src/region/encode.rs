@@ -161,7 +161,7 @@ impl Encoder {
             for (value, register) in [(clause.a, a), (clause.b, b)] {
                 free.give_if(self.last_use[value as usize] == clause.at, register);
             }
-            let Some(output) = free.take() else {
+            let Some(output) = free.allocate() else {
                 self.list = list;
                 return None;
             };
@@ -186,7 +186,7 @@ impl Encoder {
                 Arg::Number(number) => match numbers.iter().find(|(bits, _)| *bits == number.to_bits()) {
                     Some((_, output)) => *output,
                     None => {
-                        let output = free.take()?;
+                        let output = free.allocate()?;
                         highest = highest.max(usize::from(output) + 1);
                         let load = u32::from_le_bytes([opcode::LOAD, output, IMMEDIATE, 0]);
                         self.write(load, number, false, &mut half);
@@ -213,7 +213,7 @@ impl Encoder {
         let Some(sample) = (value as usize).checked_sub(program.in_registers) else { return Some(0) };
         let Some(sampled) = self.sampled.get_mut(sample).filter(|sampled| !**sampled) else { return Some(0) };
         *sampled = true;
-        let output = free.take()?;
+        let output = free.allocate()?;
         self.register[value as usize] = output;
         let word = u32::from_le_bytes([opcode::TEXTURE, output, 0, 0]);
         self.write(word, f32::from_bits(sample as u32), true, half);
@@ -324,7 +324,7 @@ impl Default for FreeRegisters {
 
 impl FreeRegisters {
     #[inline(always)]
-    fn take(&mut self) -> Option<u8> {
+    fn allocate(&mut self) -> Option<u8> {
         if self.first != 0 {
             let register = self.first.trailing_zeros();
             self.first &= self.first - 1;

@@ -148,7 +148,7 @@ impl<'a> EveryFrame<'a> {
     /// Decides which steps each group of boxes that [`EveryFrame::open`] has just bounded needs.
     pub(crate) fn decide(&mut self, BoxProgram(program): &BoxProgram, boxes: u64, groups: &[u64]) {
         if program.steps.len() > SHORT_ENOUGH {
-            self.structure.look_at(program);
+            self.structure.analyse(program);
             self.decisions.decide(program, &self.structure, &self.rows, [boxes, 0], groups);
         }
     }

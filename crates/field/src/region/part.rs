@@ -126,7 +126,7 @@ impl<'a> Part<'a> {
                 &mut self.scratch,
                 &mut level.short,
             );
-            level.structure.look_at(&level.short);
+            level.structure.analyse(&level.short);
             for cell in own {
                 if !is_wanted() {
                     return;
@@ -226,7 +226,7 @@ impl<'a> Part<'a> {
             let mut divided = self.divisible(&level.short, &block, depth, group & surface);
             let mut program_hash = None;
             if divided != 0 {
-                level.structure.look_at(&level.short);
+                level.structure.analyse(&level.short);
                 program_hash = is_of_place(&level.short).then(|| level.short.hash());
             }
             for cell in cells_of(divided) {

@@ -207,7 +207,7 @@ impl Structure {
         saved <= most
     }
 
-    pub(super) fn look_at(&mut self, program: &Program) {
+    pub(super) fn analyse(&mut self, program: &Program) {
         let count = program.values();
         refill(&mut self.uses, count, 0u8);
         refill(&mut self.reader, count, u32::MAX);

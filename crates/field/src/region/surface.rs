@@ -283,7 +283,7 @@ impl<'a> Shortener<'a> {
             return short;
         }
         (self.nodes, self.room) = (nodes, room);
-        self.structure.look_at(&program);
+        self.structure.analyse(&program);
         let is_asked = |cell: &[usize; 3]| match plan.over {
             Over::Points => self.asked[number_of(*cell)],
             Over::Directions => grid.may_hold_a_direction(*cell),

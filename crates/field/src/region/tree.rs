@@ -248,7 +248,7 @@ impl Trunk<'_> {
 
     fn divide(&mut self) {
         let mut structure = Structure::default();
-        structure.look_at(&self.program);
+        structure.analyse(&self.program);
         self.stats.passes += 1;
         let Root { block, rows, decisions, groups } = &mut self.root;
         bound_cells(&self.program, *block, self.rounding.overlap, rows, self.frame);

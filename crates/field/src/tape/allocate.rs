@@ -161,7 +161,7 @@ impl Allocator<'_> {
         self.pinned[usize::from(register >> 6)] |= 1 << (register & 63);
     }
 
-    fn take_any(&mut self) -> Result<u8, TapeError> {
+    fn allocate_any(&mut self) -> Result<u8, TapeError> {
         let lowest = (0..4)
             .find(|&part| self.free[part] != 0)
             .map(|part| part * 64 + self.free[part].trailing_zeros() as usize);
@@ -169,11 +169,11 @@ impl Allocator<'_> {
             Some(register) if register < self.options.registers => register as u8,
             _ => self.spill()?,
         };
-        self.take(register);
+        self.allocate(register);
         Ok(register)
     }
 
-    fn take(&mut self, register: u8) {
+    fn allocate(&mut self, register: u8) {
         self.free[usize::from(register >> 6)] &= !(1 << (register & 63));
         self.tape.registers = self.tape.registers.max(usize::from(register) + 1);
     }
@@ -208,7 +208,7 @@ impl Allocator<'_> {
         if let Some(id) = self.held[usize::from(register)].take() {
             let again = matches!(self.graph.node(id), Node::Input(_)) || self.in_table(id);
             if !again && self.places[id.index()].memory == NONE {
-                let memory = self.take_memory()?;
+                let memory = self.allocate_memory()?;
                 self.places[id.index()].memory = u32::from(memory);
                 self.emit(Instruction::Store { register, memory });
             }
@@ -219,7 +219,7 @@ impl Allocator<'_> {
         Ok(register)
     }
 
-    fn take_memory(&mut self) -> Result<u16, TapeError> {
+    fn allocate_memory(&mut self) -> Result<u16, TapeError> {
         if let Some(memory) = self.free_memory.pop() {
             return Ok(memory);
         }
@@ -236,7 +236,7 @@ impl Allocator<'_> {
     }
 
     fn fetch_entry(&mut self, id: NodeId) -> Result<u8, TapeError> {
-        let output = self.take_any()?;
+        let output = self.allocate_any()?;
         let entry = self.entry(id);
         self.emit(Instruction::Load { output, entry });
         self.pin(output);
@@ -249,7 +249,7 @@ impl Allocator<'_> {
         let register = if place.register_or_entry != NONE {
             place.register_or_entry as u8
         } else {
-            let output = self.take_any()?;
+            let output = self.allocate_any()?;
             match self.graph.node(id) {
                 Node::Input(input) => {
                     let place = input.of_point().unwrap_or(0) as u8;
@@ -282,11 +282,11 @@ impl Allocator<'_> {
         self.pinned = [0; 4];
         for register in [b, a].into_iter().flatten() {
             if self.is_free(register) {
-                self.take(register);
+                self.allocate(register);
                 return Ok(register);
             }
         }
-        self.take_any()
+        self.allocate_any()
     }
 
     fn define(&mut self, id: NodeId, uses: NextUses) -> Result<(), TapeError> {
@@ -294,7 +294,7 @@ impl Allocator<'_> {
             Node::Constant(_) => return Ok(()),
             Node::Input(input) => {
                 let Some(place) = input.of_point() else { return Ok(()) };
-                let output = self.take_any()?;
+                let output = self.allocate_any()?;
                 self.emit(Instruction::Input { output, place: place as u8 });
                 output
             }

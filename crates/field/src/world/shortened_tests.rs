@@ -222,7 +222,7 @@ fn programs_that_save_little_stay_whole_for_a_while() {
         attempts.push(names(&request, 2));
         let short = buffers.shorten(&frame, &request, &options);
         assert_these_are_the_same(&world, &frame, &buffers.texels(&frame, &short));
-        worth.note(&short);
+        worth.record(&short);
         worth.pass_frame();
     }
     assert_eq!(attempts[0], [true, true], "nothing is known yet");

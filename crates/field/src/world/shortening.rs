@@ -97,7 +97,7 @@ impl WorthShortening {
     }
 
     /// Records the savings of an attempt.
-    pub fn note(&mut self, short: &ShortPrograms) {
+    pub fn record(&mut self, short: &ShortPrograms) {
         for (rest, tapes) in self.rests.iter_mut().zip(&short.programs) {
             if tapes.saved.is_some_and(|saved| saved < SAVED_MIN) {
                 *rest = Some(REST_FRAMES);

@@ -144,7 +144,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             }
             self.keep_all(false);
             if looked + LOOK <= Instant::now() {
-                self.look();
+                self.report_changed_files();
                 looked = Instant::now();
             }
         }
@@ -244,7 +244,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
     }
 
     /// Reports the files that other programs have changed.
-    fn look(&mut self) {
+    fn report_changed_files(&mut self) {
         for (file, before) in &mut self.known {
             if stamp(file) == before.stamp {
                 continue;

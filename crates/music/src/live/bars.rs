@@ -165,7 +165,7 @@ impl LiveBars {
             self.weigh(evidence);
         }
         self.move_on();
-        self.tell();
+        self.publish();
     }
 
     fn weigh(&mut self, [low, high, struck, harmony, sound]: [f32; 5]) {
@@ -201,7 +201,7 @@ impl LiveBars {
         }
     }
 
-    fn tell(&mut self) {
+    fn publish(&mut self) {
         let best = (0..STATES).max_by(|a, b| self.belief[*a].total_cmp(&self.belief[*b])).unwrap_or_default();
         let enough = if self.reported.beats > 0.0 { REPORTED.1 } else { REPORTED.0 };
         let (mut first, mut reported) = (0, LiveBar::default());

@@ -78,7 +78,7 @@ impl Timbre {
         }
     }
 
-    fn take(&mut self) -> [f32; TIMBRE_BANDS] {
+    fn process(&mut self) -> [f32; TIMBRE_BANDS] {
         std::mem::replace(&mut self.sums, [0.0; TIMBRE_BANDS])
     }
 }
@@ -130,7 +130,7 @@ impl SongListener {
         self.heard.cut_short |= frames.len() > room;
         let frames = &frames[..frames.len().min(room)];
         self.frames += frames.len() as u64;
-        self.take(frames);
+        self.process(frames);
     }
 
     /// Ends the song and returns its structure.
@@ -143,7 +143,7 @@ impl SongListener {
         // Flush the windows with silence, up to the end of the last slow moment.
         let silence = vec![[0.0; 2]; self.buffer.hop()];
         for _ in 0..LONG_HOPS / 2 + SLOW_HOPS {
-            self.take(&silence);
+            self.process(&silence);
         }
         self.heard.tuning = self.pitches.tuning();
         let late = self.activation.late();
@@ -154,11 +154,11 @@ impl SongListener {
         SongStructure::of(&self.heard)
     }
 
-    fn take(&mut self, frames: &[StereoFrame]) {
+    fn process(&mut self, frames: &[StereoFrame]) {
         let mut rest = frames;
         while !rest.is_empty() {
             let taken;
-            (taken, rest) = self.buffer.take(rest);
+            (taken, rest) = self.buffer.fill(rest);
             if self.meter.as_mut().is_some_and(|meter| meter.add_frames_f32(taken.as_flattened()).is_err()) {
                 self.meter = None;
             }
@@ -189,7 +189,7 @@ impl SongListener {
         }
         if self.hops.is_multiple_of(SLOW_HOPS) {
             let chroma = self.pitches.chroma(self.slow.spectrum().power());
-            let timbre = self.timbre.take();
+            let timbre = self.timbre.process();
             self.heard.slow.push(SlowMoment { timbre, chroma });
         }
     }

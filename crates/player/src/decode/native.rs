@@ -103,7 +103,7 @@ impl NativeDecoder {
             skipped_before: 0,
             scratch: first,
         };
-        decoder.take(block)?;
+        decoder.append(block)?;
         Ok(decoder)
     }
 
@@ -200,7 +200,7 @@ impl NativeDecoder {
         self.scratch.clear();
         match self.reader.next(&mut self.scratch) {
             Ok(Some(block)) => {
-                let taken = self.take(block);
+                let taken = self.append(block);
                 self.ended |= taken.is_err();
                 taken?;
                 Ok(true)
@@ -216,7 +216,7 @@ impl NativeDecoder {
         }
     }
 
-    fn take(&mut self, block: Block) -> Result<(), DecodeError> {
+    fn append(&mut self, block: Block) -> Result<(), DecodeError> {
         let padding = block.padding.min(self.scratch.len());
         self.scratch.truncate(self.scratch.len() - padding);
         if let Some(delay) = block.new_link {

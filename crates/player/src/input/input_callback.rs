@@ -68,7 +68,7 @@ impl InputCallback {
     /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of the buffer's first
     /// frame, if the device reports it. A single channel goes to both sides. Of more than two channels without known
     /// positions, the first two are used. An incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
-    pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
+    pub fn receive<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,
     {
@@ -113,16 +113,16 @@ mod tests {
     #[test]
     fn every_layout_of_channels_becomes_left_and_right() {
         let (mut tap, mut link) = tap(48_000);
-        tap.take(&[0.25_f32, -0.5], 1, None);
+        tap.receive(&[0.25_f32, -0.5], 1, None);
         assert_eq!(heard(&mut link), [[0.25; 2], [-0.5; 2]]);
-        tap.take(&[0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 3, None);
+        tap.receive(&[0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 3, None);
         assert_eq!(heard(&mut link), [[0.1, 0.2], [0.4, 0.5]]);
-        tap.take(&[i16::MIN, 16_384], 2, None);
+        tap.receive(&[i16::MIN, 16_384], 2, None);
         assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
-        tap.take(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
+        tap.receive(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
         assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
         // No device has zero channels.
-        tap.take(&[0.5_f32], 0, None);
+        tap.receive(&[0.5_f32], 0, None);
         assert_eq!(heard(&mut link), [[0.5; 2]]);
         assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
         assert_eq!(link.counters.calls.load(Ordering::Relaxed), 5);
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn a_bass_that_is_only_in_the_lfe_channel_is_heard() {
         let (tap, mut link) = tap(48_000);
-        tap.mixing(8).take(&[0.0_f32, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 8, None);
+        tap.mixing(8).receive(&[0.0_f32, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 8, None);
         let [[left, right]] = heard(&mut link)[..] else { panic!("one frame was sent") };
         assert!(left > 0.05 && left == right, "{left} {right}");
     }
@@ -145,7 +145,7 @@ mod tests {
             for (size, read) in sizes {
                 let data: Vec<f32> = (0..size).map(|n| (sent + n as u32) as f32).collect();
                 sent += size as u32;
-                tap.take(&data, 1, None);
+                tap.receive(&data, 1, None);
                 if read {
                     got.extend(heard(&mut link).into_iter().map(|frame| frame[0] as u32));
                 }

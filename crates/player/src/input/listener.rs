@@ -57,7 +57,7 @@ impl Ear {
         self.now() - last as f64 / 1e9
     }
 
-    fn note(&self, what: &AtomicU64) {
+    fn count(&self, what: &AtomicU64) {
         what.store(self.epoch.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 }
@@ -125,7 +125,7 @@ impl Listener {
             }
             let hop = self.analyzer.hop() as f64 / f64::from(self.analyzer.sample_rate());
             self.first_number = ((self.ear.now() / hop) as u64).max(self.last_number + 1);
-            self.ear.note(&self.ear.began_ns);
+            self.ear.count(&self.ear.began_ns);
             (self.last, self.rest) = (self.ear.now(), REST);
         }
         self.link = link;
@@ -146,7 +146,7 @@ impl Listener {
         }
         if !self.batch.is_empty() {
             if has_signal(&self.batch) {
-                self.ear.note(&self.ear.signal_ns);
+                self.ear.count(&self.ear.signal_ns);
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
@@ -219,7 +219,7 @@ mod tests {
         let (mut tap, link) = InputCallback::new(48_000, std::thread::current());
         listener.attach(Some(link));
         for size in [700, 30, 1300, 9_000] {
-            tap.take(&tone(size), 1, None);
+            tap.receive(&tone(size), 1, None);
             listener.listen();
         }
         let moments = all(&mut heard);
@@ -231,7 +231,7 @@ mod tests {
         assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
         let (mut tap, link) = InputCallback::new(96_000, std::thread::current());
         listener.attach(Some(link));
-        tap.take(&tone(5_000), 1, None);
+        tap.receive(&tone(5_000), 1, None);
         listener.listen();
         let moments = all(&mut heard);
         assert_eq!((moments[0].stream, moments[0].position, moments[1].position), (2, 0, 1024));
@@ -242,7 +242,7 @@ mod tests {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
-        tap.take(&tone(4_000), 1, None);
+        tap.receive(&tone(4_000), 1, None);
         listener.listen();
         assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
@@ -265,16 +265,16 @@ mod tests {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
-        tap.take(&tone(1_000), 1, None);
+        tap.receive(&tone(1_000), 1, None);
         listener.listen();
         // Simulate a signal that ended long ago.
         listener.ear =
             Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());
-        tap.take(&[0.0; 1_000], 1, None);
+        tap.receive(&[0.0; 1_000], 1, None);
         listener.listen();
         assert!(all(&mut heard).is_empty(), "silence was analysed");
-        tap.take(&tone(1_000), 1, None);
+        tap.receive(&tone(1_000), 1, None);
         listener.listen();
         let moments = all(&mut heard);
         let hop = listener.analyzer.hop() as u64;
@@ -292,10 +292,10 @@ mod tests {
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         std::thread::sleep(Duration::from_millis(30));
-        tap.take(&[0.3_f32; 500], 1, None);
+        tap.receive(&[0.3_f32; 500], 1, None);
         listener.listen();
         assert!(listener.ear.flat_for() >= 0.03, "{}", listener.ear.flat_for());
-        tap.take(&tone(500), 1, None);
+        tap.receive(&tone(500), 1, None);
         listener.listen();
         assert!(listener.ear.flat_for() < 0.03, "{}", listener.ear.flat_for());
     }

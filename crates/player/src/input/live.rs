@@ -213,7 +213,7 @@ impl Live {
         let (mut flat, mut suggestion) = (None, None);
         match &status.device {
             Some(device) if status.silent.is_none() && self.ear.flat_for() >= FLAT_LIMIT => {
-                suggestion = self.prober.look(|| candidates(&device_list, device)).cloned();
+                suggestion = self.prober.search(|| candidates(&device_list, device)).cloned();
                 flat = Some(diagnosis(&name, suggestion.as_ref()));
             }
             _ => self.prober.reset(),

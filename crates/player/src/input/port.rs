@@ -52,7 +52,7 @@ impl Port for InputPort {
         move |target, on_failure| open(&target, &listener, &on_failure)
     }
 
-    fn note(link: &InputCallbackLink) -> Self::Note {
+    fn describe(link: &InputCallbackLink) -> Self::Note {
         Some(link.counters.clone())
     }
 
@@ -143,7 +143,7 @@ where
     let callback: Callback = Box::new(move |data, info| {
         let Some(data) = data.as_slice::<T>() else { return };
         let stamps = info.timestamp();
-        tap.take(data, channels, stamps.callback.checked_duration_since(stamps.capture));
+        tap.receive(data, channels, stamps.callback.checked_duration_since(stamps.capture));
     });
     device.build_input_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
 }

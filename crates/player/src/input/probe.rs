@@ -42,7 +42,7 @@ impl Prober {
     }
 
     /// Returns the input with a signal that a search has found. Starts a search of `candidates` if a search is due.
-    pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
+    pub(super) fn search(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {
                 self.found = found.filter(|_| !std::mem::take(&mut self.stale));

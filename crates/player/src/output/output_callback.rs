@@ -357,7 +357,7 @@ impl OutputCallback {
     fn next_run(&mut self, wanted: usize, start_ns: u64, offset: usize) -> usize {
         let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
         if switching && (self.fade == 0 || self.segment.is_none()) {
-            self.take_segment();
+            self.swap_segment();
         } else if self.starved
             && self.fade == 0
             && self.segment.as_ref().is_some_and(|segment| segment.can_go_on(self.rate))
@@ -373,12 +373,12 @@ impl OutputCallback {
         let target = if silent { 0 } else { self.fade_frames };
         if silent && self.fade == 0 {
             self.be_silent(wanted);
-            self.note(start_ns, offset, 0, wanted);
+            self.record_span(start_ns, offset, 0, wanted);
             return wanted;
         }
         let fading = self.fade.abs_diff(target) as usize;
         let run = if fading == 0 { wanted } else { wanted.min(fading) };
-        let taken = self.take_frames(run);
+        let taken = self.copy_frames(run);
         if taken == 0 {
             // If there are no frames, repeat the last frame while it fades out.
             self.chunk[..run].fill(self.last);
@@ -398,7 +398,7 @@ impl OutputCallback {
             let factor = self.gain * (self.fade as f32 / full);
             *frame = [frame[0] * factor, frame[1] * factor];
         }
-        self.note(start_ns, offset, taken, count);
+        self.record_span(start_ns, offset, taken, count);
         count
     }
 
@@ -438,7 +438,7 @@ impl OutputCallback {
     }
 
     /// Takes up to `count` frames of the segment into `chunk`, and detects an underrun or the end.
-    fn take_frames(&mut self, count: usize) -> usize {
+    fn copy_frames(&mut self, count: usize) -> usize {
         let Some(segment) = self.segment.as_mut().filter(|_| !self.starved) else { return 0 };
         // Read the end before the ring, so that all frames pushed before the end are seen.
         let drained = segment.drained();
@@ -454,7 +454,7 @@ impl OutputCallback {
         taken
     }
 
-    fn take_segment(&mut self) {
+    fn swap_segment(&mut self) {
         let Ok(next) = self.incoming.pop() else { return };
         if let Some(old) = self.segment.replace(next) {
             // The caller has checked that the ring has room. Without room, leaking the segment would be the only way
@@ -469,7 +469,7 @@ impl OutputCallback {
 
     /// Records for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment.
     /// `taken` is 0 if the segment does not move.
-    fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
+    fn record_span(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;
         // The song continues on another output, so nothing is recorded.

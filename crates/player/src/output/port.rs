@@ -105,7 +105,7 @@ pub(crate) struct OutputWatch(NoteReader<Option<Arc<SpanHistory>>>);
 
 impl OutputWatch {
     pub(crate) fn history(&self) -> Option<Arc<SpanHistory>> {
-        self.0.note()
+        self.0.describe()
     }
 }
 
@@ -131,7 +131,7 @@ impl Port for OutputPort {
         move |target, on_failure| open(&target, &controls, &counters, &on_failure)
     }
 
-    fn note(link: &OutputCallbackLink) -> Self::Note {
+    fn describe(link: &OutputCallbackLink) -> Self::Note {
         Some(link.history.clone())
     }
 
@@ -145,7 +145,7 @@ impl Port for OutputPort {
             OutputCallback::new(rate, 0, self.controls.clone(), self.counters.clone());
         let clock = NullOutput::start(output_callback, rate)?;
         link.history.set_silent();
-        let note = Self::note(&link);
+        let note = Self::describe(&link);
         self.waiting = Some(link);
         Ok((Some(clock), note))
     }

@@ -97,7 +97,7 @@ impl Decoding {
                 },
             };
             if waited.elapsed() > WAIT_MAX {
-                self.segment.note_standstill();
+                self.segment.record_standstill();
             }
             if first.is_some_and(|first| self.obey(first, inbox)) {
                 return;
@@ -105,7 +105,7 @@ impl Decoding {
             self.segment.clean_up();
             self.let_go();
             next = self.fill();
-            self.tell_next();
+            self.publish_next();
             #[cfg(test)]
             if matches!(next, Step::Wait) {
                 for waiting in self.waiting_for_idle.drain(..) {
@@ -115,7 +115,7 @@ impl Decoding {
         }
     }
 
-    fn tell_next(&mut self) {
+    fn publish_next(&mut self) {
         let next = self.queue.opened_ahead();
         if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
             self.reported_next = next.cloned();
@@ -139,7 +139,7 @@ impl Decoding {
                     // If a seek is pending, the new output starts at its target. A second output changes nothing.
                     if goal.is_none() {
                         let (passage, on_course) = self.segment.course(at, self.queue.passages.earliest());
-                        self.queue.go_back_to(passage);
+                        self.queue.return_to(passage);
                         goal = Some(on_course);
                     }
                     self.segment.set_output(link);
@@ -152,33 +152,33 @@ impl Decoding {
                 Command::Skip { forward } => self.queue.skip(forward),
                 Command::Files(files) => {
                     let audible = self.place().passage;
-                    self.queue.ask_for_files(files, audible);
+                    self.queue.request_files(files, audible);
                 }
                 Command::Order(repeat, shuffled) => self.queue.set_order(repeat, shuffled),
-                Command::PlayEntry(entry) => self.queue.ask_for_entry(entry),
+                Command::PlayEntry(entry) => self.queue.request_entry(entry),
                 Command::Edit(edit) => {
                     let audible = self.place().passage;
                     self.queue.edit(edit, audible);
                 }
                 Command::Edited(edited) => {
                     let place = self.place();
-                    if self.queue.take_edit(edited, place.passage, self.segment.is_finished())
+                    if self.queue.apply_edit(edited, place.passage, self.segment.is_finished())
                         && goal.is_none()
                     {
                         goal = Some(Goal::seek(place.time));
                     }
                 }
                 Command::Found { id, found } => {
-                    if self.queue.take(id, found, self.segment.is_finished()) {
+                    if self.queue.receive(id, found, self.segment.is_finished()) {
                         goal = Some(Goal::seek(0.0));
                     }
                 }
             }
         }
         let audible = self.place().passage;
-        self.queue.ask_for_skips(audible);
+        self.queue.request_skips(audible);
         if let Some(goal) = goal.filter(|goal| goal.time.is_finite()) {
-            self.queue.go_back_to(audible);
+            self.queue.return_to(audible);
             self.begin(goal);
         }
         false
@@ -234,7 +234,7 @@ impl Decoding {
             from_start: reached == 0.0,
         });
         self.analyse_current(frame_at(reached));
-        self.queue.ask_ahead();
+        self.queue.request_ahead();
     }
 
     fn seek(&mut self, goal: f64) -> Result<f64, SourceError> {
@@ -301,7 +301,7 @@ impl Decoding {
         self.segment.begin_track(self.queue.passages.current(), info);
         self.analyse(AnalysisInput::Finish);
         self.analyse_current(0);
-        self.queue.ask_ahead();
+        self.queue.request_ahead();
     }
 
     fn end(&mut self) {
@@ -326,6 +326,6 @@ impl Decoding {
     }
 
     fn report(&self, error: &dyn std::fmt::Display) {
-        self.track_errors.tell(error.to_string());
+        self.track_errors.report(error.to_string());
     }
 }

@@ -28,11 +28,11 @@ pub(crate) fn run(
             Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
             // A failed send means that the decoding thread has ended.
             Request::Find { id, wanted } => {
-                let found = list.find(&wanted, &mut |trouble| track_errors.tell(trouble));
+                let found = list.find(&wanted, &mut |trouble| track_errors.report(trouble));
                 let _ = answers.send(Command::Found { id, found });
             }
             Request::Edit { edit, playing } => {
-                let edited = list.edit(&edit, playing, &mut |trouble| track_errors.tell(trouble));
+                let edited = list.edit(&edit, playing, &mut |trouble| track_errors.report(trouble));
                 let _ = answers.send(Command::Edited(edited));
             }
         }
@@ -52,7 +52,7 @@ pub struct TrackErrors {
 pub(crate) struct SharedTrackErrors(Arc<Mutex<TrackErrors>>);
 
 impl SharedTrackErrors {
-    pub(crate) fn tell(&self, trouble: String) {
+    pub(crate) fn report(&self, trouble: String) {
         tracing::debug!("{trouble}");
         let mut track_errors = self.lock();
         track_errors.count += 1;

@@ -60,7 +60,7 @@ pub(super) struct MissedAudioWatch {
 
 impl MissedAudioWatch {
     /// `carry` maps a frame of an earlier segment to a later segment, unless a seek or another track separates the two.
-    pub(super) fn look(
+    pub(super) fn update(
         &mut self,
         history: &Arc<SpanHistory>,
         carry: impl FnOnce(Audible, u64) -> Option<f64>,
@@ -117,11 +117,11 @@ mod tests {
         let (_second, second) = output(3, 3300, 2000, true);
         first.set_device("speakers");
         second.set_device("headphones");
-        watch.look(&first, together);
-        watch.look(&silent, together);
+        watch.update(&first, together);
+        watch.update(&silent, together);
         assert_eq!(watch.reported().count, 0);
-        watch.look(&second, together);
-        watch.look(&second, together);
+        watch.update(&second, together);
+        watch.update(&second, together);
         assert_eq!(watch.reported().count, 1);
         assert_eq!(
             watch.reported().to_string(),
@@ -131,9 +131,9 @@ mod tests {
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
         let (_fifth, fifth) = output(6, 90_000, 500, true);
-        watch.look(&third, together);
-        watch.look(&fourth, together);
-        watch.look(&fifth, |_, _| None);
+        watch.update(&third, together);
+        watch.update(&fourth, together);
+        watch.update(&fifth, |_, _| None);
         assert_eq!(watch.reported().count, 1);
     }
 
@@ -143,8 +143,8 @@ mod tests {
         let (_silent, silent) = output(1, 0, 1000, true);
         silent.set_silent();
         let (_first, first) = output(2, 1500, 1000, true);
-        watch.look(&silent, together);
-        watch.look(&first, together);
+        watch.update(&silent, together);
+        watch.update(&first, together);
         assert_eq!(watch.reported(), MissedAudio::default());
     }
 
@@ -157,9 +157,9 @@ mod tests {
         let (_second, second) = output(3, 5200, 2000, true);
         first.set_device("speakers");
         second.set_device("speakers");
-        watch.look(&first, together);
-        watch.look(&silent, together);
-        watch.look(&second, together);
+        watch.update(&first, together);
+        watch.update(&silent, together);
+        watch.update(&second, together);
         assert_eq!(
             watch.reported().to_string(),
             "3.2 s of the song were not heard: the sound device had stopped and was opened again"

@@ -42,23 +42,23 @@ impl Position {
 
     /// Returns the current position in the audible track, in seconds.
     pub fn seconds(&self) -> f64 {
-        self.look().seconds
+        self.current().seconds
     }
 
-    pub(super) fn look(&self) -> Place {
+    pub(super) fn current(&self) -> Place {
         // The clock stays usable if a reader panicked.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).look()
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).current()
     }
 }
 
 impl State {
-    fn look(&mut self) -> Place {
+    fn current(&mut self) -> Place {
         let history: Option<Arc<SpanHistory>> = self.outputs.history();
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         let audible = self.clock.at(history.as_ref(), Instant::now(), 0.0, carry);
         if let Some(history) = self.clock.history() {
-            self.missed_audio.look(history, carry);
+            self.missed_audio.update(history, carry);
         }
         if let Some(audible) = audible {
             if let Some(place) = audible_segments.place(audible, 0.0) {

@@ -56,7 +56,7 @@ impl SharedShapes {
         self.lock().iter().find(|(known, _)| *known == id).map(|(_, shape)| shape.clone())
     }
 
-    fn tell(&self, id: u64, shape: LoudnessShape) {
+    fn publish(&self, id: u64, shape: LoudnessShape) {
         let mut known = self.lock();
         known.retain(|(other, _)| *other != id);
         if known.len() == SHAPES_KEPT {
@@ -129,7 +129,7 @@ fn measure(
     let (mut block, mut reported, mut revision) = (Vec::new(), 0, 0);
     let mut tell = |sums: &Sums| {
         revision += 1;
-        shared.tell(track.id, LoudnessShape { revision, ..sums.shape() });
+        shared.publish(track.id, LoudnessShape { revision, ..sums.shape() });
     };
     loop {
         match inbox.try_recv() {

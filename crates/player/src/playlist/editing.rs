@@ -10,7 +10,7 @@ use crate::listed::Edited;
 
 impl Playlist {
     /// Appends entries to the list, but not to the playing order. Returns the index of the first added entry.
-    pub(super) fn take_in(&mut self, entries: Vec<Entry>) -> usize {
+    pub(super) fn append_entries(&mut self, entries: Vec<Entry>) -> usize {
         let first = self.slots.len();
         for entry in entries {
             let (id, listed) = (self.next_id, entry.listed());
@@ -21,22 +21,22 @@ impl Playlist {
         first
     }
 
-    pub(super) fn tell_listing(&self) {
+    pub(super) fn publish_listing(&self) {
         let entries = self.slots.iter().map(|slot| (slot.id, slot.listed.clone()));
-        self.listing.tell(entries, self.history.last());
+        self.listing.publish(entries, self.history.last());
     }
 
     pub(super) fn move_entry(&mut self, from: usize, to: usize, playing: u64) -> Edited {
         if from != to && from.max(to) < self.slots.len() {
-            self.note(format!("move {}", self.name_at(from)), playing);
+            self.record_undo(format!("move {}", self.name_at(from)), playing);
             let beside = self.slots.get(to).map(|slot| slot.id);
             let slot = self.slots.remove(from);
             if let Some(beside) = beside {
                 self.order.move_to(slot.id, beside, to > from);
             }
             self.slots.insert(to, slot);
-            self.note_places(from.min(to));
-            self.tell_listing();
+            self.update_places(from.min(to));
+            self.publish_listing();
         }
         Edited::default()
     }
@@ -45,13 +45,13 @@ impl Playlist {
         if index >= self.slots.len() {
             return Edited::default();
         }
-        self.note(format!("remove {}", self.name_at(index)), playing);
+        self.record_undo(format!("remove {}", self.name_at(index)), playing);
         let id = self.slots.remove(index).id;
         self.places.remove(&id);
         self.reported.remove(&id);
         self.order.remove(id);
-        self.note_places(index);
-        self.tell_listing();
+        self.update_places(index);
+        self.publish_listing();
         Edited { removed: vec![id], ..Edited::default() }
     }
 
@@ -67,11 +67,11 @@ impl Playlist {
         if gathered.entries.is_empty() {
             return Edited::default();
         }
-        self.note(added_in_words(gathered.entries.len()), playing);
-        let first = self.take_in(gathered.entries);
+        self.record_undo(added_in_words(gathered.entries.len()), playing);
+        let first = self.append_entries(gathered.entries);
         let added: Vec<u64> = self.slots.iter().skip(first).map(|slot| slot.id).collect();
         self.order.append(added.into_iter(), playing);
-        self.tell_listing();
+        self.publish_listing();
         Edited { removed: Vec::new(), appended: true, resume: self.index(playing).is_none() }
     }
 
@@ -79,13 +79,13 @@ impl Playlist {
         if self.slots.is_empty() {
             return Edited::default();
         }
-        self.note("clear the list".to_owned(), playing);
+        self.record_undo("clear the list".to_owned(), playing);
         let removed = self.ids().collect();
         self.slots.clear();
         self.places.clear();
         self.reported.clear();
         self.order = self.order.of(std::iter::empty());
-        self.tell_listing();
+        self.publish_listing();
         Edited { removed, ..Edited::default() }
     }
 
@@ -93,7 +93,7 @@ impl Playlist {
         self.slots.get(index).map_or("", |slot| &slot.listed.name)
     }
 
-    pub(super) fn note_places(&mut self, start: usize) {
+    pub(super) fn update_places(&mut self, start: usize) {
         let moved = self.slots.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(index, slot)| (slot.id, index)));
     }

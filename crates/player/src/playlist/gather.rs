@@ -92,7 +92,7 @@ pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
 }
 
 impl Gathered {
-    fn tell(&mut self, trouble: PlaylistError) {
+    fn report(&mut self, trouble: PlaylistError) {
         if self.track_errors.len() < TRACK_ERRORS_KEPT {
             self.track_errors.push(trouble);
         }
@@ -141,11 +141,11 @@ impl Gathered {
         let limit = LIMITS.playlist_depth_max;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&real) {
-            self.tell(PlaylistError::Circular { name: name_of(path) });
+            self.report(PlaylistError::Circular { name: name_of(path) });
             return false;
         }
         if self.open.len() >= limit {
-            self.tell(PlaylistError::TooDeep { name: name_of(path), limit });
+            self.report(PlaylistError::TooDeep { name: name_of(path), limit });
             return false;
         }
         self.open.push(real);
@@ -155,14 +155,14 @@ impl Gathered {
     fn add_list(&mut self, path: &Path, kind: Kind) {
         let limit = LIMITS.playlist_lists_max;
         if self.lists >= limit {
-            return self.tell(PlaylistError::TooMany { what: "lists", limit });
+            return self.report(PlaylistError::TooMany { what: "lists", limit });
         }
         self.lists += 1;
         if !self.enter(path) {
             return;
         }
         match read_bounded(path).and_then(|bytes| kind.read(path, &bytes)) {
-            Err(error) => self.tell(error),
+            Err(error) => self.report(error),
             Ok(items) => {
                 for item in &items {
                     if self.full {
@@ -172,7 +172,7 @@ impl Gathered {
                         Reference::Path(path) => self.add(path, Some(item)),
                         Reference::Address(address) => {
                             let address = one_line(address);
-                            self.tell(PlaylistError::Address { address, list: name_of(path) });
+                            self.report(PlaylistError::Address { address, list: name_of(path) });
                         }
                     }
                 }
@@ -188,7 +188,7 @@ impl Gathered {
         }
         let before = self.entries.len();
         match fs::read_dir(path) {
-            Err(source) => self.tell(PlaylistError::Unreadable { path: path.to_owned(), source }),
+            Err(source) => self.report(PlaylistError::Unreadable { path: path.to_owned(), source }),
             Ok(children) => {
                 let mut found = Vec::new();
                 // Entries that cannot be examined count as missing.
@@ -209,7 +209,7 @@ impl Gathered {
         }
         self.open.pop();
         if self.open.is_empty() && self.entries.len() == before && self.track_errors.is_empty() {
-            self.tell(PlaylistError::Empty { name: name_of(path) });
+            self.report(PlaylistError::Empty { name: name_of(path) });
         }
     }
 }

@@ -41,7 +41,7 @@ impl History {
 
 impl Playlist {
     /// Keeps the present state, before an edit during entry `playing`.
-    pub(super) fn note(&mut self, edit: String, playing: u64) {
+    pub(super) fn record_undo(&mut self, edit: String, playing: u64) {
         let (slots, sequence) = (self.slots.clone(), self.order.sequence());
         self.history.push(Step { edit: edit.into(), slots, sequence, playing });
     }
@@ -52,11 +52,11 @@ impl Playlist {
         let before: HashSet<u64> = self.ids().collect();
         self.slots = step.slots;
         self.places.clear();
-        self.note_places(0);
+        self.update_places(0);
         self.order.restore(step.sequence, self.slots.iter().map(|slot| slot.id));
         let stays = was_there && self.index(playing).is_some();
         self.resume_with = (!stays).then_some(step.playing);
-        self.tell_listing();
+        self.publish_listing();
         Edited {
             appended: self.slots.iter().any(|slot| !before.contains(&slot.id)),
             removed: before.into_iter().filter(|id| self.index(*id).is_none()).collect(),

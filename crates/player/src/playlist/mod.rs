@@ -157,7 +157,7 @@ impl Playlist {
             history: History::default(),
             resume_with: None,
         };
-        list.take_in(entries);
+        list.append_entries(entries);
         list.order = Order::new(list.ids());
         list
     }
@@ -184,7 +184,7 @@ impl Playlist {
         slot.listed.title.clone_from(&track.info.title);
         slot.listed.artist.clone_from(&track.info.artist);
         slot.listed.duration = track.info.duration.or(slot.listed.duration);
-        self.listing.tell_entry(id, &slot.listed);
+        self.listing.publish_entry(id, &slot.listed);
         Ok(track)
     }
 
@@ -304,7 +304,7 @@ impl TrackList for Playlist {
 
     fn fill_listing(&mut self, listing: SharedListing) {
         self.listing = listing;
-        self.tell_listing();
+        self.publish_listing();
     }
 
     fn edit(&mut self, edit: &Edit, playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
@@ -325,16 +325,16 @@ impl Playlist {
         gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
         let mut list = Self::new(Vec::new());
         list.next_id = self.next_id;
-        list.take_in(gathered.entries);
+        list.append_entries(gathered.entries);
         list.order = self.order.of(list.ids());
         let Some(first) = list.order.first() else { return Found::Nothing };
         let found = list.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
-            self.note("open other tracks".to_owned(), playing);
+            self.record_undo("open other tracks".to_owned(), playing);
             list.listing = self.listing.clone();
             list.history = std::mem::take(&mut self.history);
             *self = list;
-            self.tell_listing();
+            self.publish_listing();
         }
         found
     }

@@ -29,7 +29,7 @@ impl Order {
             repeat: Repeat::All,
             random,
         };
-        order.note_places(0);
+        order.update_places(0);
         order
     }
 
@@ -87,7 +87,7 @@ impl Order {
         self.sequence = list.collect();
         self.holes.clear();
         self.places.clear();
-        if shuffled { self.shuffle(first) } else { self.note_places(0) }
+        if shuffled { self.shuffle(first) } else { self.update_places(0) }
     }
 
     fn shuffle(&mut self, first: Option<u64>) {
@@ -96,7 +96,7 @@ impl Order {
         if let Some(place) = self.sequence.iter().position(|id| Some(*id) == first) {
             self.sequence.swap(0, place);
         }
-        self.note_places(0);
+        self.update_places(0);
     }
 
     fn shuffle_from(&mut self, start: usize) {
@@ -114,7 +114,7 @@ impl Order {
             start = self.places.get(&playing).map_or(start, |place| place + 1);
             self.shuffle_from(start);
         }
-        self.note_places(start);
+        self.update_places(start);
     }
 
     pub(super) fn remove(&mut self, id: u64) {
@@ -132,7 +132,7 @@ impl Order {
         let neighbour = self.sequence.iter().position(|other| *other == beside);
         let to = neighbour.map_or(from, |place| place + usize::from(after));
         self.sequence.insert(to, id);
-        self.note_places(from.min(to));
+        self.update_places(from.min(to));
     }
 
     /// Returns the entry after (or before) `id`, which may be a hole. Wraps around the ends only if `around` is true.
@@ -151,7 +151,7 @@ impl Order {
         found.copied()
     }
 
-    fn note_places(&mut self, start: usize) {
+    fn update_places(&mut self, start: usize) {
         let moved = self.sequence.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(place, id)| (*id, place)));
     }

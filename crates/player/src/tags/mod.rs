@@ -103,7 +103,7 @@ impl TagLibrary {
     }
 
     /// Reads these files before all others. Replaces the files of the last call.
-    pub fn want<'a>(&self, files: impl IntoIterator<Item = &'a Path>) {
+    pub fn request<'a>(&self, files: impl IntoIterator<Item = &'a Path>) {
         let mut state = self.lock();
         state.urgent.clear();
         for file in files {
@@ -118,7 +118,7 @@ impl TagLibrary {
 
     /// Reads these files of a folder before the files of the list, and looks whether they have changed. Replaces the
     /// files of the last call.
-    pub fn want_folder(&self, files: impl IntoIterator<Item = PathBuf>) {
+    pub fn request_folder(&self, files: impl IntoIterator<Item = PathBuf>) {
         self.lock().folder = files.into_iter().take(LIMITS.folder_tags_max).collect();
         self.0.shared.changed.notify_one();
     }
@@ -174,7 +174,7 @@ impl State {
     }
 
     /// Adds tags. At the limit, a quarter of all tags is forgotten, the least recently used first.
-    fn note(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
+    fn insert(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
         let file = &*key(file);
         if self.known.len() >= LIMITS.tags_kept_max && !self.known.contains_key(file) {
             let mut uses: Vec<u64> = self.known.values().map(|known| known.used).collect();

@@ -41,7 +41,7 @@ pub(super) fn run(shared: &Shared, cache: Option<&TagCache>, wake: &dyn Fn()) {
         let kept = cache.load();
         let mut state = shared.lock();
         for (file, stamp, tags) in kept {
-            state.note(&file, stamp, Arc::new(tags), false);
+            state.insert(&file, stamp, Arc::new(tags), false);
         }
     }
     let begun = Instant::now();
@@ -144,7 +144,7 @@ impl Shared {
             }),
             None => TrackTags::default(),
         };
-        self.lock().note(file, stamp.unwrap_or_default(), Arc::new(tags), true);
+        self.lock().insert(file, stamp.unwrap_or_default(), Arc::new(tags), true);
         stamp.is_some()
     }
 

@@ -110,17 +110,17 @@ fn visible_rows_come_before_the_folder_and_the_folder_before_the_list() {
     let library = TagLibrary::default();
     let list: Vec<PathBuf> = (0..3).map(|n| path(&format!("list {n}"))).collect();
     library.follow_list(&list_of(&list));
-    library.want_folder([path("folder")]);
-    library.want([path("row").as_path()]);
+    library.request_folder([path("folder")]);
+    library.request([path("row").as_path()]);
     let mut order = Vec::new();
     loop {
         let next = library.lock().next();
         let reader::Next::File(file) = next else { break };
-        library.lock().note(&file, Stamp::default(), Arc::default(), true);
+        library.lock().insert(&file, Stamp::default(), Arc::default(), true);
         order.push(file);
     }
     assert_eq!(order, [&[path("row"), path("folder")], &list[..]].concat());
-    library.want([path("row").as_path()]);
+    library.request([path("row").as_path()]);
     assert!(matches!(library.lock().next(), reader::Next::Idle), "a known file is not read again");
 }
 
@@ -129,7 +129,7 @@ fn at_the_limit_the_least_recently_used_tags_are_forgotten() {
     let mut state = State::default();
     let path = |n: usize| PathBuf::from(format!("/nowhere/{n}"));
     for n in 0..=LIMITS.tags_kept_max {
-        state.note(&path(n), Stamp::default(), Arc::default(), true);
+        state.insert(&path(n), Stamp::default(), Arc::default(), true);
     }
     assert!(state.known.len() <= LIMITS.tags_kept_max);
     assert!(!state.is_current(&path(0)) && state.is_current(&path(LIMITS.tags_kept_max)));
@@ -147,7 +147,7 @@ fn tags_of_a_megabyte_and_damaged_files_do_no_harm() {
         files.push(path);
     }
     let (library, woken) = library(folder.path());
-    library.want(files.iter().map(PathBuf::as_path));
+    library.request(files.iter().map(PathBuf::as_path));
     wait_for(&library, &woken, "all tags", |library| files.iter().all(|file| library.get(file).is_some()));
     let letters = title(&library, &huge).flatten().map_or(0, |title| title.chars().count());
     assert!(letters <= LIMITS.name_letters_max + 1, "{letters}");
@@ -191,7 +191,7 @@ fn resident_bytes() -> usize {
 fn a_relative_path_is_the_same_file_as_its_absolute_path() {
     let mut state = State::default();
     let here = std::env::current_dir().unwrap();
-    state.note(Path::new("x.wav"), Stamp::default(), Arc::default(), true);
+    state.insert(Path::new("x.wav"), Stamp::default(), Arc::default(), true);
     assert!(state.is_current(&here.join("x.wav")) && state.is_current(Path::new("x.wav")));
     assert!(state.known.keys().all(|path| path.is_absolute()));
 }
@@ -200,6 +200,6 @@ fn a_relative_path_is_the_same_file_as_its_absolute_path() {
 fn without_a_thread_nothing_is_known() {
     let library = TagLibrary::default();
     let path = Path::new("/nowhere/x.wav");
-    library.want([path]);
+    library.request([path]);
     assert_eq!((library.get(path), library.revision()), (None, 0));
 }

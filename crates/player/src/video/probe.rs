@@ -85,10 +85,10 @@ pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), Vid
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(unreadable(std::io::Error::other("it is not a file")));
     }
-    let answer = ask(path, name, &[])?;
+    let answer = run_ffprobe(path, name, &[])?;
     let answer = match answer.streams.first() {
         // Some files, such as recordings of browsers, do not name their length.
-        Some(stream) if answer.seconds(stream).is_none() => ask(path, name, &["-count_packets"])?,
+        Some(stream) if answer.seconds(stream).is_none() => run_ffprobe(path, name, &["-count_packets"])?,
         _ => answer,
     };
     let no_video = |what: &str| VideoError::NoVideo { name: name.to_owned(), what: what.to_owned() };
@@ -111,7 +111,7 @@ pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), Vid
     Ok((VideoInfo { size: (width, height), rate, frames: frames.max(1) }, demuxer))
 }
 
-fn ask(path: &Path, name: &str, options: &[&str]) -> Result<Answer, VideoError> {
+fn run_ffprobe(path: &Path, name: &str, options: &[&str]) -> Result<Answer, VideoError> {
     let line = CommandLine::ffprobe()
         .options(["-select_streams", "V:0", "-show_entries", ENTRIES, "-of", "json"])
         .options(options.iter().copied())

@@ -80,7 +80,7 @@ impl FeedbackOrder {
     }
 
     /// Notes that the frame of a step is drawn.
-    pub fn note_drawn(&mut self, step: &FeedbackStep) {
+    pub fn record_drawn(&mut self, step: &FeedbackStep) {
         for (slot, _) in self.slots.iter_mut().zip(step.begins).filter(|(_, drawn)| drawn.is_some()) {
             slot.iter_mut().for_each(|history| history.next = step.number + 1);
         }
@@ -168,7 +168,7 @@ mod tests {
                         Some(false) => slot.push(step.number),
                     }
                 }
-                self.order.note_drawn(&step);
+                self.order.record_drawn(&step);
                 self.steps += 1;
             }
             let shown = self.order.shown(newest).expect("a frame is drawn");

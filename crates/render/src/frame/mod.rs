@@ -110,7 +110,7 @@ impl Frame {
             pictures: Vec::new(),
             orbit: OrbitControls::OFF,
         };
-        frame.see_from(world, projection.aspect(size), OrbitControls::OFF);
+        frame.place_camera(world, projection.aspect(size), OrbitControls::OFF);
         frame
     }
 
@@ -190,7 +190,7 @@ impl Frame {
     pub fn seen_by(&mut self, world: &World, camera: Option<usize>) {
         if let Some(camera) = camera.and_then(|camera| self.values.cameras.get(camera)) {
             self.values.camera = camera.clone();
-            self.see_from(world, self.projection.aspect(self.size), self.orbit);
+            self.place_camera(world, self.projection.aspect(self.size), self.orbit);
         }
     }
 
@@ -202,14 +202,14 @@ impl Frame {
     /// Adapts the frame to a window of the given aspect (width over height) and quality, without changing its size.
     pub fn in_window(mut self, world: &World, aspect: f64, quality: f32) -> Self {
         self.quality = quality;
-        self.see_from(world, aspect, self.orbit);
+        self.place_camera(world, aspect, self.orbit);
         self
     }
 
     /// Changes the size of the image.
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
         self.size = (size.0.max(1), size.1.max(1));
-        self.see_from(world, self.projection.aspect(self.size), self.orbit);
+        self.place_camera(world, self.projection.aspect(self.size), self.orbit);
         let Screen { pointer, pressed, .. } = self.inputs.screen;
         let (width, height) = self.projection.eye_size(self.size);
         self.on_screen(world, Screen { pointer, pressed, size: [width, height].map(|side| side as f32) })
@@ -240,11 +240,11 @@ impl Frame {
 
     /// Moves the camera by the user's controls.
     pub fn by_hand(mut self, world: &World, orbit: OrbitControls) -> Self {
-        self.see_from(world, self.projection.aspect(self.size), orbit);
+        self.place_camera(world, self.projection.aspect(self.size), orbit);
         self
     }
 
-    fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
+    fn place_camera(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
         let mut asked = self.values.camera.clone();
         if self.projection.kind != ProjectionKind::Flat {
             // The whole scene is in view anyway.

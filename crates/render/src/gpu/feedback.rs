@@ -157,8 +157,8 @@ impl SceneFeedback {
         Ok(())
     }
 
-    pub(super) fn note_drawn(&mut self, request: &FeedbackRequest) {
-        self.order.note_drawn(&request.step);
+    pub(super) fn record_drawn(&mut self, request: &FeedbackRequest) {
+        self.order.record_drawn(&request.step);
     }
 
     /// Selects the last frame of an image at `time`.

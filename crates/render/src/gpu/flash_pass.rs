@@ -154,7 +154,7 @@ impl FlashPass {
 
     /// Measures an image shown `seconds` after the previous image, and decides which cells to dim. The first image is
     /// never dimmed.
-    pub fn take(&mut self, finished: &Target, seconds: f64) {
+    pub fn measure(&mut self, finished: &Target, seconds: f64) {
         self.begin(seconds);
         (0..PASSES).for_each(|number| self.pass(number, finished));
     }

@@ -80,7 +80,7 @@ impl PictureReader {
     }
 
     /// The latest image that has arrived since the last call: four bytes per pixel, lowest row first.
-    pub fn take(&mut self) -> Option<Vec<u8>> {
+    pub fn drain(&mut self) -> Option<Vec<u8>> {
         let mut newest = None;
         while let Some((buffer, fence)) = self.on_their_way.pop_front() {
             // SAFETY: `self` owns the fence. With a timeout of zero the call does not block.

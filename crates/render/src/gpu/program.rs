@@ -264,7 +264,7 @@ impl Program {
     /// Fails with the driver's log if the driver rejects the texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
         let known = match &ready.binary {
-            Some(binary) => Self::take(gl, binary)?,
+            Some(binary) => Self::load(gl, binary)?,
             None => None,
         };
         known.map_or_else(|| Self::of(gl, &ready.texts), Ok)
@@ -274,7 +274,7 @@ impl Program {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another object.
-    pub fn take(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>, GpuError> {
+    pub fn load(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>, GpuError> {
         if !gl.info().program_binaries {
             return Ok(None);
         }

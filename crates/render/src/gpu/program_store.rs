@@ -102,13 +102,13 @@ pub trait ProgramStore: Send + Sync {
     }
 
     /// Records that the driver rejected a program, so that the program is not tried again.
-    fn note_refused(&self, _key: ProgramKey) {}
+    fn record_refused(&self, _key: ProgramKey) {}
 
     /// Records that an earlier process crashed while the driver compiled a program.
-    fn note_died(&self, _key: ProgramKey) {}
+    fn record_crash(&self, _key: ProgramKey) {}
 
     /// Records that the driver compiled a program, and deletes records of crashes.
-    fn note_compiled(&self, _key: ProgramKey) {}
+    fn record_compiled(&self, _key: ProgramKey) {}
 
     /// The reason why a program must not be tried in this run, and the file of the record. `None` if it may be tried.
     fn given_up(&self, _key: ProgramKey) -> Option<(GivenUp, PathBuf)> {

@@ -170,7 +170,7 @@ impl Renderer {
     /// Fails if the size exceeds the driver's limit, or if the driver reports an error.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         self.begin(frame, scene)?;
-        self.go_on(scene, program, Duration::MAX).map(|_| ())
+        self.resume(scene, program, Duration::MAX).map(|_| ())
     }
 
     /// Draws `frame` by paths of light, with a program of [`super::scene_program::link_paths`].
@@ -216,7 +216,7 @@ impl Renderer {
         Ok(progress)
     }
 
-    /// Begins a frame, which replaces any unfinished frame. [`Renderer::go_on`] draws it.
+    /// Begins a frame, which replaces any unfinished frame. [`Renderer::resume`] draws it.
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
@@ -250,7 +250,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn go_on(
+    pub fn resume(
         &mut self,
         scene: &SceneResources,
         program: &Program,
@@ -258,11 +258,11 @@ impl Renderer {
     ) -> Result<Progress, GpuError> {
         if !self.presenter.is_for_window() {
             // Discard the time of the last frame, because only windows read it.
-            self.painter.clock.take();
+            self.painter.clock.drain();
         }
         let is_light =
             self.painter.canvas.making.as_ref().is_none_or(|making| making.product == Product::Light);
-        let progress = self.painter.go_on(&scene.names(), program, scene.costs(), patience)?;
+        let progress = self.painter.resume(&scene.names(), program, scene.costs(), patience)?;
         if matches!(progress, Progress::Finished { .. }) && !is_light {
             self.presenter.flashes.expect_another();
         }
@@ -320,7 +320,7 @@ impl Renderer {
         program: &Program,
     ) -> Result<(), GpuError> {
         self.painter.begin_block(Product::Picture, size, block, picture)?;
-        self.painter.go_on(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
+        self.painter.resume(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
     }
 
     /// Draws a few paths of light from a frame's blocks and the bound objects of a scene. The image is of no use.
@@ -352,7 +352,7 @@ impl Renderer {
         legend: Option<&LegendPicture>,
     ) -> Result<(), GpuError> {
         self.begin_view(frame, scene, view)?;
-        self.go_on(scene, program, Duration::MAX)?;
+        self.resume(scene, program, Duration::MAX)?;
         self.put_legend(legend)
     }
 
@@ -371,7 +371,7 @@ impl Renderer {
     ) -> Result<(), GpuError> {
         self.painter.sampling.set_view(view);
         self.painter.begin_block(Product::View, size, block, picture)?;
-        self.painter.go_on(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
+        self.painter.resume(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
     }
 
     /// Draws a legend over the finished view.
@@ -511,7 +511,7 @@ impl Renderer {
     /// Returns the GPU time of an image drawn in one call, once the time is known. `None` if the driver has no timers
     /// ([`super::gl::GlInfo::has_timers`]).
     pub fn gpu_time(&mut self) -> Option<Duration> {
-        self.painter.clock.take()
+        self.painter.clock.drain()
     }
 
     /// Copies the finished image to the window's framebuffer of `window` pixels. Enlarges it if the window is larger.

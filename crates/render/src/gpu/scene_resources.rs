@@ -359,7 +359,7 @@ impl SceneResources {
     }
 
     /// Uploads regions that the caller has built.
-    pub fn take_regions(&self, built: Arc<BuiltRegions>) {
+    pub fn upload_regions(&self, built: Arc<BuiltRegions>) {
         let last = self.regions();
         if last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &built)) {
             return;
@@ -367,7 +367,7 @@ impl SceneResources {
         if !last.is_some_and(|last| Arc::ptr_eq(&last.regions, &built.regions)) {
             self.on_gpu.regions.replace(bytemuck::cast_slice(&built.regions.texels));
         }
-        self.worth.borrow_mut().note(&built.programs);
+        self.worth.borrow_mut().record(&built.programs);
         *self.uploaded.borrow_mut() = Some(built);
     }
 
@@ -377,7 +377,7 @@ impl SceneResources {
         let known = self.regions().filter(|built| request.is_served_by(&built.request));
         let built = known.unwrap_or_else(|| {
             let built = Arc::new(self.region_maker().build(frame, request));
-            self.take_regions(built.clone());
+            self.upload_regions(built.clone());
             built
         });
         let Regions { low, size, bounds, whole_tape, .. } = *built.regions;
@@ -440,7 +440,7 @@ impl SceneResources {
         }
         let drawn = draw();
         self.with_cells.set(cells);
-        regions.into_iter().for_each(|regions| self.take_regions(regions));
+        regions.into_iter().for_each(|regions| self.upload_regions(regions));
         drawn
     }
 }

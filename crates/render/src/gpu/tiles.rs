@@ -111,7 +111,7 @@ impl PixelCost {
         self.greatest() * pixels as f64
     }
 
-    pub(super) fn note(&mut self, pixels: u64, time: Duration) {
+    pub(super) fn record(&mut self, pixels: u64, time: Duration) {
         let seconds = time.as_secs_f64();
         // If a part took little more than the overhead, assume that its pixels cost as much as the overhead.
         let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
@@ -270,7 +270,7 @@ impl Parts {
         Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    pub(super) fn note(&mut self, part: Part, mut time: DrawTime, cost: &mut PixelCost) {
+    pub(super) fn record(&mut self, part: Part, mut time: DrawTime, cost: &mut PixelCost) {
         if self.warming_up {
             return;
         }
@@ -278,7 +278,7 @@ impl Parts {
             let all = Duration::from_micros(100 * part.pixels());
             time = DrawTime { passed: all, own: all };
         }
-        cost.note(part.pixels(), time.passed);
+        cost.record(part.pixels(), time.passed);
         self.probed.count += u32::from(self.probing);
         self.probed.pixels += part.pixels();
         self.probed.seconds += (time.own.as_secs_f64() - OVERHEAD).max(0.0);
@@ -319,7 +319,7 @@ mod tests {
                 }
             }
             longest = longest.max(seconds);
-            parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut known);
+            parts.record(part, undisturbed(Duration::from_secs_f64(seconds)), &mut known);
         }
         (seen, longest)
     }
@@ -340,7 +340,7 @@ mod tests {
         next.expect(&last);
         assert_eq!(next.0.get(), None, "neither cost is known");
         let mut cost = PixelCost::default();
-        cost.note(64, Duration::from_millis(20));
+        cost.record(64, Duration::from_millis(20));
         last.0.set(Some((7, cost)));
         next.expect(&last);
         let Some((7, expected)) = next.0.get() else { panic!("{next:?}") };
@@ -381,7 +381,7 @@ mod tests {
         assert_eq!(parts.seconds(), None);
         for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
-            parts.note(part, undisturbed(Duration::from_secs_f64(part.pixels() as f64 * 2e-3)), &mut cost);
+            parts.record(part, undisturbed(Duration::from_secs_f64(part.pixels() as f64 * 2e-3)), &mut cost);
         }
         let foretold = parts.seconds().unwrap();
         assert!((100.0..120.0).contains(&foretold), "{foretold}");
@@ -397,7 +397,7 @@ mod tests {
             let own = OVERHEAD + part.pixels() as f64 * 2e-5;
             let time =
                 DrawTime { passed: Duration::from_secs_f64(20.0 * own), own: Duration::from_secs_f64(own) };
-            parts.note(part, time, &mut cost);
+            parts.record(part, time, &mut cost);
         }
         let foretold = parts.seconds().unwrap();
         assert!((1.0..1.3).contains(&foretold), "{foretold}");
@@ -419,11 +419,11 @@ mod tests {
             let mut cost = PixelCost::default();
             let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
             let first = parts.next(cost).unwrap();
-            parts.note(first, undisturbed(Duration::from_secs(5)), &mut cost);
+            parts.record(first, undisturbed(Duration::from_secs(5)), &mut cost);
             let mut drawn = 0;
             while let Some(part) = parts.next(cost) {
                 let seconds = part.pixels() as f64 * 1e-5 + OVERHEAD;
-                parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
+                parts.record(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
                 assert!(parts.seconds().is_none_or(|seconds| seconds < 0.5), "{:?}", parts.seconds());
                 drawn += u64::from(!parts.probing) * part.pixels();
             }
@@ -441,7 +441,7 @@ mod tests {
             draws += 1;
             let interrupted = if draws == 5 { 0.1 } else { 0.0 };
             let seconds = OVERHEAD + 1e-6 * part.pixels() as f64 + interrupted;
-            parts.note(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
+            parts.record(part, undisturbed(Duration::from_secs_f64(seconds)), &mut cost);
         }
         assert!(draws < 100, "{draws} draws");
     }
@@ -449,9 +449,9 @@ mod tests {
     #[test]
     fn a_cheap_frame_of_known_cost_is_one_draw() {
         let (size, mut cost) = ((640, 360), PixelCost::default());
-        cost.note(64, Duration::from_micros(100));
+        cost.record(64, Duration::from_micros(100));
         cost.finish_picture();
-        cost.note(7_000, Duration::from_millis(1));
+        cost.record(7_000, Duration::from_millis(1));
         cost.finish_picture();
         let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
         assert_eq!(parts.next(cost), Some(Part::whole(size)));

@@ -75,7 +75,7 @@ impl FrameTimer {
     }
 
     /// The latest GPU time of a frame that has become known since the last call.
-    pub(super) fn take(&mut self) -> Option<Duration> {
+    pub(super) fn drain(&mut self) -> Option<Duration> {
         let mut newest = None;
         while let Some(query) = self.on_their_way.pop_front() {
             // SAFETY: `self` owns the query, and `end` has ended it.
@@ -114,13 +114,13 @@ impl PictureClock {
         self.timer.iter_mut().for_each(FrameTimer::end);
     }
 
-    pub(super) fn take(&mut self) -> Option<Duration> {
-        let time = self.timer.as_mut()?.take();
+    pub(super) fn drain(&mut self) -> Option<Duration> {
+        let time = self.timer.as_mut()?.drain();
         self.cost = time.or(self.cost);
         time
     }
 
-    pub(super) fn take_cost(&mut self) -> Option<Duration> {
+    pub(super) fn drain_cost(&mut self) -> Option<Duration> {
         self.cost.take()
     }
 }

@@ -388,7 +388,7 @@ impl Drawing<'_> {
             }
         }
         if let Some(step) = least.and_then(|least| shadow.steps.get(least)) {
-            section.note(&format!("closest pass: {:.3} at {:.2}", step.closest, step.t - step.behind));
+            section.write_line(&format!("closest pass: {:.3} at {:.2}", step.closest, step.t - step.behind));
         }
         section.finish()
     }
@@ -414,7 +414,7 @@ impl Drawing<'_> {
         for probe in &surface.occlusion {
             section.disc([0.0, probe.height], 0.2, HEIGHT);
         }
-        section.note("blue: height of a probe, yellow: distance to the scene");
+        section.write_line("blue: height of a probe, yellow: distance to the scene");
         section.finish()
     }
 }

@@ -116,7 +116,7 @@ impl Section {
     }
 
     /// Writes a line at the bottom.
-    pub(super) fn note(&mut self, words: &str) {
+    pub(super) fn write_line(&mut self, words: &str) {
         self.text(vec2(self.place[0].x + 0.45 * self.unit, self.place[1].y - 1.75 * self.unit), words);
     }
 

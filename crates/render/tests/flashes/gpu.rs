@@ -70,7 +70,7 @@ impl Bench {
         };
         let bytes: Vec<u8> = (0..4 * CELLS).flat_map(pixel).collect();
         self.finished.put_rgba8((0, 0), SIZE, &bytes);
-        self.pass.take(&self.finished, seconds);
+        self.pass.measure(&self.finished, seconds);
         self.finished.blit_to(&self.shown);
         self.pass.limit(&self.finished, &self.shown);
         let shown = self.shown.read_rgba8(0);
@@ -323,7 +323,7 @@ fn any_frame_time_gives_valid_corrections() {
         for frame in 0..16 {
             let bytes = vec![if frame % 2 == 0 { 0 } else { 255 }; 4 * 4 * CELLS];
             bench.finished.put_rgba8((0, 0), SIZE, &bytes);
-            bench.pass.take(&bench.finished, seconds);
+            bench.pass.measure(&bench.finished, seconds);
             let (_, corrections, _) = bench.pass.read();
             let fits =
                 |one: &Correction| (0.0..=2.0).contains(&one.ceiling) && (0.0..=1.0).contains(&one.grey);

@@ -115,13 +115,13 @@ impl Request {
 
 impl Waiting {
     /// Takes the newest quick request. Without one, takes the newest request, or else a scene to draw ahead.
-    fn take(&mut self) -> Option<Request> {
-        self.take_quick()
+    fn pop(&mut self) -> Option<Request> {
+        self.pop_quick()
             .or_else(|| self.asked.pop_back())
             .or_else(|| self.ahead.pop_front().map(Request::Ahead))
     }
 
-    fn take_quick(&mut self) -> Option<Request> {
+    fn pop_quick(&mut self) -> Option<Request> {
         let newest = self.asked.iter().rposition(Request::is_quick)?;
         self.asked.remove(newest)
     }
@@ -139,7 +139,7 @@ impl Requests {
     /// Waits for the next request; `None` once the thread must end.
     fn next(&self) -> Option<Request> {
         let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
-        waiting.unwrap_or_else(PoisonError::into_inner).take().filter(|_| !self.is_over())
+        waiting.unwrap_or_else(PoisonError::into_inner).pop().filter(|_| !self.is_over())
     }
 
     fn is_over(&self) -> bool {
@@ -171,25 +171,25 @@ impl Thumbnails {
     }
 
     /// Requests the descriptions of scenes.
-    pub fn ask_for_descriptions<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
+    pub fn request_descriptions<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
         self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Description));
         self.requests.changed.notify_one();
     }
 
     /// Requests the moving thumbnail of a scene.
-    pub fn ask_for_motion(&mut self, source: SceneSource) {
+    pub fn request_motion(&mut self, source: SceneSource) {
         self.requests.lock().asked.push_back(Request::Motion(source));
         self.requests.changed.notify_one();
     }
 
     /// Requests thumbnails in this order, before all earlier requests.
-    pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
+    pub fn request_pictures(&mut self, sources: Vec<SceneSource>) {
         self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
         self.requests.changed.notify_one();
     }
 
     /// Requests thumbnails in this order, after all other requests.
-    pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
+    pub fn request_pictures_later(&mut self, sources: Vec<SceneSource>) {
         let mut waiting = self.requests.lock();
         sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
         drop(waiting);
@@ -258,7 +258,7 @@ impl Worker {
     fn answer_quick(&self) {
         loop {
             // Release the lock before answering.
-            let quick = self.requests.lock().take_quick();
+            let quick = self.requests.lock().pop_quick();
             let Some(quick) = quick else { return };
             self.answer(quick);
         }
@@ -448,7 +448,7 @@ mod tests {
         .unwrap();
         let all: Vec<_> = crate::shipped_names().into_iter().map(SceneSource::Shipped).collect();
         // No process of this test can draw a still.
-        thumbnails.ask_for_pictures(all.clone());
+        thumbnails.request_pictures(all.clone());
         for source in all {
             wakes.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
             let looked = thumbnails.poll().unwrap();
@@ -466,9 +466,9 @@ mod tests {
         waiting.ahead.extend([file("c"), file("d")]);
         waiting.asked.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
         waiting.asked.extend([Request::Description(file("a")), Request::Picture(file("b"))]);
-        let quick: Vec<_> = std::iter::from_fn(|| waiting.take_quick()).collect();
+        let quick: Vec<_> = std::iter::from_fn(|| waiting.pop_quick()).collect();
         assert_eq!(quick, [Request::Description(file("a")), Request::Picture(orb)]);
-        let slow: Vec<_> = std::iter::from_fn(|| waiting.take()).collect();
+        let slow: Vec<_> = std::iter::from_fn(|| waiting.pop()).collect();
         let asked = [file("b"), file("a")].map(Request::Picture);
         assert_eq!(slow, [asked, [file("c"), file("d")].map(Request::Ahead)].concat());
     }

@@ -41,7 +41,7 @@ proptest! {
             }
             let turns = [yaw, 0.0, 1.0];
             let picture = Finish { numbers: [bright, 0.0], is_shown: false };
-            performance.note(begun + time, &OnStage {
+            performance.record(begun + time, &OnStage {
                 scene,
                 camera: None,
                 transition: TimedTransition::CUT,
@@ -95,7 +95,7 @@ fn keeps_both_scenes(notes: &[(f64, &str, f64)]) {
     for &(time, scene, start) in notes {
         let picture = Finish::NOTHING;
         let transition = TimedTransition::CUT;
-        performance.note(
+        performance.record(
             time,
             &OnStage {
                 scene,
@@ -121,7 +121,7 @@ fn unchanged_parameters_are_not_written() {
     let mut performance = Performance::default();
     assert!(performance.is_empty());
     for frame in 0..100 {
-        performance.note(
+        performance.record(
             f64::from(frame) / 60.0,
             &OnStage {
                 scene: "orb",
@@ -147,7 +147,7 @@ fn an_animation_of_the_show_is_kept_until_a_user_changes_the_parameter() {
         // Ten frames a second; a user takes over at 20 s.
         let time = 10.0 + f64::from(frame) / 10.0;
         let value = if time < 20.0 { 0.125 * (time - 12.0).clamp(0.0, 8.0) as f32 } else { 0.25 };
-        performance.note(
+        performance.record(
             time,
             &OnStage {
                 scene: "orb",
@@ -169,7 +169,7 @@ fn an_animation_of_the_show_is_kept_until_a_user_changes_the_parameter() {
 
 /// Records frame number `frame` of the scene orb at 60 frames a second, with `value` as the relief.
 fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
-    performance.note(
+    performance.record(
         f64::from(frame) / 60.0,
         &OnStage {
             scene: "orb",
@@ -239,7 +239,7 @@ fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32
         picture,
         other: None,
     };
-    performance.note(time, &seen);
+    performance.record(time, &seen);
 }
 
 #[test]
@@ -251,9 +251,9 @@ fn a_frozen_frame_stays_across_scene_changes() {
     let held = Finish { numbers: [1.0, 1.0], is_shown: false };
     let shown = performance.last().unwrap();
     assert_eq!(shown, 2.0);
-    performance.note_picture(shown, &held);
+    performance.record_picture(shown, &held);
     for frame in 121..=480 {
-        performance.note_picture(f64::from(frame) / 60.0, &held);
+        performance.record_picture(f64::from(frame) / 60.0, &held);
     }
     // The scene has changed during the freeze. The frozen frame fades into the new scene.
     for frame in 0..=4u8 {
@@ -312,7 +312,7 @@ fn only_a_transition_that_was_cut_off_is_unfinished() {
         };
         let picture = Finish::NOTHING;
         let params = Vec::new();
-        performance.note(
+        performance.record(
             time,
             &OnStage {
                 scene,
@@ -350,7 +350,7 @@ fn note_decks(performance: &mut Performance, time: f64, start: f64, (scenes, fad
     let [from, to] = scenes;
     let knob = |value| vec![Turned { name: "knob", value, own: 0.5, is_shown: false }];
     let shown = |is_shown: bool, value| if is_shown { knob(value) } else { Vec::new() };
-    performance.note(
+    performance.record(
         time,
         &OnStage {
             scene: to,

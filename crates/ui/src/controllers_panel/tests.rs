@@ -95,37 +95,37 @@ fn an_endless_knob_can_be_made_absolute() {
 fn keys_learn_change_and_forget() {
     let mut panel = panel(&[knob(size())], None);
     assert_eq!(
-        panel.take_key(&key(NamedKey::Enter)),
+        panel.handle_key(&key(NamedKey::Enter)),
         (true, Some(Command::EditMappings(KnobEdit::Clock(false))))
     );
-    panel.take_key(&key(NamedKey::ArrowDown));
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
-    panel.take_key(&key(NamedKey::ArrowDown));
+    panel.handle_key(&key(NamedKey::ArrowDown));
+    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
+    panel.handle_key(&key(NamedKey::ArrowDown));
     let mut after = knob(size());
     after.range = [0.25, 1.0];
     assert_eq!(
-        panel.take_key(&key(NamedKey::Enter)).1,
+        panel.handle_key(&key(NamedKey::Enter)).1,
         Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
     );
-    panel.take_key(&key(NamedKey::ArrowRight));
-    panel.take_key(&key(NamedKey::ArrowRight));
+    panel.handle_key(&key(NamedKey::ArrowRight));
+    panel.handle_key(&key(NamedKey::ArrowRight));
     let mut after = knob(size());
     after.range = [1.0, 0.0];
     assert_eq!(
-        panel.take_key(&key(NamedKey::Enter)).1,
+        panel.handle_key(&key(NamedKey::Enter)).1,
         Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
     );
     assert_eq!(
-        panel.take_key(&key(NamedKey::Delete)).1,
+        panel.handle_key(&key(NamedKey::Delete)).1,
         Some(Command::EditMappings(KnobEdit::Remove(knob(size()))))
     );
-    assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters belong to the show");
+    assert_eq!(panel.handle_key(&Key::Character("n".into())), (false, None), "letters belong to the show");
     for _ in 0..100 {
-        panel.take_key(&key(NamedKey::ArrowDown));
+        panel.handle_key(&key(NamedKey::ArrowDown));
     }
     assert!(panel.selected < panel.rows.len());
     for _ in 0..100 {
-        panel.take_key(&key(NamedKey::ArrowUp));
+        panel.handle_key(&key(NamedKey::ArrowUp));
     }
     assert!(matches!(panel.rows[panel.selected], ControllerRow::Clock(true)));
 }
@@ -135,7 +135,7 @@ fn a_row_that_moves_stays_selected() {
     let mut panel = panel(&[], None);
     let next = Target::Action { name: "next".to_owned(), value: None };
     while !matches!(&panel.rows[panel.selected], ControllerRow::Target { target, .. } if *target == next) {
-        panel.take_key(&key(NamedKey::ArrowDown));
+        panel.handle_key(&key(NamedKey::ArrowDown));
     }
     panel.update(&ControllersState {
         scene: "city".to_owned(),
@@ -149,7 +149,7 @@ fn a_row_that_moves_stays_selected() {
         mappings: &[],
         learning: None,
     });
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(next)));
+    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).1, Some(Command::Learn(next)));
 }
 
 #[test]

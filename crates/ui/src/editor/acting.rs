@@ -16,7 +16,7 @@ pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
 impl Editor {
     /// Handles a key press while the modifiers `held` are held. Returns true if the editor used the key.
-    pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+    pub fn handle_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         let action = action_of(&press.key, press.latin, held);
         // Esc still closes an editor whose file is not read in time.
         if is_loading(self) && (action != Some(EditAction::Leave) || self.focus.has_early()) {
@@ -30,7 +30,7 @@ impl Editor {
             }
             return is_used;
         }
-        if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
+        if self.focus.leaves_out(press.repeat) || self.handle_small_key(press, held) {
             return true;
         }
         if let Some(action) = action {
@@ -41,10 +41,10 @@ impl Editor {
             && !held.alt_key()
         {
             self.proposals.close();
-            return self.with_text(|document| document.editing.go(way, held.shift_key()));
+            return self.with_text(|document| document.editing.move_cursor(way, held.shift_key()));
         }
         let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
-        if self.take_editing_key(&press.key, held, plain) {
+        if self.handle_editing_key(&press.key, held, plain) {
             return true;
         }
         // For AltGr, some systems report Ctrl and Alt.
@@ -63,12 +63,12 @@ impl Editor {
         }
     }
 
-    fn take_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
-        match self.finding.take_key(&press.key, held) {
+    fn handle_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+        match self.finding.handle_key(&press.key, held) {
             QueryKey::Next { forward } => self.find_next(forward),
             QueryKey::Changed => {}
             QueryKey::Other => match self.proposals.choose(&press.key, held) {
-                Choice::Take(number) => self.take_proposal(number),
+                Choice::Take(number) => self.accept_proposal(number),
                 Choice::Changed => {}
                 Choice::Other => return false,
             },
@@ -78,7 +78,7 @@ impl Editor {
     }
 
     /// Handles keys that edit but type no letter. `plain` is true if no modifier except Shift is held.
-    fn take_editing_key(&mut self, key: &Key, held: Modifiers, plain: bool) -> bool {
+    fn handle_editing_key(&mut self, key: &Key, held: Modifiers, plain: bool) -> bool {
         let (select, word) = (held.shift_key(), held.control_key());
         match key {
             Key::Named(NamedKey::Enter) if plain => self.edit(|editing| editing.insert_line()),
@@ -151,13 +151,13 @@ fn is_loading(editor: &Editor) -> bool {
 }
 
 /// Handles the keys that arrived while the text was being read.
-pub(super) fn take_early_keys(editor: &mut Editor) {
+pub(super) fn replay_early_keys(editor: &mut Editor) {
     if is_loading(editor) {
         return;
     }
-    for input in editor.focus.take_early() {
+    for input in editor.focus.drain_early() {
         match input {
-            Early::Key(press, held) => drop(editor.take_key(&press, held)),
+            Early::Key(press, held) => drop(editor.handle_key(&press, held)),
             Early::Text(text) => editor.type_text(&text),
         }
     }
@@ -174,7 +174,7 @@ impl Editor {
         match request {
             EditorEvent::Press { at, clicks, select } => self.press(at, clicks, select),
             EditorEvent::DragTo(at) => {
-                self.with_text(|document| document.editing.go_to(at, true));
+                self.with_text(|document| document.editing.move_to(at, true));
             }
             EditorEvent::Grab(at) => self.grab(at),
             EditorEvent::Turn { points, speed } => {
@@ -202,7 +202,7 @@ impl Editor {
             EditorEvent::ShowText(number) => self.show_text(number),
             EditorEvent::GoToProbed => {
                 if let Some((number, range)) = self.picture.written() {
-                    self.go_to(number, range);
+                    self.select(number, range);
                 }
                 self.set_focus(true);
             }
@@ -211,19 +211,19 @@ impl Editor {
             }
             EditorEvent::GoTo { text, byte } => {
                 self.set_focus(true);
-                self.go_to(text, byte..byte);
+                self.select(text, byte..byte);
             }
-            EditorEvent::Take(number) => self.take_proposal(number),
-            EditorEvent::Answer { first } => self.take_answer(first),
+            EditorEvent::Take(number) => self.accept_proposal(number),
+            EditorEvent::Answer { first } => self.apply_answer(first),
         }
     }
 
     fn press(&mut self, at: usize, clicks: u8, select: bool) {
         self.set_focus(true);
-        self.focus.take_repeats();
+        self.focus.accept_repeats();
         self.close_small();
         self.with_text(|document| match clicks {
-            0 | 1 => document.editing.go_to(at, select),
+            0 | 1 => document.editing.move_to(at, select),
             2 => document.editing.select_word(at),
             _ => {
                 let line = document.editing.buffer().line_of(at);
@@ -239,7 +239,7 @@ impl Editor {
         match action {
             EditAction::Save => {
                 let saved = self.texts.save();
-                self.tell_refusal(saved);
+                self.show_refusal(saved);
             }
             EditAction::Undo => self.step(Editing::undo, "nothing to undo"),
             EditAction::Redo => self.step(Editing::redo, "nothing to redo"),
@@ -270,31 +270,31 @@ impl Editor {
                     Ok(())
                 });
                 if !is_correct {
-                    self.tell("correct the mistakes first: a text with mistakes is not formatted");
+                    self.show_notice("correct the mistakes first: a text with mistakes is not formatted");
                 }
             }
             EditAction::Propose => self.propose(true),
             EditAction::MakeParam => self.make_param(),
             EditAction::TurnNumber { up } => self.turn_by_key(up, shift),
-            EditAction::Answer { first } => self.take_answer(first),
+            EditAction::Answer { first } => self.apply_answer(first),
             EditAction::New => {
                 let begun = self.texts.begin_scene();
-                self.tell_refusal(begun);
+                self.show_refusal(begun);
             }
             EditAction::NextText => match self.texts.next_number() {
                 Some(number) => self.show_text(number),
-                None => self.tell("this scene includes no other file"),
+                None => self.show_notice("this scene includes no other file"),
             },
             EditAction::NextMistake => match self.texts.next_mistake() {
                 Ok(one) => {
-                    self.with_text(|document| document.editing.go_to(one.range.start, false));
+                    self.with_text(|document| document.editing.move_to(one.range.start, false));
                 }
                 Err(Some(text)) => self.show_text(text),
-                Err(None) => self.tell("no mistakes"),
+                Err(None) => self.show_notice("no mistakes"),
             },
             EditAction::Light => {
                 let words = self.picture.toggle_light();
-                self.tell(words);
+                self.show_notice(words);
             }
             EditAction::Profile => self.picture.toggle_profile(),
             EditAction::Leave => self.leave(),
@@ -325,7 +325,7 @@ impl Editor {
     pub(super) fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
         let done = self.texts.edit(change);
         self.proposals.close();
-        self.tell_refusal(done);
+        self.show_refusal(done);
         self.revision += 1;
     }
 
@@ -336,7 +336,7 @@ impl Editor {
             Ok(())
         });
         if !done && self.notice.words().is_none() {
-            self.tell(nothing);
+            self.show_notice(nothing);
         }
     }
 
@@ -344,7 +344,7 @@ impl Editor {
         let Some(document) = self.document() else { return };
         let selected = document.editing.selected();
         if selected.is_empty() {
-            return self.tell("select some text first");
+            return self.show_notice("select some text first");
         }
         // The clipboard takes valid UTF-8 only.
         let text = String::from_utf8_lossy(selected).into_owned();
@@ -363,7 +363,7 @@ impl Editor {
                 self.notice.clear();
                 self.with_text(|document| document.editing.select(range));
             }
-            Some(Err(words)) => self.tell(words),
+            Some(Err(words)) => self.show_notice(words),
             None => self.begin_find(),
         }
     }
@@ -375,15 +375,15 @@ impl Editor {
         }
     }
 
-    fn take_answer(&mut self, first: bool) {
-        let Some(question) = self.texts.take_question() else { return };
+    fn apply_answer(&mut self, first: bool) {
+        let Some(question) = self.texts.drain_question() else { return };
         match (question, first) {
             (Question::Kept(kept), true) => self.edit(|editing| editing.replace_all(&kept.text)),
             (Question::Kept(_), false) => self.texts.forget_kept(),
             (Question::Conflict(_) | Question::Gone, true) => self.texts.overwrite(),
-            (Question::Conflict(theirs), false) => match self.texts.take_theirs(theirs) {
-                Ok(()) => self.tell("loaded the other program's text; Ctrl+Z brings yours back"),
-                Err(refused) => self.tell(refused.to_string()),
+            (Question::Conflict(theirs), false) => match self.texts.adopt_theirs(theirs) {
+                Ok(()) => self.show_notice("loaded the other program's text; Ctrl+Z brings yours back"),
+                Err(refused) => self.show_notice(refused.to_string()),
             },
             (Question::Gone, false) => {}
         }
@@ -393,11 +393,11 @@ impl Editor {
     fn turn_by_key(&mut self, up: bool, fine: bool) {
         let Some(document) = self.document() else { return };
         if let Err(words) = document.check_open() {
-            return self.tell(words);
+            return self.show_notice(words);
         }
         match KeyTurn::of(document, up, fine) {
             Some(turn) => self.edit(|editing| turn.write(editing)),
-            None => self.tell("put the cursor on a number first"),
+            None => self.show_notice("put the cursor on a number first"),
         }
     }
 
@@ -408,10 +408,10 @@ impl Editor {
                 let reported = param.reported();
                 self.edit(|editing| param.write(editing));
                 if self.notice.words().is_none() {
-                    self.tell(reported);
+                    self.show_notice(reported);
                 }
             }
-            Err(words) => self.tell(words),
+            Err(words) => self.show_notice(words),
         }
     }
 
@@ -425,12 +425,12 @@ impl Editor {
         let found = self.proposals.propose(document, asked);
         self.revision += 1;
         if asked && !found {
-            self.tell("no name contains these letters");
+            self.show_notice("no name contains these letters");
         }
     }
 
-    fn take_proposal(&mut self, number: usize) {
-        if let Some(write) = self.proposals.take(number) {
+    fn accept_proposal(&mut self, number: usize) {
+        if let Some(write) = self.proposals.accept(number) {
             self.edit(write);
         }
     }

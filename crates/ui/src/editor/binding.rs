@@ -36,12 +36,12 @@ impl Editor {
         }
         let (range, line) = match place_of(document, &to_write) {
             Ok(place) => place,
-            Err(words) => return self.tell(words),
+            Err(words) => return self.show_notice(words),
         };
         if is_shipped {
             match self.texts.save() {
                 Ok(()) => self.to_write = Some(ToWrite { is_copied: true, ..to_write }),
-                Err(words) => self.tell(words),
+                Err(words) => self.show_notice(words),
             }
             return;
         }
@@ -55,7 +55,7 @@ impl Editor {
         });
         if self.notice.words().is_none() {
             let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
-            self.tell(format!(
+            self.show_notice(format!(
                 "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",
                 to_write.name
             ));

@@ -141,7 +141,7 @@ impl Document {
     }
 
     /// Loads the contents of the file. Returns true if the backup of an earlier run is no longer needed.
-    pub(super) fn take_read(
+    pub(super) fn load(
         &mut self,
         holds: OnDisk,
         kept: Option<Kept>,
@@ -152,7 +152,7 @@ impl Document {
             self.noted = 0;
             self.forget_colors(0);
             if let Some((cursor, view)) = carried {
-                self.editing.go_to(cursor, false);
+                self.editing.move_to(cursor, false);
                 self.view = view;
             }
         }
@@ -167,7 +167,7 @@ impl Document {
         is_needless
     }
 
-    pub(super) fn take_change(&mut self, holds: OnDisk) -> Change {
+    pub(super) fn read_change(&mut self, holds: OnDisk) -> Change {
         match holds {
             OnDisk::Bytes(bytes) if *bytes == *self.editing.buffer().bytes() => {
                 self.question = None;
@@ -194,11 +194,11 @@ impl Document {
         Change::None
     }
 
-    pub(super) fn note_change(&mut self) -> bool {
+    pub(super) fn record_change(&mut self) -> bool {
         let is_new = self.noted != self.editing.version();
         if is_new {
             self.noted = self.editing.version();
-            if let Some(line) = self.editing.take_changed_line() {
+            if let Some(line) = self.editing.changed_line() {
                 self.forget_colors(line);
             }
         }
@@ -217,21 +217,21 @@ impl Document {
         Arc::from(self.editing.buffer().bytes())
     }
 
-    pub(crate) fn note_sent(&mut self, drafts: u64) {
+    pub(crate) fn record_sent(&mut self, drafts: u64) {
         if self.sent.len() >= SENT_MAX {
             self.sent.pop_front();
         }
         self.sent.push_back((drafts, self.editing.version()));
     }
 
-    pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>, warnings: Vec<Mistake>) {
+    pub(crate) fn show_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>, warnings: Vec<Mistake>) {
         let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
         self.warned = warnings;
     }
 
     /// Records that the version that the loader checked last has no mistakes, so the frame shows this version.
-    pub(crate) fn note_shown(&mut self) {
+    pub(crate) fn record_shown(&mut self) {
         self.shown = self.found.0;
     }
 

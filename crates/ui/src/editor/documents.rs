@@ -86,28 +86,28 @@ impl Documents {
     }
 
     /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.
-    pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
+    pub(super) fn load(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();
-        Some(self.of_mut(file)?.take_read(holds, kept, carried))
+        Some(self.of_mut(file)?.load(holds, kept, carried))
     }
 
-    pub(super) fn take_mistakes(&mut self, findings: &Findings) {
+    pub(super) fn show_mistakes(&mut self, findings: &Findings) {
         let of_text = |all: &[Mistake], text: usize| -> Vec<Mistake> {
             all.iter().filter(|one| one.text == text).cloned().collect()
         };
         let Findings { mistakes, warnings, version, .. } = findings;
         for (number, file) in findings.texts.iter().enumerate() {
             if let Some(document) = self.of_mut(file) {
-                document.take_mistakes(*version, of_text(mistakes, number), of_text(warnings, number));
+                document.show_mistakes(*version, of_text(mistakes, number), of_text(warnings, number));
                 if mistakes.is_empty() {
-                    document.note_shown();
+                    document.record_shown();
                 }
             }
         }
         if findings.texts.is_empty()
             && let Some(document) = self.shown_mut()
         {
-            document.take_mistakes(*version, of_text(mistakes, 0), of_text(warnings, 0));
+            document.show_mistakes(*version, of_text(mistakes, 0), of_text(warnings, 0));
         }
     }
 
@@ -189,11 +189,11 @@ impl Documents {
     }
 
     /// Moves the cursor to `range` of the visible text. Positions in `range` refer to the version that was last loaded.
-    pub(super) fn go_to_loaded(&mut self, range: Range<usize>) {
+    pub(super) fn select_loaded(&mut self, range: Range<usize>) {
         if let Some(document) = self.shown_mut()
             && let Some(now) = document.place_as_shown(range)
         {
-            document.editing.go_to(now.start, false);
+            document.editing.move_to(now.start, false);
         }
         self.reveal();
     }

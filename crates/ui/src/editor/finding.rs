@@ -47,7 +47,7 @@ impl Finding {
         self.line.as_mut().filter(|find| find.typing).map(|find| &mut find.query)
     }
 
-    pub(super) fn take_key(&mut self, key: &Key, held: Modifiers) -> QueryKey {
+    pub(super) fn handle_key(&mut self, key: &Key, held: Modifiers) -> QueryKey {
         let Some(find) = self.line.as_mut().filter(|find| find.typing) else { return QueryKey::Other };
         match key {
             Key::Named(NamedKey::Enter) => QueryKey::Next { forward: !held.shift_key() },

@@ -54,12 +54,12 @@ impl Focus {
         !self.early.is_empty()
     }
 
-    pub(super) fn take_early(&mut self) -> Vec<Early> {
+    pub(super) fn drain_early(&mut self) -> Vec<Early> {
         std::mem::take(&mut self.early)
     }
 
     /// Accepts repeated keys from now on.
-    pub(super) fn take_repeats(&mut self) {
+    pub(super) fn accept_repeats(&mut self) {
         self.ignores_repeats = false;
     }
 

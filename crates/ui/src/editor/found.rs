@@ -24,7 +24,7 @@ impl Found {
     }
 
     /// Stores new findings. Returns true if the findings are about the edited scene.
-    pub(super) fn take(&mut self, findings: Findings) -> bool {
+    pub(super) fn store(&mut self, findings: Findings) -> bool {
         let is_shown = Some(&findings.source) == self.source.as_ref();
         if is_shown {
             self.findings = Some(findings);

@@ -205,16 +205,16 @@ impl Editor {
     pub fn update(&mut self) {
         while let Some(file_events) = self.texts.files.file_events() {
             self.revision += 1;
-            if let Some(words) = self.texts.take_news(file_events) {
-                self.tell(words);
+            if let Some(words) = self.texts.receive_event(file_events) {
+                self.show_notice(words);
             }
         }
         while let Ok(text) = self.clipboard.pasted.try_recv() {
             self.put_in(text.as_bytes());
         }
         self.write_waiting();
-        acting::take_early_keys(self);
-        if self.texts.take_findings() {
+        acting::replay_early_keys(self);
+        if self.texts.drain_findings() {
             self.held_numbers.check(&mut self.texts);
             self.revision += 1;
         }
@@ -241,8 +241,8 @@ impl Editor {
     }
 
     /// Returns the commands that the editor has sent since the last call.
-    pub fn take_commands(&mut self) -> Vec<Command> {
-        self.texts.outbox.take_commands()
+    pub fn drain_commands(&mut self) -> Vec<Command> {
+        self.texts.outbox.drain_commands()
     }
 
     /// Backs up unsaved text before the program exits.
@@ -257,14 +257,14 @@ impl Editor {
     }
 
     /// Shows a message for a moment.
-    pub fn tell(&mut self, words: impl Into<String>) {
-        self.notice.say(words.into());
+    pub fn show_notice(&mut self, words: impl Into<String>) {
+        self.notice.show(words.into());
         self.revision += 1;
     }
 
-    fn tell_refusal<E: ToString>(&mut self, done: Result<(), E>) {
+    fn show_refusal<E: ToString>(&mut self, done: Result<(), E>) {
         if let Err(words) = done {
-            self.tell(words.to_string());
+            self.show_notice(words.to_string());
         }
     }
 
@@ -289,16 +289,16 @@ impl Editor {
     }
 
     /// Handles the result of a probe of the frame.
-    pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
+    pub fn show_probe_answer(&mut self, answer: Answer) {
         match answer {
             // The session takes it.
             Answer::Diagram(_) => {}
-            Answer::TooLong => self.tell("this scene is too large to be inspected while it plays"),
+            Answer::TooLong => self.show_notice("this scene is too large to be inspected while it plays"),
             Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.found.source() => {
-                self.picture.take_ray_statistics(ray_statistics);
+                self.picture.show_ray_statistics(ray_statistics);
             }
             Answer::Point(probed) if Some(&probed.source) == self.texts.found.source() => {
-                self.picture.take_probed(probed);
+                self.picture.show_probed(probed);
                 // Scroll to the line that drew the point, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
                     self.texts.documents.reveal_line(line);
@@ -310,12 +310,12 @@ impl Editor {
         self.revision += 1;
     }
 
-    fn go_to(&mut self, number: usize, range: Range<usize>) {
+    fn select(&mut self, number: usize, range: Range<usize>) {
         let own = self.document().and_then(Document::file);
         if self.texts.found.file(number).is_some_and(|file| own != Some(file)) {
             self.close_small();
         }
-        self.texts.go_to(number, range);
+        self.texts.select(number, range);
         self.revision += 1;
     }
 
@@ -336,30 +336,30 @@ impl Editor {
     fn grab(&mut self, at: usize) {
         self.close_small();
         match self.document().and_then(|document| document.number(at)) {
-            Some((number, line_start)) => self.take_numbers(vec![number], line_start),
+            Some((number, line_start)) => self.hold_numbers(vec![number], line_start),
             None => self.let_go(),
         }
     }
 
-    fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
+    fn hold_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
         self.set_focus(true);
-        let taken = self.held_numbers.take(numbers, line_start, &mut self.texts);
-        self.tell_refusal(taken);
+        let taken = self.held_numbers.hold(numbers, line_start, &mut self.texts);
+        self.show_refusal(taken);
         self.revision += 1;
     }
 
     /// Grabs the triple at an offset, unless a triple is grabbed already. Returns true if a triple is grabbed now.
-    fn take_three(&mut self, at: usize) -> bool {
+    fn hold_triple(&mut self, at: usize) -> bool {
         let found = self.document().and_then(|document| document.triple_at(at));
         if let Some((triple, line_start)) = found.filter(|_| !self.held_numbers.turns_three()) {
-            self.take_numbers(triple.numbers.into(), line_start);
+            self.hold_numbers(triple.numbers.into(), line_start);
         }
         self.held_numbers.turns_three()
     }
 
     fn turn(&mut self, turn: impl FnOnce(&mut HeldNumbers, &mut Texts) -> Result<(), Refused>) {
         let done = turn(&mut self.held_numbers, &mut self.texts);
-        self.tell_refusal(done);
+        self.show_refusal(done);
         self.revision += 1;
     }
 
@@ -374,22 +374,22 @@ impl Editor {
         let Some(document) = self.document() else { return };
         let Some((triple, start)) = document.color_at(at) else { return };
         if let Err(words) = document.check_open() {
-            return self.tell(words);
+            return self.show_notice(words);
         }
         let at = start + triple.range.start;
-        self.with_text(|document| document.editing.go_to(at, false));
+        self.with_text(|document| document.editing.move_to(at, false));
         self.held_numbers.pick(at);
     }
 
     fn set_color(&mut self, color: [f64; 3]) {
-        if self.held_numbers.picked.is_some_and(|at| self.take_three(at)) {
+        if self.held_numbers.picked.is_some_and(|at| self.hold_triple(at)) {
             self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
         }
     }
 
     fn move_place(&mut self, way: [f64; 3]) {
         let cursor = self.document().map(|document| document.editing.cursor());
-        if cursor.is_some_and(|cursor| self.take_three(cursor)) {
+        if cursor.is_some_and(|cursor| self.hold_triple(cursor)) {
             self.turn(|held_numbers, texts| held_numbers.move_three(way, texts));
         }
     }

@@ -12,7 +12,7 @@ pub(crate) struct Notice {
 }
 
 impl Notice {
-    pub(super) fn say(&mut self, words: String) {
+    pub(super) fn show(&mut self, words: String) {
         self.said = Some((words, clock::now()));
     }
 

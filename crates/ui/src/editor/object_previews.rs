@@ -40,7 +40,7 @@ impl ObjectPreviews {
         Self { known: BTreeMap::new(), orders, drawn }
     }
 
-    pub(super) fn want(&mut self, name: &str) {
+    pub(super) fn request(&mut self, name: &str) {
         if let Some((name, formula)) = PICTURES.iter().find(|(known, _)| *known == name)
             && !self.known.contains_key(name)
         {

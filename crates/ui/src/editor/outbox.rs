@@ -24,12 +24,12 @@ impl Outbox {
         self.commands.push(command);
     }
 
-    pub(super) fn take_commands(&mut self) -> Vec<Command> {
+    pub(super) fn drain_commands(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
     }
 
-    pub(super) fn take_findings(&self) -> Vec<Findings> {
-        self.drafts.take_findings()
+    pub(super) fn drain_findings(&self) -> Vec<Findings> {
+        self.drafts.drain_findings()
     }
 
     pub(super) fn draft(&mut self, document: &mut Document) {
@@ -38,7 +38,7 @@ impl Outbox {
             true => self.drafts.set(file, document.bytes()),
             false => self.drafts.remove(file),
         };
-        document.note_sent(version);
+        document.record_sent(version);
         self.commands.push(Command::ReloadScene);
     }
 
@@ -52,7 +52,7 @@ impl Outbox {
     pub(super) fn replace_file(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = self.drafts.set(file, document.bytes());
-        document.note_sent(version);
+        document.record_sent(version);
         self.commands.push(Command::ReloadScene);
     }
 
@@ -61,7 +61,7 @@ impl Outbox {
             self.drafts.set(file, document.bytes());
         }
         let since = self.drafts.turn(Some((file, turning)));
-        document.note_sent(since);
+        document.record_sent(since);
         self.turns = true;
         self.commands.push(Command::ReloadScene);
         since

@@ -39,12 +39,12 @@ impl Picture {
         is_new
     }
 
-    pub(super) fn take_probed(&mut self, probed: Probed) {
+    pub(super) fn show_probed(&mut self, probed: Probed) {
         tracing::debug!("probed: {probed:?}");
         self.probed = Some(probed);
     }
 
-    pub(super) fn take_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
+    pub(super) fn show_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
         self.ray_statistics = Some(ray_statistics);
     }
 

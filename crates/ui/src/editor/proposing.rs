@@ -55,7 +55,7 @@ impl Proposals {
 
     pub(super) fn update(&mut self) -> bool {
         if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
-            self.object_previews.want(name);
+            self.object_previews.request(name);
         }
         self.object_previews.update()
     }
@@ -89,7 +89,7 @@ impl Proposals {
         Choice::Changed
     }
 
-    pub(super) fn take(
+    pub(super) fn accept(
         &mut self,
         number: usize,
     ) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {

@@ -45,7 +45,7 @@ impl TestEditor {
         let mut setup =
             Self { folder, editor, drafts, woken, edits: NumberEdits::default(), commands: Vec::new() };
         setup.editor.set_focus(true);
-        setup.editor.focus.take_repeats();
+        setup.editor.focus.accept_repeats();
         let source = setup.source();
         setup.editor.show_scene(&source);
         setup.wait("the text", |editor| editor.document().is_some_and(|document| document.disk.is_some()));
@@ -65,7 +65,7 @@ impl TestEditor {
         let start = Instant::now();
         loop {
             self.editor.update();
-            self.commands.extend(self.editor.take_commands());
+            self.commands.extend(self.editor.drain_commands());
             if is_there(&self.editor) {
                 return;
             }
@@ -75,7 +75,7 @@ impl TestEditor {
     }
 
     fn commands(&mut self) -> Vec<Command> {
-        self.commands.extend(self.editor.take_commands());
+        self.commands.extend(self.editor.drain_commands());
         std::mem::take(&mut self.commands)
     }
 
@@ -86,7 +86,7 @@ impl TestEditor {
     fn load(&mut self) -> bool {
         let (source, texts) = (self.source(), self.drafts.texts());
         let (result, _) = source.ready_with(&mut TextureCache::default(), &mut self.edits, &texts);
-        self.drafts.tell(Findings::of(&source, &texts, &result));
+        self.drafts.publish(Findings::of(&source, &texts, &result));
         self.editor.update();
         result.is_ok()
     }
@@ -96,7 +96,7 @@ impl TestEditor {
             Key::Character(text) => Some(text.clone()),
             _ => None,
         };
-        self.editor.take_key(&KeyPress { key, latin: None, text, repeat: false }, held)
+        self.editor.handle_key(&KeyPress { key, latin: None, text, repeat: false }, held)
     }
 
     fn ctrl(&mut self, letter: &str) {
@@ -469,10 +469,10 @@ fn the_key_that_opened_the_editor_is_not_typed() {
     setup.editor.set_focus(true);
     let key = Key::Character("e".to_owned());
     let press = |repeat| KeyPress { key: key.clone(), latin: Some('e'), text: Some("e".to_owned()), repeat };
-    let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
+    let mut take = |repeat| setup.editor.handle_key(&press(repeat), Modifiers::empty());
     assert!(take(true));
     assert_eq!(setup.text(), "y");
-    let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
+    let mut take = |repeat| setup.editor.handle_key(&press(repeat), Modifiers::empty());
     assert!(take(false) && take(true));
     assert_eq!(setup.text(), "eey");
     assert!(!setup.named(NamedKey::F11) && !setup.named(NamedKey::MediaPlayPause));

@@ -121,7 +121,7 @@ impl Texts {
         is_new
     }
 
-    pub(super) fn go_to(&mut self, number: usize, range: Range<usize>) {
+    pub(super) fn select(&mut self, number: usize, range: Range<usize>) {
         if let Some(file) = self.found.file(number).map(Path::to_owned) {
             if self.open(&file) {
                 // The cursor is set when the file has been read.
@@ -130,7 +130,7 @@ impl Texts {
         } else if number > 0 {
             return;
         }
-        self.documents.go_to_loaded(range);
+        self.documents.select_loaded(range);
     }
 }
 
@@ -144,18 +144,18 @@ impl Texts {
         let Some(document) = self.documents.shown_mut() else { return Ok(()) };
         document.check_open()?;
         let changed = change(&mut document.editing);
-        self.note_change();
+        self.record_change();
         self.documents.reveal();
         changed.map_err(|refused| refused.to_string())
     }
 
-    pub(super) fn note_change(&mut self) {
+    pub(super) fn record_change(&mut self) {
         if let Some(document) = self.documents.shown_mut() {
             pass_on(document, &self.files, &mut self.outbox);
         }
     }
 
-    pub(super) fn take_question(&mut self) -> Option<Question> {
+    pub(super) fn drain_question(&mut self) -> Option<Question> {
         self.documents.shown_mut()?.question.take()
     }
 
@@ -177,13 +177,13 @@ impl Texts {
     }
 
     /// Replaces the user's text by the text that the other program wrote. Undo brings back the user's text.
-    pub(super) fn take_theirs(&mut self, theirs: OnDisk) -> Result<(), Refused> {
+    pub(super) fn adopt_theirs(&mut self, theirs: OnDisk) -> Result<(), Refused> {
         let Some(document) = self.documents.shown_mut() else { return Ok(()) };
         if let OnDisk::Bytes(bytes) = &theirs {
             document.editing.replace_all(bytes)?;
         }
         document.disk = Some(theirs);
-        self.note_change();
+        self.record_change();
         Ok(())
     }
 
@@ -221,10 +221,10 @@ impl Texts {
 }
 
 impl Texts {
-    pub(super) fn take_findings(&mut self) -> bool {
+    pub(super) fn drain_findings(&mut self) -> bool {
         let mut any = false;
-        for findings in self.outbox.take_findings() {
-            any |= self.found.take(findings);
+        for findings in self.outbox.drain_findings() {
+            any |= self.found.store(findings);
         }
         if any {
             self.mark_mistakes();
@@ -234,14 +234,14 @@ impl Texts {
 
     fn mark_mistakes(&mut self) {
         if let Some(findings) = self.found.findings() {
-            self.documents.take_mistakes(findings);
+            self.documents.show_mistakes(findings);
         }
     }
 
-    pub(super) fn take_news(&mut self, file_events: FileEvent) -> Option<String> {
+    pub(super) fn receive_event(&mut self, file_events: FileEvent) -> Option<String> {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
-                if self.documents.take_read(&file, holds, kept)? {
+                if self.documents.load(&file, holds, kept)? {
                     self.files.forget_kept(&file);
                 }
                 self.documents.reveal();
@@ -268,7 +268,7 @@ impl Texts {
                 self.documents.forget_carried();
                 Some(reason)
             }
-            FileEvent::Changed { file, holds } => self.take_change(&file, holds),
+            FileEvent::Changed { file, holds } => self.read_change(&file, holds),
             FileEvent::Created { file } => {
                 let words = format!("created {}", file.display());
                 self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
@@ -277,9 +277,9 @@ impl Texts {
         }
     }
 
-    fn take_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
+    fn read_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
         let document = self.documents.of_mut(file)?;
-        match document.take_change(holds) {
+        match document.read_change(holds) {
             Change::None => None,
             Change::Taken => {
                 pass_on(document, &self.files, &mut self.outbox);
@@ -297,7 +297,7 @@ impl Texts {
 }
 
 fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
-    if document.note_change() {
+    if document.record_change() {
         files.keep(document);
         outbox.draft_change(document);
     }

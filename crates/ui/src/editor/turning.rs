@@ -100,7 +100,7 @@ impl HeldNumbers {
     }
 
     /// Grabs numbers of the line that begins at `line_start`. If the text is read-only, returns the reason.
-    pub(super) fn take(
+    pub(super) fn hold(
         &mut self,
         numbers: Vec<Number>,
         line_start: usize,
@@ -195,7 +195,7 @@ impl HeldNumbers {
         let done = document.editing.turn(whole, &new);
         let is_one = written.len() == 1;
         document.editing.select_turned(if is_one { now } else { now.end..now.end });
-        texts.note_change();
+        texts.record_change();
         let values: Vec<f64> = written.iter().map(|text| text.parse().unwrap_or_default()).collect();
         self.hand_on(&values, texts);
         done

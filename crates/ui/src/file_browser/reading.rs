@@ -41,7 +41,7 @@ impl FolderReader {
     }
 
     /// Reads a folder. Fails if too many folders do not answer, or without threads.
-    pub(super) fn ask(&self, folder: PathBuf) -> Result<(), String> {
+    pub(super) fn request(&self, folder: PathBuf) -> Result<(), String> {
         if self.open.load(Ordering::Relaxed) >= LIMITS.folders_read_max {
             return Err("several folders do not answer: check the disks and the network".to_owned());
         }
@@ -53,7 +53,7 @@ impl FolderReader {
     }
 
     /// Looks for the folders that the system provides.
-    pub(super) fn ask_for_places(&self) -> Result<(), String> {
+    pub(super) fn request_places(&self) -> Result<(), String> {
         self.start(|| Answer::Places(common_places()))
     }
 

@@ -41,12 +41,12 @@ pub(crate) fn open(folder: &Path) -> FileBrowser {
 }
 
 fn key(browser: &mut FileBrowser, key: NamedKey) -> Vec<Command> {
-    browser.take_key(&Key::Named(key), Modifiers::empty())
+    browser.handle_key(&Key::Named(key), Modifiers::empty())
 }
 
 fn typed(browser: &mut FileBrowser, text: &str) {
     for letter in text.chars() {
-        let _ = browser.take_key(&Key::Character(letter.to_string()), Modifiers::empty());
+        let _ = browser.handle_key(&Key::Character(letter.to_string()), Modifiers::empty());
     }
 }
 
@@ -61,17 +61,17 @@ fn folders_are_entered_and_left_and_files_are_picked() {
     let path = folder.path().join("album/1.ogg");
     let open = |path: &Path, append| Command::Open(Files { files: vec![path.to_owned()], append });
     let enter = Key::Named(NamedKey::Enter);
-    assert_eq!(browser.take_key(&enter, Modifiers::SHIFT), [open(&path, true)], "the list stays open");
-    assert_eq!(browser.take_key(&enter, Modifiers::empty()), [open(&path, false), CLOSE]);
+    assert_eq!(browser.handle_key(&enter, Modifiers::SHIFT), [open(&path, true)], "the list stays open");
+    assert_eq!(browser.handle_key(&enter, Modifiers::empty()), [open(&path, false), CLOSE]);
     let album = folder.path().join("album");
-    assert_eq!(browser.take_key(&enter, Modifiers::CONTROL), [open(&album, false), CLOSE]);
-    assert_eq!(browser.take_key(&enter, Modifiers::CONTROL | Modifiers::SHIFT), [open(&album, true)]);
+    assert_eq!(browser.handle_key(&enter, Modifiers::CONTROL), [open(&album, false), CLOSE]);
+    assert_eq!(browser.handle_key(&enter, Modifiers::CONTROL | Modifiers::SHIFT), [open(&album, true)]);
     assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
-    assert_eq!(browser.take_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), []);
+    assert_eq!(browser.handle_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), []);
     read(&mut browser);
     assert_eq!(browser.entry(browser.selected).unwrap().name, "album");
     // A folder is added whole, and played whole.
-    assert_eq!(browser.take_key(&enter, Modifiers::SHIFT), [open(&album, true)]);
+    assert_eq!(browser.handle_key(&enter, Modifiers::SHIFT), [open(&album, true)]);
     assert_eq!(browser.play(0), [open(&album, false), CLOSE]);
     assert_eq!(key(&mut browser, NamedKey::ArrowRight), []);
     read(&mut browser);
@@ -109,7 +109,7 @@ fn the_search_finds_titles_and_artists() {
     let remembered = RememberedFolders::default();
     let mut browser = FileBrowser::start(Some(folder.path().to_owned()), remembered, library, || {});
     read(&mut browser);
-    browser.note_drawn(0..browser.count());
+    browser.record_drawn(0..browser.count());
     let before = browser.revision();
     while browser.tags.get(&song).is_none() {
         woken.recv_timeout(Duration::from_secs(60)).expect("the tags are read");
@@ -158,7 +158,7 @@ fn shortcuts_are_reached_by_tab_and_folders_can_be_marked() {
         (folder.path().join("empty").as_path(), None)
     );
     assert!(!browser.is_favourite());
-    let marked = browser.take_key(&Key::Character("d".into()), Modifiers::CONTROL);
+    let marked = browser.handle_key(&Key::Character("d".into()), Modifiers::CONTROL);
     assert_eq!(marked, [Command::MarkFolders([recent("album"), recent("empty")].into())]);
     assert!(browser.is_favourite() && kinds(&browser)[1] == PlaceKind::Favourite);
     assert_eq!(browser.mark(), [Command::MarkFolders([recent("album")].into())]);
@@ -192,7 +192,7 @@ fn a_folder_that_does_not_answer_delays_no_other_folder() {
     let mut browser = FileBrowser::with_reader(Some(slow.clone()), remembered, tags, reader);
     browser.update();
     assert_eq!(browser.trouble(), Some(READING));
-    browser.go_up();
+    browser.enter_parent();
     read(&mut browser);
     assert_eq!(browser.entry(browser.selected).unwrap().name, "slow");
     // Too many folders without an answer are refused with a sentence.
@@ -201,7 +201,7 @@ fn a_folder_that_does_not_answer_delays_no_other_folder() {
     }
     assert!(browser.trouble().unwrap().contains("do not answer"), "{:?}", browser.trouble());
     drop(go_on);
-    while browser.reader.ask(folder.path().to_owned()).is_err() {
+    while browser.reader.request(folder.path().to_owned()).is_err() {
         std::thread::sleep(Duration::from_millis(2));
     }
     browser.enter(slow);

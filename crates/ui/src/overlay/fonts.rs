@@ -79,7 +79,7 @@ impl Fallback {
     }
 
     /// Requests the characters that egui has missed since the last call.
-    pub(super) fn look(&mut self) {
+    pub(super) fn request_missing(&mut self) {
         let new = mem::take(&mut lock(&self.missed.0).new);
         if new.is_empty() {
             return;

@@ -137,7 +137,7 @@ impl Overlay {
         }
     }
 
-    /// Handles input other than keys (see [`Overlay::take_key`]). Returns true if only the overlay may use the input.
+    /// Handles input other than keys (see [`Overlay::handle_key`]). Returns true if only the overlay may use the input.
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
         self.input.add(input, self.panels.context.pixels_per_point());
@@ -163,13 +163,13 @@ impl Overlay {
 
     /// Passes a key to the controls. Tab moves the focus; Enter, Space and arrows act on the focused control. Returns
     /// false for unrelated keys.
-    pub fn take_key(&mut self, key: &Key, shift: bool) -> bool {
+    pub fn handle_key(&mut self, key: &Key, shift: bool) -> bool {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
             let modifiers = Modifiers { shift, ..Modifiers::NONE };
             self.input.extend(pressed(key, modifiers));
         } else {
-            self.panels.ask_for_focus();
+            self.panels.request_focus();
         }
         true
     }
@@ -255,7 +255,7 @@ impl Overlay {
             self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
         }
         let interactive = content.is_interactive();
-        let input = self.take_input(size, interactive, now);
+        let input = self.raw_input(size, interactive, now);
         let laid_out = self.panels.lay_out(input, content, now);
         let mut output = laid_out.output;
         let controls = output.platform_output.accesskit_update.take();
@@ -314,12 +314,12 @@ impl Overlay {
         self.pointer.is_busy()
     }
 
-    fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
+    fn raw_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
         // Do not call `set_zoom_factor`: egui would then derive the window's size from the previous pass.
         self.panels.context.options_mut(|options| options.zoom_factor = zoom);
-        let mut input = self.input.take(scale, now);
+        let mut input = self.input.drain(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
         if was && !interactive {

@@ -81,7 +81,7 @@ impl Panels {
         &self.fallback
     }
 
-    pub(super) fn ask_for_focus(&mut self) {
+    pub(super) fn request_focus(&mut self) {
         self.wants_focus = true;
     }
 
@@ -109,7 +109,7 @@ impl Panels {
             events.clear();
             params_changed |= show(context, content, now, &mut panels, &mut events, kept);
         });
-        self.fallback.look();
+        self.fallback.request_missing();
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         LaidOut { output, panels, params_changed, events, repaint_after }

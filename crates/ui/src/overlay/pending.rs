@@ -73,7 +73,7 @@ impl PendingInput {
     }
 
     /// Removes and returns the input until `now`, for a screen with `scale` pixels per point.
-    pub(super) fn take(&mut self, scale: f32, now: Instant) -> RawInput {
+    pub(super) fn drain(&mut self, scale: f32, now: Instant) -> RawInput {
         self.raw.time = Some(now.saturating_duration_since(self.started).as_secs_f64());
         let viewport = self.raw.viewports.entry(self.raw.viewport_id).or_default();
         viewport.native_pixels_per_point = Some(scale);
@@ -164,7 +164,7 @@ mod tests {
         ] {
             pending.add(&input, 2.0);
         }
-        let events = pending.take(2.0, Instant::now()).events;
+        let events = pending.drain(2.0, Instant::now()).events;
         let places: Vec<Pos2> = events
             .iter()
             .filter_map(|event| match event {

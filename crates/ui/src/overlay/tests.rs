@@ -405,7 +405,7 @@ fn the_selected_setting_is_visible_in_a_small_window() {
     stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
     let ways = [NamedKey::ArrowDown; 12].into_iter().chain([NamedKey::ArrowUp; 12]);
     for key in ways {
-        let _ = rows.take_key(&Key::Named(key));
+        let _ = rows.handle_key(&Key::Named(key));
         stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
         let laid_out =
             stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });

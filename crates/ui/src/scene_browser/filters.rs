@@ -45,7 +45,7 @@ impl Filters {
     }
 
     /// Offers the moods that several scenes have: the most frequent ones, in the order of the alphabet.
-    pub(super) fn note<'a>(&mut self, scenes: impl Iterator<Item = &'a Description>) {
+    pub(super) fn offer_moods<'a>(&mut self, scenes: impl Iterator<Item = &'a Description>) {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for mood in scenes.flat_map(|about| &about.moods) {
             *counts.entry(mood).or_default() += 1;

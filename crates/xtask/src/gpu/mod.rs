@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     })?;
     let all = std::thread::scope(|scope| {
         let ask = |gpu: &String| -> anyhow::Result<_> {
-            let programs = ask(&shim, gpu, &requested).with_context(|| format!("compiling for {gpu}"))?;
+            let programs = compile(&shim, gpu, &requested).with_context(|| format!("compiling for {gpu}"))?;
             Ok((gpu.clone(), programs))
         };
         let asked: Vec<_> = requested.gpus.iter().map(|gpu| scope.spawn(move || ask(gpu))).collect();
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
 }
 
 /// Compiles the programs for one GPU in a separate process, because a process cannot change its GPU.
-fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
+fn compile(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
     // Disable optimized variants, which the driver compiles after linking.
     let mut options = vec!["nooptvariant".to_owned()];
     options.extend(requested.options.iter().cloned());

@@ -107,7 +107,7 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
 struct Heard(Arc<Mutex<Vec<String>>>);
 
 impl Heard {
-    fn take(&self) -> Vec<String> {
+    fn drain(&self) -> Vec<String> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -154,7 +154,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let driver = format!("{}, {}", gl.info().renderer, gl.info().version);
     let mut refused = Vec::new();
     for Wanted { name, file, variant } in wanted(gl, &names)? {
-        heard.take();
+        heard.drain();
         let start = ProcessTime::now();
         let linked = Program::link(gl, &library, file, &variant);
         let seconds = start.elapsed().as_secs_f64();
@@ -164,7 +164,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
         }
         // Skip the vertex shader, which is much shorter.
         let counts =
-            heard.take().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
+            heard.drain().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
         let linked = Linked { driver: driver.clone(), name, counts, seconds };
         if json {
             println!("{}", serde_json::to_string(&linked)?);

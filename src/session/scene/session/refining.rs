@@ -21,7 +21,7 @@ impl SceneSession {
             self.messages.answer(words.to_owned());
             return false;
         }
-        self.refinement.want();
+        self.refinement.request();
         self.messages.answer("refining this moment by paths of light".to_owned());
         self.request_paths();
         true
@@ -33,7 +33,7 @@ impl SceneSession {
             Some(wanted) => self.refinement.end_of_others(wanted),
             None if self.refinement.is_on() => {
                 self.refinement.end();
-                self.composer.look_different();
+                self.composer.redraw();
             }
             None => {}
         }
@@ -60,7 +60,7 @@ impl SceneSession {
         let patience = self.preparation.library.length_of_go();
         let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(frame) = self.composer.pictures.frame() else { return Ok(None) };
-        match self.refinement.go_on(renderer, (scene, mode, frame), of, patience) {
+        match self.refinement.resume(renderer, (scene, mode, frame), of, patience) {
             Ok((is_better, words)) => {
                 words.into_iter().for_each(|words| self.messages.answer(words));
                 let spent = crate::clock::since(begun);
@@ -104,13 +104,13 @@ impl SceneSession {
     }
 
     /// Takes a program of views or of paths. Returns any other program.
-    pub(in crate::session::scene) fn take_special(
+    pub(in crate::session::scene) fn receive_special(
         &mut self,
         task: Task,
         program: Result<Program, GpuError>,
     ) -> Option<(Task, Result<Program, GpuError>)> {
         let (failed, error) = match (task, program) {
-            (Task::Views(of), program) => ("show views", self.composer.take_views(of, program).err()?),
+            (Task::Views(of), program) => ("show views", self.composer.receive_views(of, program).err()?),
             (Task::Paths(of), Ok(program)) => {
                 self.refinement.programs.add(of, program);
                 return None;

@@ -102,7 +102,7 @@ impl OutputSurface {
     }
 
     /// Requests a callback for the next frame. Must be called before each frame is shown.
-    pub(crate) fn ask(&self) {
+    pub(crate) fn request_frame(&self) {
         self.state().waits_since = Some(Instant::now());
         self.surface().frame(&self.queue, self.surface().clone());
     }

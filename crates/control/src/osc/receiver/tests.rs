@@ -36,7 +36,7 @@ fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
 }
 
 fn batch(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
-    hearing.hear(packet, SystemTime::now(), |_, _| false)
+    hearing.handle_packet(packet, SystemTime::now(), |_, _| false)
 }
 
 fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
@@ -54,7 +54,7 @@ fn a_pattern_is_a_message_to_each_matching_address() {
     assert_eq!(names(ask("/query/{pause,scene}")), ["/scene", "/pause"]);
     batch(&hearing, &packet("/{param,none}/s?z[a-e]", vec![OscType::Float(3.0)]));
     batch(&hearing, &packet("/p*e", vec![OscType::Int(0)]));
-    let batch = hearing.input_queue.take();
+    let batch = hearing.input_queue.drain();
     assert_eq!(batch.params.first().map(|change| change.to), Some(Amount::Value(3.0)));
     assert_eq!(batch.actions.first().map(|action| action.name), Some("pause"));
     // Patterns without a match and malformed patterns count as unknown.
@@ -83,7 +83,7 @@ fn a_title_with_pattern_characters_is_matched_literally() {
     let actions = &[ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" }];
     let hearing = Hearing { actions, ..hearing };
     batch(&hearing, &packet("/scene/orb [2]", Vec::new()));
-    let actions = hearing.input_queue.take().actions;
+    let actions = hearing.input_queue.drain().actions;
     assert_eq!(
         actions.iter().map(|action| action.given.clone()).collect::<Vec<_>>(),
         [ActionValue::Text("orb [2]".into())]
@@ -96,18 +96,22 @@ fn scheduled_messages_wait_and_those_beyond_the_limits_are_counted() {
     let half = [OscType::Float(3.0)];
     let mut waits = Vec::new();
     let later = bundle(now + Duration::from_secs(2), "/param/size", half.to_vec());
-    hearing.hear(&later, now, |ahead, message| {
+    hearing.handle_packet(&later, now, |ahead, message| {
         waits.push((ahead.as_secs_f64().round(), message.addr));
         true
     });
     assert_eq!(waits, [(2.0, "/param/size".to_owned())]);
-    hearing.hear(&later, now, |_, _| false);
+    hearing.handle_packet(&later, now, |_, _| false);
     let much_later = now + Duration::from_secs_f64(LIMITS.osc_ahead_seconds_max + 9.0);
-    hearing.hear(&bundle(much_later, "/param/size", half.to_vec()), now, |_, _| true);
-    assert!(hearing.input_queue.take().is_empty());
+    hearing.handle_packet(&bundle(much_later, "/param/size", half.to_vec()), now, |_, _| true);
+    assert!(hearing.input_queue.drain().is_empty());
     assert_eq!(hearing.input_queue.counts().1.too_many, 2);
-    hearing.hear(&bundle(now - Duration::from_secs(9), "/param/size", half.to_vec()), now, |_, _| false);
-    assert_eq!(hearing.input_queue.take().params.len(), 1);
+    hearing.handle_packet(
+        &bundle(now - Duration::from_secs(9), "/param/size", half.to_vec()),
+        now,
+        |_, _| false,
+    );
+    assert_eq!(hearing.input_queue.drain().params.len(), 1);
 }
 
 #[test]
@@ -141,7 +145,7 @@ fn bad_messages_are_counted_by_kind() {
     batch(&hearing, &packet("/param/size", vec![OscType::Float(3.0)]));
     let (messages, refusals) = hearing.input_queue.counts();
     assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
-    assert_eq!(hearing.input_queue.take().params[0].to, Amount::Value(3.0));
+    assert_eq!(hearing.input_queue.drain().params[0].to, Amount::Value(3.0));
 }
 
 #[test]
@@ -178,12 +182,12 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
     wakes.recv().unwrap();
-    assert_eq!(input_queue.take().params[0].name, "size");
+    assert_eq!(input_queue.drain().params[0].name, "size");
     let soon = SystemTime::now() + Duration::from_millis(300);
     socket.send_to(&bundle(soon, "/share/size", vec![OscType::Float(0.5)]), free).unwrap();
     wakes.recv().unwrap();
     assert!(SystemTime::now() >= soon, "it came too early");
-    assert_eq!(input_queue.take().params[0].to, Amount::Fraction(0.5));
+    assert_eq!(input_queue.drain().params[0].to, Amount::Fraction(0.5));
     socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
     let mut answer = [0; 64];
     let (length, from) = socket.recv_from(&mut answer).unwrap();
@@ -215,5 +219,5 @@ fn a_port_in_use_at_the_start_is_tried_again() {
     let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
     sender.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), address).unwrap();
     wakes.recv_timeout(patience).unwrap();
-    assert_eq!(input_queue.take().params[0].name, "size");
+    assert_eq!(input_queue.drain().params[0].name, "size");
 }

@@ -124,7 +124,7 @@ impl<'a> Layout<'a> {
                 frame.statement = line;
             }
         }
-        self.note_bracket(index);
+        self.record_bracket(index);
         self.role = role;
         if !piece.is_comment() {
             self.token = Some(index);
@@ -185,7 +185,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn note_bracket(&mut self, index: usize) {
+    fn record_bracket(&mut self, index: usize) {
         let Some(piece) = self.pieces.get(index) else { return };
         let line = self.last_line();
         if piece.is(Kind::OpenParen) {

@@ -107,7 +107,7 @@ impl Lowering<'_> {
 
     fn used_frame(&mut self, name: &'static str, span: Span) {
         if let Some(symbol) = self.names.get(name) {
-            self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+            self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
         }
     }
 

@@ -49,7 +49,7 @@ impl Lowering<'_> {
                 nested => break self.nested(nested, span),
             }
         };
-        self.note_made(value, inner, from);
+        self.record_origin(value, inner, from);
         while self.spine.len() > base {
             let Some(outer) = self.spine.pop() else { break };
             let span = self.ast.span(outer);
@@ -61,14 +61,14 @@ impl Lowering<'_> {
                 Expr::Swizzle(_, components) => self.swizzle(value, components, span),
                 _ => Value::Unknown,
             };
-            self.note_made(value, outer, from);
+            self.record_origin(value, outer, from);
         }
         value
     }
 
     /// If the value is a number, records this expression and the notes since the mark `from` as its origin.
     #[inline]
-    fn note_made(&mut self, value: Value, id: ExprId, from: u32) {
+    fn record_origin(&mut self, value: Value, id: ExprId, from: u32) {
         if self.reports.library_call.is_none()
             && let Value::Vector(vector) = value
             && vector.len() == 1

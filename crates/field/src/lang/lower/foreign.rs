@@ -127,7 +127,7 @@ impl ForeignCall<'_, '_> {
             Err(problem) => return self.problem(foreign, &problem),
         };
         if nodes.iter().any(|&node| self.outer.known(node).is_none()) && foreign.file.reads_frame() {
-            self.outer.inputs.take(uses::FRAME, self.name, self.span, &mut self.outer.reports);
+            self.outer.inputs.declare(uses::FRAME, self.name, self.span, &mut self.outer.reports);
         }
         if in_picture {
             self.use_picture(foreign, &nodes);
@@ -157,7 +157,7 @@ impl ForeignCall<'_, '_> {
         if foreign.file.reads_pixel() && (reads.contains(&Input::X) || reads.contains(&Input::Y)) {
             kind |= uses::PIXEL;
         }
-        self.outer.inputs.take(kind, self.name, self.span, &mut self.outer.reports);
+        self.outer.inputs.declare(kind, self.name, self.span, &mut self.outer.reports);
     }
 
     /// The scene's parameters and lets that have the names of uniforms.
@@ -167,7 +167,7 @@ impl ForeignCall<'_, '_> {
             let Some(symbol) = self.outer.names.get(uniform) else { continue };
             let value = match self.outer.declared.global(symbol).value {
                 GlobalValue::Param(index) => {
-                    self.outer.inputs.take(uses::FRAME, symbol, self.span, &mut self.outer.reports);
+                    self.outer.inputs.declare(uses::FRAME, symbol, self.span, &mut self.outer.reports);
                     Value::scalar(self.outer.graph.input(Input::Param(index as u16)))
                 }
                 GlobalValue::Let(index) => self.outer.global_let(index as usize, self.span),

@@ -14,7 +14,7 @@ impl SceneBuilder<'_> {
         let wrong = match (given("position"), given("direction"), given("right"), given("up")) {
             (Some(_), None, None, None) => return Some(LightKind::Lamp),
             (None, Some(_), None, None) => {
-                self.note_rising_light(values);
+                self.warn_of_rising_light(values);
                 return Some(LightKind::Sun);
             }
             (Some(_), None, Some(_), Some(_)) => return Some(LightKind::Panel),
@@ -49,7 +49,7 @@ impl SceneBuilder<'_> {
     }
 
     /// Notes a sun whose light always rises, which leaves floors and the tops of objects dark.
-    fn note_rising_light(&mut self, values: &Values) {
+    fn warn_of_rising_light(&mut self, values: &Values) {
         if let Some((Value::Vector(direction), span)) = values.given("direction")
             && direction.len() == 3
             && self.lowering.known(direction.part(1)).is_some_and(|y| y > 0.0)

@@ -48,7 +48,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    pub(super) fn take(&mut self, kind: u16, symbol: Symbol, span: Span, reports: &mut Reports) {
+    pub(super) fn declare(&mut self, kind: u16, symbol: Symbol, span: Span, reports: &mut Reports) {
         self.used |= kind;
         let missing = kind & !self.allowed;
         if missing != 0 {
@@ -241,7 +241,7 @@ impl<'a> Lowering<'a> {
                     if let Some(param) = self.declared.params.get(index as usize) {
                         self.origins.begins(param.span);
                     }
-                    self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+                    self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
                     return Value::scalar(self.graph.input(Input::Param(index as u16)));
                 }
                 Global { value: GlobalValue::Let(index), .. } => {
@@ -253,7 +253,7 @@ impl<'a> Lowering<'a> {
         }
         match library::input_index(symbol).and_then(|index| INPUTS.get(index)) {
             Some(row) => {
-                self.inputs.take(row.uses, symbol, span, &mut self.reports);
+                self.inputs.declare(row.uses, symbol, span, &mut self.reports);
                 match row.value {
                     InputValue::One(input) => Value::scalar(self.graph.input(input)),
                     InputValue::Constant(value) => Value::scalar(self.graph.constant(value)),
@@ -283,7 +283,7 @@ impl<'a> Lowering<'a> {
         if let Some((value, used)) = global.known {
             let by = global.by;
             self.origins.uses(by);
-            self.inputs.take(used, name, span, &mut self.reports);
+            self.inputs.declare(used, name, span, &mut self.reports);
             return value;
         }
         if std::mem::replace(&mut global.open, true) {
@@ -309,7 +309,7 @@ impl<'a> Lowering<'a> {
             global.by = by;
             global.open = false;
         }
-        self.inputs.take(used, name, span, &mut self.reports);
+        self.inputs.declare(used, name, span, &mut self.reports);
         value
     }
 

@@ -40,7 +40,7 @@ impl Lowering<'_> {
                 Some(self.reports.no_such_number(part, text, span))
             };
         }
-        self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+        self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
         let numbers: Vec<NodeId> =
             indices.into_iter().map(|index| part_number(&mut self.graph, index)).collect();
         Some(Vector::from_slice(&numbers).map_or(Value::Unknown, Value::Vector))
@@ -55,7 +55,7 @@ impl Lowering<'_> {
                 format!("the parts of the song have it: `{names}`, unless the scene uses the name otherwise");
             return self.reports.add(Diagnostic::new(span, message).hint(hint));
         };
-        self.inputs.take(uses::FRAME, of, span, &mut self.reports);
+        self.inputs.declare(uses::FRAME, of, span, &mut self.reports);
         let index_span = self.ast.span(index);
         let value = self.expr_below(index, span);
         let Some(index) = self.number(value, index_span, || "`band`".to_owned()) else {

@@ -72,7 +72,7 @@ impl<'a> SceneBuilder<'a> {
                         let values = self.fields(*section, entries, *broken);
                         self.section(*section, *name, *span, &values);
                         self.warn_of_values(*section, &values);
-                        self.note_block(*section, *span, entries, from, &values);
+                        self.record_block(*section, *span, entries, from, &values);
                     }
                     Item::Bare(value) if wanted(&Section::Object) => self.bare(*value),
                     _ => {}
@@ -196,7 +196,7 @@ impl<'a> SceneBuilder<'a> {
     }
 
     /// Records the text of an object or a material. The notes since the mark `from` belong to its fields.
-    fn note_block(&mut self, section: Section, span: Span, entries: &[Entry], from: u32, values: &Values) {
+    fn record_block(&mut self, section: Section, span: Span, entries: &[Entry], from: u32, values: &Values) {
         let inside = self.lowering.origins.since(from);
         let fields = entries.iter().filter(|entry| !entry.is_let).map(|entry| entry.name.span);
         let head = self.lowering.origins.head([span].into_iter().chain(fields), &values.beside_the_shape);

@@ -125,7 +125,7 @@ impl ShapeRead<'_, '_> {
         match (self.call, words) {
             (ShapeCall::Song(what), _) => {
                 if let Some(symbol) = self.outer.names.get(self.name) {
-                    self.outer.inputs.take(uses::FRAME, symbol, self.span, &mut self.outer.reports);
+                    self.outer.inputs.declare(uses::FRAME, symbol, self.span, &mut self.outer.reports);
                 }
                 Some(ShapeSource::Song { what, font })
             }

@@ -64,7 +64,7 @@ impl TextureRead<'_, '_> {
 
     fn use_textures(&mut self, name: &str) {
         if let Some(symbol) = self.outer.names.get(name) {
-            self.outer.inputs.take(uses::TEXTURE, symbol, self.span, &mut self.outer.reports);
+            self.outer.inputs.declare(uses::TEXTURE, symbol, self.span, &mut self.outer.reports);
         }
     }
 

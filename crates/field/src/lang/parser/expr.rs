@@ -179,7 +179,7 @@ impl Parser<'_> {
             }
             let member = self.advance();
             let components = member.symbol;
-            self.ast.note(NameEvent::Member(member.span));
+            self.ast.record(NameEvent::Member(member.span));
             if self.kind() == Kind::OpenParen && (self.in_parens || !self.token().newline) {
                 inner = self.part_band(inner, components, start);
                 continue;
@@ -213,10 +213,10 @@ impl Parser<'_> {
                     let name = Name { symbol: token.symbol, span: token.span };
                     let next = self.token();
                     if next.kind == Kind::OpenParen && (self.in_parens || !next.newline) {
-                        self.ast.note(NameEvent::Calls(name));
+                        self.ast.record(NameEvent::Calls(name));
                         return self.call();
                     }
-                    self.ast.note(NameEvent::Reads(name));
+                    self.ast.record(NameEvent::Reads(name));
                     self.ast.push(Expr::Name(token.symbol), token.span)
                 }
             },
@@ -278,7 +278,7 @@ impl Parser<'_> {
         self.within(true, |parser| {
             while parser.begins_assignment() {
                 let name = parser.advance();
-                parser.ast.note(NameEvent::Member(name.span));
+                parser.ast.record(NameEvent::Member(name.span));
                 parser.advance();
                 let value = parser.expression();
                 parser.lists.extend([name.symbol.0, value.0]);
@@ -287,7 +287,7 @@ impl Parser<'_> {
                 }
             }
         });
-        let (first, count) = self.take_list(mark);
+        let (first, count) = self.move_list(mark);
         let closed = self.close_paren(open, "`,` or `)`");
         let span = self.since(open);
         self.ast.push(if closed { Expr::Record(first, count / 2) } else { Expr::Error }, span)
@@ -324,7 +324,7 @@ impl Parser<'_> {
             }
         });
         let closed = self.close_paren(open, "`,` or `)`");
-        let (first, count) = self.take_list(mark);
+        let (first, count) = self.move_list(mark);
         let span = self.since(name.span);
         if !closed {
             return self.ast.push(Expr::Error, span);
@@ -351,7 +351,7 @@ impl Parser<'_> {
     }
 
     /// Moves the entries of `lists` from `mark` on into the tree, and returns their first index and their count.
-    pub(super) fn take_list(&mut self, mark: usize) -> (u32, u32) {
+    pub(super) fn move_list(&mut self, mark: usize) -> (u32, u32) {
         let first = self.ast.extra.len() as u32;
         let count = (self.lists.len() - mark) as u32;
         self.ast.extra.extend(self.lists.drain(mark..));
@@ -410,10 +410,10 @@ impl Parser<'_> {
             let wrong = self.expected("`:` before the loop's body");
             self.report(wrong.hint("write a loop as `for i in 0..8: expression`"));
         }
-        self.ast.note(NameEvent::Opens);
-        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
+        self.ast.record(NameEvent::Opens);
+        self.ast.record(NameEvent::Declares(NameKind::LoopVariable, variable));
         let body = self.expression();
-        self.ast.note(NameEvent::Closes(self.end_before));
+        self.ast.record(NameEvent::Closes(self.end_before));
         let index = self.ast.extra.len() as u32;
         self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
         let span = self.since(start);

@@ -97,9 +97,9 @@ impl Parser<'_> {
             if self.eat(Kind::Semicolon) {
                 continue;
             }
-            self.ast.note(NameEvent::Item(self.token().span.start));
+            self.ast.record(NameEvent::Item(self.token().span.start));
             if let Some(item) = self.item() {
-                self.ast.note(NameEvent::EndOfItem(self.end_before));
+                self.ast.record(NameEvent::EndOfItem(self.end_before));
                 items.push(item);
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
@@ -198,7 +198,7 @@ impl Parser<'_> {
             return None;
         }
         let value = self.expression();
-        self.ast.note(NameEvent::Declares(NameKind::Let, name));
+        self.ast.record(NameEvent::Declares(NameKind::Let, name));
         self.end_of_entry();
         Some((name, value))
     }
@@ -274,7 +274,7 @@ impl Parser<'_> {
     fn param(&mut self) -> Option<Item> {
         self.advance();
         let name = self.name("the parameter's name")?;
-        self.ast.note(NameEvent::Declares(NameKind::Param, name));
+        self.ast.record(NameEvent::Declares(NameKind::Param, name));
         if !self.demand(Kind::Assign, "and the parameter's default") {
             return self.broken(name);
         }
@@ -311,14 +311,14 @@ impl Parser<'_> {
         }
         self.advance();
         let path = Name { symbol: token.symbol, span: token.span };
-        self.ast.note(NameEvent::Includes(path));
+        self.ast.record(NameEvent::Includes(path));
         Some(Item::Include { path })
     }
 
     fn function(&mut self) -> Option<Item> {
         let name = self.name("the function's name")?;
-        self.ast.note(NameEvent::Declares(NameKind::Function, name));
-        self.ast.note(NameEvent::Opens);
+        self.ast.record(NameEvent::Declares(NameKind::Function, name));
+        self.ast.record(NameEvent::Opens);
         let open = self.token().span;
         if !self.demand(Kind::OpenParen, "and the function's parameters") {
             return self.broken(name);
@@ -345,7 +345,7 @@ impl Parser<'_> {
             self.report(wrong.hint("write `fn f(p) { … }` or `fn f(p) = …`"));
             return self.broken(name);
         };
-        self.ast.note(NameEvent::Closes(self.end_before));
+        self.ast.record(NameEvent::Closes(self.end_before));
         Some(Item::Fn(Function { name, parameters, body }))
     }
 
@@ -369,7 +369,7 @@ impl Parser<'_> {
             self.advance();
         }
         let name = self.name("a parameter's name")?;
-        self.ast.note(NameEvent::Declares(NameKind::FunctionParameter, name));
+        self.ast.record(NameEvent::Declares(NameKind::FunctionParameter, name));
         if !self.eat(Kind::Colon) {
             return Some(Parameter { name, of: None });
         }
@@ -419,9 +419,9 @@ impl Parser<'_> {
             return name.and_then(|name| self.broken(name));
         }
         if let (Some(kind), Some(name)) = (named(section), name) {
-            self.ast.note(NameEvent::Declares(kind, name));
+            self.ast.record(NameEvent::Declares(kind, name));
         }
-        self.ast.note(NameEvent::Opens);
+        self.ast.record(NameEvent::Opens);
         let (mut entries, mut broken) = (Vec::new(), false);
         loop {
             while self.eat(Kind::Semicolon) || self.kind() == Kind::Comma && self.stray_comma() {}
@@ -437,7 +437,7 @@ impl Parser<'_> {
                 self.advance();
                 self.advance();
                 let name = Name { symbol: token.symbol, span: token.span };
-                self.ast.note(NameEvent::Field(section, name));
+                self.ast.record(NameEvent::Field(section, name));
                 let value = self.expression();
                 let end = self.eat(Kind::Range).then(|| self.expression());
                 entries.push(Entry { is_let: false, name, value, end });
@@ -454,7 +454,7 @@ impl Parser<'_> {
             let wrong = self.expected("`}`").note(open, "for this `{`");
             self.report(wrong);
         }
-        self.ast.note(NameEvent::Closes(self.end_before));
+        self.ast.record(NameEvent::Closes(self.end_before));
         Some(Item::Section { section, name, span, entries, broken })
     }
 

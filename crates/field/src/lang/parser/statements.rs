@@ -31,7 +31,7 @@ impl Parser<'_> {
     pub(super) fn block(&mut self) -> ExprId {
         let open = self.advance().span;
         let mark = self.lists.len();
-        self.ast.note(NameEvent::Opens);
+        self.ast.record(NameEvent::Opens);
         let result = self.within(false, |parser| {
             loop {
                 let result = match (StatementParser { outer: parser }).statements() {
@@ -54,8 +54,8 @@ impl Parser<'_> {
                 }
             }
         });
-        self.ast.note(NameEvent::Closes(self.end_before));
-        let (first, count) = self.take_list(mark);
+        self.ast.record(NameEvent::Closes(self.end_before));
+        let (first, count) = self.move_list(mark);
         let span = self.since(open);
         self.ast.push(Expr::Block(first, count, result), span)
     }
@@ -179,9 +179,9 @@ impl StatementParser<'_, '_> {
 
     fn assignment(&mut self, target: &Target) -> ExprId {
         let start = self.outer.token().span;
-        self.outer.ast.note(NameEvent::Reads(Name { symbol: target.name, span: start }));
+        self.outer.ast.record(NameEvent::Reads(Name { symbol: target.name, span: start }));
         if target.components.is_some() {
-            self.outer.ast.note(NameEvent::Member(self.outer.ahead(2).span));
+            self.outer.ast.record(NameEvent::Member(self.outer.ahead(2).span));
         }
         for _ in 0..target.tokens {
             self.outer.advance();
@@ -200,11 +200,11 @@ impl StatementParser<'_, '_> {
             self.skip_braces();
             return self.outer.error_node();
         };
-        self.outer.ast.note(NameEvent::Opens);
-        self.outer.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
+        self.outer.ast.record(NameEvent::Opens);
+        self.outer.ast.record(NameEvent::Declares(NameKind::LoopVariable, variable));
         let condition = self.outer.eat_word(word::WHILE).then(|| self.outer.expression());
         let body = self.body("the loop's body in braces", LOOP_EXAMPLE);
-        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
+        self.outer.ast.record(NameEvent::Closes(self.outer.end_before));
         let Some(body) = body else {
             return self.outer.error_node();
         };
@@ -279,14 +279,14 @@ impl StatementParser<'_, '_> {
             return self.body("statements in braces", "if a > b { z = a } else { z = b }");
         }
         let mark = self.outer.lists.len();
-        self.outer.ast.note(NameEvent::Opens);
+        self.outer.ast.record(NameEvent::Opens);
         let parsed = self.statement();
-        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
+        self.outer.ast.record(NameEvent::Closes(self.outer.end_before));
         match parsed {
             Parsed::Statement(id) => {
                 self.outer.eat(Kind::Semicolon);
                 self.outer.lists.push(id.0);
-                let (first, count) = self.outer.take_list(mark);
+                let (first, count) = self.outer.move_list(mark);
                 Some(Statements { first, count })
             }
             Parsed::Choice(_) | Parsed::Nothing => {
@@ -311,11 +311,11 @@ impl StatementParser<'_, '_> {
         }
         self.outer.nesting += 1;
         let mark = self.outer.lists.len();
-        self.outer.ast.note(NameEvent::Opens);
+        self.outer.ast.record(NameEvent::Opens);
         let choice = self.outer.within(false, |parser| StatementParser { outer: parser }.statements());
-        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
+        self.outer.ast.record(NameEvent::Closes(self.outer.end_before));
         self.outer.nesting -= 1;
-        let (first, count) = self.outer.take_list(mark);
+        let (first, count) = self.outer.move_list(mark);
         if choice.is_some() || self.outer.kind() != Kind::CloseBrace {
             let wrong = self.outer.expected("`}` after the statements").note(open, "for this `{`");
             let hint = "these braces hold assignments and no result: `z = a`";

@@ -153,7 +153,7 @@ impl FfmpegDecoder {
     fn advance(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && !self.ended {
             match self.process.next() {
-                Ok(Some(piece)) => self.take(&piece),
+                Ok(Some(piece)) => self.append(&piece),
                 Ok(None) => self.ended = true,
                 Err(failure) => {
                     self.ended = true;
@@ -164,7 +164,7 @@ impl FfmpegDecoder {
         Ok(())
     }
 
-    fn take(&mut self, piece: &[u8]) {
+    fn append(&mut self, piece: &[u8]) {
         self.rest.extend_from_slice(piece);
         let channels = self.downmix.channels();
         let frames = self.rest.len() / (4 * channels);

@@ -83,7 +83,7 @@ impl Passages {
 
     /// Makes the track of `passage` current again if the decoder has already begun later tracks. Returns the next
     /// track, which is no longer at its start. The caller must begin a new segment.
-    pub(super) fn go_back_to(&mut self, passage: u64) -> Option<Track> {
+    pub(super) fn return_to(&mut self, passage: u64) -> Option<Track> {
         self.forget_before(passage);
         let mut after = None;
         while self.current.passage > passage
@@ -111,9 +111,9 @@ mod tests {
         let mut passages = three();
         let (first, last) = (passages.earliest(), passages.current());
         assert_eq!([first, first + 1, last].map(|passage| passages.entry_in(passage)), [0, 1, 2]);
-        let after = passages.go_back_to(first).expect("a later track");
+        let after = passages.return_to(first).expect("a later track");
         assert_eq!((passages.track().info.entry, after.info.entry), (0, 1));
-        assert!(passages.go_back_to(first).is_none(), "it is current already");
+        assert!(passages.return_to(first).is_none(), "it is current already");
     }
 
     #[test]
@@ -129,7 +129,7 @@ mod tests {
         let mut passages = three();
         let heard = passages.earliest();
         passages.replace_with(Track::silence(7, 9));
-        assert!(!passages.has_earlier() && passages.go_back_to(heard).is_none());
+        assert!(!passages.has_earlier() && passages.return_to(heard).is_none());
         assert_eq!(passages.track().info.entry, 7);
     }
 
@@ -137,7 +137,7 @@ mod tests {
     fn passage_numbers_are_unique() {
         let mut passages = three();
         let last = passages.current();
-        let _ = passages.go_back_to(last - 1);
+        let _ = passages.return_to(last - 1);
         passages.begin_anew();
         assert!(passages.current() > last);
         let last = passages.current();

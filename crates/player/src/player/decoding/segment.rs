@@ -76,7 +76,7 @@ impl CurrentSegment {
         }
     }
 
-    pub(super) fn note_standstill(&mut self) {
+    pub(super) fn record_standstill(&mut self) {
         self.stood_still = self.link.as_ref().map(|link| link.history.calls());
     }
 

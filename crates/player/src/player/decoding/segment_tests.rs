@@ -68,7 +68,7 @@ fn an_inaudible_segment_runs_only_if_it_is_due() {
     let (mut segment, _callback) = begun(due);
     let runs = Goal { time: 5.0, same_run: true, due: Some(later) };
     assert_eq!(segment.course(later, 1), (1, runs), "a new output meets the due time");
-    segment.note_standstill();
+    segment.record_standstill();
     assert_eq!(
         segment.course(later, 1),
         (1, stands),

@@ -71,7 +71,7 @@ impl TrackQueue {
     }
 
     /// Requests the track to which the pending skips lead from passage `audible`. Does nothing during such a request.
-    pub(super) fn ask_for_skips(&mut self, audible: u64) {
+    pub(super) fn request_skips(&mut self, audible: u64) {
         if self.steps != 0 && self.skipping.is_none() {
             let steps = std::mem::take(&mut self.steps);
             let from = self.passages.entry_in(audible);
@@ -80,13 +80,13 @@ impl TrackQueue {
     }
 
     /// Requests the first of these files, which replace the list. Pending skips of the old list are dropped.
-    pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>, audible: u64) {
+    pub(super) fn request_files(&mut self, files: Vec<PathBuf>, audible: u64) {
         let playing = self.passages.entry_in(audible);
         (self.skipping, self.steps) = (self.request(Wanted::Files { files, playing }), 0);
     }
 
     /// Requests the track at this index of the list. Older skips that are still pending are dropped.
-    pub(super) fn ask_for_entry(&mut self, entry: usize) {
+    pub(super) fn request_entry(&mut self, entry: usize) {
         (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
     }
 
@@ -98,7 +98,7 @@ impl TrackQueue {
 
     /// Handles an answer to an edit while passage `audible` is heard. `ended` is true if the segment is fully decoded.
     /// Returns true if a track that had begun was removed. Then a new segment must begin at the audible position.
-    pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
+    pub(super) fn apply_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
         let playing = self.passages.entry_in(audible);
         if edited.removed.contains(&playing) || edited.resume {
             self.skipping = self.request(Wanted::InPlaceOf(playing));
@@ -106,14 +106,14 @@ impl TrackQueue {
         }
         let ahead = edited.removed.iter().any(|removed| self.passages.has_begun(*removed, audible));
         if ahead {
-            self.go_back_to(audible);
+            self.return_to(audible);
         }
         // The track opened ahead may no longer be next. A change of order does not restart a list that has ended. But
         // the list continues if tracks were appended or a request for the next track is not answered yet.
         let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
         if goes_on {
-            self.ask(false);
+            self.request(false);
         }
         ahead
     }
@@ -122,25 +122,25 @@ impl TrackQueue {
         let current = self.passages.track().info.id;
         // If the list thread has ended, no further track follows.
         let _ = self.list.send(Request::Order { repeat, shuffled, current });
-        self.ask(false);
+        self.request(false);
     }
 
-    pub(super) fn ask_ahead(&mut self) {
+    pub(super) fn request_ahead(&mut self) {
         if matches!(self.next, Next::Unasked) {
-            self.ask(false);
+            self.request(false);
         }
     }
 
     /// Handles the list thread's answer to request `id`. `ended` is true if the segment is fully decoded. Returns true
     /// if the current track must begin in a new segment; the answer may have changed the current track.
-    pub(super) fn take(&mut self, id: u64, found: Found, ended: bool) -> bool {
+    pub(super) fn receive(&mut self, id: u64, found: Found, ended: bool) -> bool {
         if self.skipping == Some(id) {
             self.skipping = None;
             match found {
                 Found::Track(track) => self.replace_with(track),
                 Found::Again => {}
                 Found::End => {
-                    self.track_errors.tell("the list ends here; turn on repeat to play it again".into());
+                    self.track_errors.report("the list ends here; turn on repeat to play it again".into());
                     return false;
                 }
                 // The list has reported the errors already.
@@ -172,23 +172,23 @@ impl TrackQueue {
 
     pub(super) fn following(&mut self, empty: bool) -> Following {
         match std::mem::replace(&mut self.next, Next::Unasked) {
-            Next::Unasked => self.ask(false),
+            Next::Unasked => self.request(false),
             Next::Asked(id) => self.next = Next::Asked(id),
-            Next::Again if empty => self.ask(true),
+            Next::Again if empty => self.request(true),
             Next::Again => match self.passages.source().seek(0.0) {
                 Ok(_) => {
                     self.next = Next::Again;
                     return Following::Again;
                 }
                 Err(error) => {
-                    self.track_errors.tell(error.to_string());
-                    self.ask(true);
+                    self.track_errors.report(error.to_string());
+                    self.request(true);
                 }
             },
             Next::Track(track) => {
                 self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
                 if self.empty_tracks > EMPTY_TRACKS_MAX {
-                    self.track_errors.tell("these tracks contain no sound; choose other tracks".into());
+                    self.track_errors.report("these tracks contain no sound; choose other tracks".into());
                     return Following::Track(self.silence());
                 }
                 return Following::Track(track);
@@ -202,8 +202,8 @@ impl TrackQueue {
     }
 
     /// Goes back to the track of `passage` if a later track has begun. The caller must begin a new segment.
-    pub(super) fn go_back_to(&mut self, passage: u64) {
-        if let Some(mut later) = self.passages.go_back_to(passage) {
+    pub(super) fn return_to(&mut self, passage: u64) {
+        if let Some(mut later) = self.passages.return_to(passage) {
             self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
         }
     }
@@ -211,7 +211,7 @@ impl TrackQueue {
     fn replace_with(&mut self, track: Track) {
         self.passages.replace_with(track);
         self.empty_tracks = 0;
-        self.ask(false);
+        self.request(false);
     }
 
     fn silence(&self) -> Track {
@@ -220,7 +220,7 @@ impl TrackQueue {
     }
 
     /// Requests the track after the current track. `anew` is true if the current track must be opened again to repeat.
-    fn ask(&mut self, anew: bool) {
+    fn request(&mut self, anew: bool) {
         let after = self.passages.track().info.id;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
     }
@@ -255,29 +255,29 @@ mod tests {
     fn skips_during_a_search_are_merged() {
         let (mut queue, requests) = queue();
         queue.skip(true);
-        queue.ask_for_skips(0);
+        queue.request_skips(0);
         let (first, wanted) = asked(&requests);
         assert_eq!(wanted, Wanted::Skip { from: 0, steps: 1 });
         for forward in [true, true, true, false] {
             queue.skip(forward);
-            queue.ask_for_skips(0);
+            queue.request_skips(0);
         }
         assert!(requests.try_iter().next().is_none(), "a search is running already");
-        assert!(queue.take(first, Found::Track(Track::silence(1, 9)), false));
-        queue.ask_for_skips(queue.passages.current());
+        assert!(queue.receive(first, Found::Track(Track::silence(1, 9)), false));
+        queue.request_skips(queue.passages.current());
         assert_eq!(asked(&requests).1, Wanted::Skip { from: 1, steps: 2 });
     }
 
     #[test]
     fn an_outdated_answer_changes_nothing() {
         let (mut queue, requests) = queue();
-        queue.ask_ahead();
+        queue.request_ahead();
         let (old, _) = asked(&requests);
         queue.set_order(Repeat::Off, false);
         let (new, _) = asked(&requests);
-        assert!(!queue.take(old, Found::Track(Track::silence(5, 9)), false));
+        assert!(!queue.receive(old, Found::Track(Track::silence(5, 9)), false));
         assert!(matches!(queue.following(false), Following::Unknown));
-        assert!(!queue.take(new, Found::Track(Track::silence(3, 9)), false));
+        assert!(!queue.receive(new, Found::Track(Track::silence(3, 9)), false));
         let Following::Track(track) = queue.following(false) else { panic!("a track follows") };
         assert_eq!(track.info.entry, 3);
     }
@@ -285,40 +285,40 @@ mod tests {
     #[test]
     fn an_ended_list_continues_when_repeat_is_turned_on() {
         let (mut queue, requests) = queue();
-        queue.ask_ahead();
-        assert!(!queue.take(asked(&requests).0, Found::End, false));
+        queue.request_ahead();
+        assert!(!queue.receive(asked(&requests).0, Found::End, false));
         assert!(matches!(queue.following(false), Following::End));
         assert!(matches!(queue.following(false), Following::End), "the end stays the end");
         queue.set_order(Repeat::All, false);
-        assert!(queue.take(asked(&requests).0, Found::Track(Track::silence(4, 9)), true));
+        assert!(queue.receive(asked(&requests).0, Found::Track(Track::silence(4, 9)), true));
         assert_eq!(queue.passages.track().info.entry, 4);
     }
 
     #[test]
     fn an_ended_list_continues_after_an_append_despite_other_edits() {
         let (mut queue, requests) = queue();
-        queue.ask_ahead();
-        queue.take(asked(&requests).0, Found::End, false);
+        queue.request_ahead();
+        queue.receive(asked(&requests).0, Found::End, false);
         assert!(matches!(queue.following(false), Following::End));
         let removed = |id| Edited { removed: vec![id], ..Edited::default() };
-        assert!(!queue.take_edit(removed(7), 0, true));
+        assert!(!queue.apply_edit(removed(7), 0, true));
         assert!(requests.try_iter().next().is_none(), "the removal of an entry restarts the list");
-        assert!(!queue.take_edit(Edited { appended: true, ..Edited::default() }, 0, true));
+        assert!(!queue.apply_edit(Edited { appended: true, ..Edited::default() }, 0, true));
         let early = asked(&requests).0;
-        assert!(!queue.take_edit(removed(8), 0, true));
-        assert!(!queue.take(early, Found::Track(Track::silence(8, 9)), true), "that one was removed");
-        assert!(queue.take(asked(&requests).0, Found::Track(Track::silence(5, 9)), true));
+        assert!(!queue.apply_edit(removed(8), 0, true));
+        assert!(!queue.receive(early, Found::Track(Track::silence(8, 9)), true), "that one was removed");
+        assert!(queue.receive(asked(&requests).0, Found::Track(Track::silence(5, 9)), true));
         assert_eq!(queue.passages.track().info.entry, 5);
     }
 
     #[test]
     fn an_ended_song_repeats_more_than_once() {
         let (mut queue, requests) = queue();
-        queue.ask_ahead();
-        queue.take(asked(&requests).0, Found::End, false);
+        queue.request_ahead();
+        queue.receive(asked(&requests).0, Found::End, false);
         assert!(matches!(queue.following(false), Following::End));
         queue.set_order(Repeat::One, false);
-        assert!(queue.take(asked(&requests).0, Found::Again, true));
+        assert!(queue.receive(asked(&requests).0, Found::Again, true));
         assert!(matches!(queue.following(false), Following::Again));
         assert!(matches!(queue.following(false), Following::Again));
     }
@@ -327,8 +327,8 @@ mod tests {
     fn tracks_without_sound_are_given_up_and_reported() {
         let (mut queue, requests) = queue();
         let next = |queue: &mut TrackQueue| {
-            queue.ask_ahead();
-            queue.take(asked(&requests).0, Found::Track(Track::silence(8, 9)), false);
+            queue.request_ahead();
+            queue.receive(asked(&requests).0, Found::Track(Track::silence(8, 9)), false);
             let Following::Track(track) = queue.following(true) else { panic!("a track follows") };
             queue.passages.follow_with(track);
         };
@@ -343,8 +343,8 @@ mod tests {
     fn a_skip_past_the_end_is_reported_and_changes_nothing() {
         let (mut queue, requests) = queue();
         queue.skip(true);
-        queue.ask_for_skips(0);
-        assert!(!queue.take(asked(&requests).0, Found::End, false));
+        queue.request_skips(0);
+        assert!(!queue.receive(asked(&requests).0, Found::End, false));
         assert!(!queue.is_skipping());
         assert!(queue.track_errors.get().last.expect("an error").contains("ends here"));
     }
@@ -353,7 +353,7 @@ mod tests {
     fn without_a_list_thread_no_track_follows() {
         let (mut queue, requests) = queue();
         drop(requests);
-        queue.ask_ahead();
+        queue.request_ahead();
         assert!(matches!(queue.following(false), Following::End));
     }
 }

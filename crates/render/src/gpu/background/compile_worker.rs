@@ -66,7 +66,7 @@ impl CompileWorker {
         let died = cache.death(key);
         if is_interpreter {
             if died == Some(Work::Compiling) {
-                cache.note_died(key);
+                cache.record_crash(key);
             }
             if let Some((why, mark)) = cache.given_up(key) {
                 return Err(GpuError::GivenUp { why, mark });
@@ -81,7 +81,7 @@ impl CompileWorker {
             let _attempt = cache.attempt(key, Work::Taking);
             let start = Instant::now();
             let taken = match ProgramBinary::from_bytes(&bytes) {
-                Some(binary) => Program::take(&self.gl, &binary)?.map(|program| (program, binary)),
+                Some(binary) => Program::load(&self.gl, &binary)?.map(|program| (program, binary)),
                 None => None,
             };
             if let Some((program, binary)) = taken {
@@ -105,17 +105,17 @@ impl CompileWorker {
             compiled => compiled,
         };
         if is_interpreter && matches!(compiled, Err(GpuError::Compile { .. })) {
-            cache.note_refused(key);
+            cache.record_refused(key);
         }
         let compiled = compiled?;
         if is_interpreter {
-            cache.note_compiled(key);
+            cache.record_compiled(key);
         }
         let ready = compiled.ready(texts);
         // The window's context loads this binary. Mesa's software renderers find cached machine code only if it was
         // made from the same binary. Therefore draw with a program that was loaded from the binary.
         let again = match ready.binary() {
-            Some(binary) => Program::take(&self.gl, binary)?,
+            Some(binary) => Program::load(&self.gl, binary)?,
             None => None,
         };
         self.warm_up(again.as_ref().unwrap_or(&compiled), &asked)?;

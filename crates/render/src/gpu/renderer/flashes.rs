@@ -27,9 +27,9 @@ impl Flashes {
         self.has_copy = false;
     }
 
-    pub(super) fn take(&mut self, picture: &Target, seconds: f64) {
+    pub(super) fn measure(&mut self, picture: &Target, seconds: f64) {
         if let Some(pass) = &mut self.pass {
-            pass.take(picture, seconds);
+            pass.measure(picture, seconds);
             self.is_limited = true;
             self.has_copy = false;
         }

@@ -112,7 +112,7 @@ impl Making {
         self.draws
     }
 
-    pub(super) fn go_on(
+    pub(super) fn resume(
         &mut self,
         tools: &Tools<'_>,
         targets: &mut Targets,
@@ -151,7 +151,7 @@ impl Making {
         if is_measured {
             gl.finish();
             self.held_back = 0.0;
-            self.parts.note(part, timer.stop(), cost);
+            self.parts.record(part, timer.stop(), cost);
         } else {
             // A watchdog measures the time since the last flush, which may contain several passes.
             self.held_back += cost.seconds(part.pixels());

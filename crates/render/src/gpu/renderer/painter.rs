@@ -139,7 +139,7 @@ impl Painter {
                 scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
                 self.elsewhere(&mut canvas, |painter| {
                     painter.begin_without_trails(Product::Light, frame, scene)?;
-                    painter.go_on(&scene.names(), program, scene.costs(), Duration::MAX)?;
+                    painter.resume(&scene.names(), program, scene.costs(), Duration::MAX)?;
                     let Some(targets) = &painter.canvas.targets else { return Ok(()) };
                     let Some(mut feedback) = scene.feedback() else { return Ok(()) };
                     let (passes, trails) = (painter.post.passes(), painter.post.programs_of_trails());
@@ -150,7 +150,7 @@ impl Painter {
         self.sampling.edge_samples = edges;
         if let Some(mut feedback) = scene.feedback() {
             feedback.canvas = canvas;
-            feedback.note_drawn(request);
+            feedback.record_drawn(request);
         }
         drawn
     }
@@ -176,7 +176,7 @@ impl Painter {
         Ok(())
     }
 
-    pub(super) fn go_on(
+    pub(super) fn resume(
         &mut self,
         scene: &SceneNames,
         program: &Program,
@@ -194,8 +194,8 @@ impl Painter {
         scene.bind(&self.gl);
         let mut cost = costs.of(program);
         if making.spent == Duration::ZERO {
-            if let Some(time) = self.clock.take_cost() {
-                cost.note(Part::whole(targets.first.size()).pixels(), time);
+            if let Some(time) = self.clock.drain_cost() {
+                cost.record(Part::whole(targets.first.size()).pixels(), time);
                 cost.finish_picture();
             }
             if making.plan(&targets, cost) {
@@ -203,7 +203,7 @@ impl Painter {
             }
         }
         let tools = Tools { sampling: &self.sampling, post: &self.post, fade: self.fade.as_ref() };
-        let finished = making.go_on(&tools, &mut targets, program, &mut cost, begun, patience);
+        let finished = making.resume(&tools, &mut targets, program, &mut cost, begun, patience);
         self.clock.end();
         making.spent += begun.elapsed();
         if matches!(finished, Ok(true)) {
@@ -233,7 +233,7 @@ impl Painter {
         costs: &Costs,
     ) -> Result<(), GpuError> {
         self.begin(Product::Picture, frame, scene)?;
-        self.go_on(&scene.names(), program, costs, Duration::MAX).map(|_| ())
+        self.resume(&scene.names(), program, costs, Duration::MAX).map(|_| ())
     }
 
     pub(super) fn draw_reference(

@@ -68,7 +68,7 @@ impl Painter {
             let drawing = PathArea { sampling, passes, program, order, area };
             paths += drawing.draw(&mut run, &mut cost, &mut |so_far, state| {
                 let fraction = (number as f64 + so_far.fraction) / areas.len() as f64;
-                watcher.go_on(PathProgress { fraction, paths: paths + so_far.paths }, &|| state.kept())
+                watcher.resume(PathProgress { fraction, paths: paths + so_far.paths }, &|| state.kept())
             });
             watcher.end(number + 1 == areas.len(), &|| run.state.kept());
             let mut guides = self.guides(order, size)?;
@@ -106,7 +106,7 @@ impl Painter {
         let drawing = PathArea { sampling, passes, program, order: *order, area };
         let most = order.samples.clamp(1, PATHS_MAX);
         let is_guided = guides.as_mut().is_none_or(|guides| drawing.guide(guides, cost, patience));
-        let look = if is_guided { drawing.go_on(run, cost, most, patience) } else { None };
+        let look = if is_guided { drawing.resume(run, cost, most, patience) } else { None };
         // Another image is worth its filter if it has many more paths.
         let look = look.filter(|look| look.is_finished || 4 * look.paths >= 5 * *shown);
         let Some(Look { paths, is_finished }) = look.filter(|look| look.paths > 0) else {

@@ -95,7 +95,7 @@ pub trait PathWatcher {
 
     /// Is called now and then; `kept` reads the area's paths. After it has returned false, every pixel finishes only
     /// the path that it has begun.
-    fn go_on(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool;
+    fn resume(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool;
 
     /// Is called after the last path of an area, which may be the last area of the frame.
     fn end(&mut self, is_last: bool, kept: &dyn Fn() -> KeptPaths) {
@@ -104,7 +104,7 @@ pub trait PathWatcher {
 }
 
 impl<F: FnMut(PathProgress) -> bool> PathWatcher for F {
-    fn go_on(&mut self, progress: PathProgress, _kept: &dyn Fn() -> KeptPaths) -> bool {
+    fn resume(&mut self, progress: PathProgress, _kept: &dyn Fn() -> KeptPaths) -> bool {
         self(progress)
     }
 }
@@ -189,7 +189,7 @@ impl PathArea<'_> {
         let mut most = self.order.samples.clamp(1, PATHS_MAX);
         let wanted = (u64::from(most) * self.area.pixels()) as f64;
         loop {
-            match self.go_on(run, cost, most, endless()) {
+            match self.resume(run, cost, most, endless()) {
                 Some(Look { paths, is_finished: true }) => return paths,
                 Some(Look { paths, .. })
                     if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }, &run.state) =>
@@ -203,7 +203,7 @@ impl PathArea<'_> {
 
     /// Continues the paths of the area, at most until the numbers of paths are read again. `most` is the largest number
     /// of paths of a pixel. Returns `None` if the patience ended before.
-    pub(super) fn go_on(
+    pub(super) fn resume(
         &self,
         run: &mut PathRun,
         cost: &mut PixelCost,
@@ -259,7 +259,7 @@ impl PathArea<'_> {
             }
             self.sampling.draw_paths(numbers);
             gl.finish();
-            queue.note(part, timer.stop(), cost);
+            queue.record(part, timer.stop(), cost);
             if begun.elapsed() >= patience {
                 is_finished = false;
                 break;

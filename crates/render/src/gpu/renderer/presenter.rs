@@ -54,7 +54,7 @@ impl Presenter {
     ) -> Result<(), GpuError> {
         let Self { upscale, placing, flashes } = self;
         let Some(picture) = bright(placing.as_ref(), finished) else { return Ok(()) };
-        flashes.take(picture, seconds);
+        flashes.measure(picture, seconds);
         if upscale.is_none() { flashes.make_copy(gl, picture) } else { Ok(()) }
     }
 

@@ -32,7 +32,7 @@ fn probe_of(scenery: &Scenery, at: [f64; 2]) -> Probed {
 
 fn probe(setup: &mut TestEditor, at: [f64; 2]) {
     let answer = probe_of(&scenery_of(setup.source()), at);
-    setup.editor.take_answer_about_the_picture(Answer::Point(answer));
+    setup.editor.show_probe_answer(Answer::Point(answer));
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     let scenery = scenery_of(setup.source());
     setup.go_to("object near");
     setup.type_text("# far\n");
-    setup.editor.take_answer_about_the_picture(Answer::Point(probe_of(&scenery, [0.5, 0.5])));
+    setup.editor.show_probe_answer(Answer::Point(probe_of(&scenery, [0.5, 0.5])));
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&setup), 4);
     let surface = setup.editor.picture.probed.as_ref().unwrap().surface.clone().unwrap();
@@ -104,7 +104,7 @@ fn the_line_at_the_cursor_highlights_what_it_draws() {
     setup.ctrl("l");
     assert!(setup.editor.wants_ray_statistics() && setup.editor.light().is_none());
     let ray_statistics = ray_statistics_of(&scenery_of(setup.source()), &|| true).unwrap();
-    setup.editor.take_answer_about_the_picture(Answer::RayStatistics(setup.source(), ray_statistics.into()));
+    setup.editor.show_probe_answer(Answer::RayStatistics(setup.source(), ray_statistics.into()));
     let mut lit = |part: &str| {
         setup.go_to(part);
         let light = setup.editor.light().unwrap();
@@ -133,7 +133,7 @@ fn the_most_expensive_object_comes_first() {
     assert!(setup.load());
     setup.ctrl("k");
     let ray_statistics = ray_statistics_of(&scenery_of(setup.source()), &|| true).unwrap();
-    setup.editor.take_answer_about_the_picture(Answer::RayStatistics(setup.source(), ray_statistics.into()));
+    setup.editor.show_probe_answer(Answer::RayStatistics(setup.source(), ray_statistics.into()));
     let (ray_statistics, objects) = setup.editor.picture.profile().unwrap();
     assert!(objects[0].run >= objects[1].run, "{objects:?}");
     assert_eq!(ray_statistics.run(), ray_statistics.sky.1 + objects[0].run + objects[1].run);
@@ -152,7 +152,7 @@ fn lines_that_draw_parts_of_an_object_are_listed_below_it() {
     assert!(setup.load());
     setup.ctrl("k");
     let ray_statistics = ray_statistics_of(&scenery_of(setup.source()), &|| true).unwrap();
-    setup.editor.take_answer_about_the_picture(Answer::RayStatistics(setup.source(), ray_statistics.into()));
+    setup.editor.show_probe_answer(Answer::RayStatistics(setup.source(), ray_statistics.into()));
     let (_, objects) = setup.editor.picture.profile().unwrap();
     let named = |name: &str| objects.iter().find(|object| object.name == name).unwrap();
     let parts = parts_of(named("two"), &setup.editor.texts);

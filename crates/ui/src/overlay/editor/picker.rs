@@ -21,7 +21,7 @@ struct Picked {
 }
 
 /// Converts a linear colour to a screen colour. Scales colours brighter than white down, so that they keep their hue.
-pub(super) fn look(values: [f64; 3]) -> Color32 {
+pub(super) fn screen_color(values: [f64; 3]) -> Color32 {
     let bright = brightness(values);
     let [r, g, b] = values.map(|part| (part.max(0.0) / bright) as f32);
     Rgba::from_rgb(r, g, b).into()
@@ -100,11 +100,11 @@ mod tests {
 
     #[test]
     fn a_linear_colour_becomes_a_screen_colour() {
-        assert_eq!(look([1.0, 1.0, 1.0]), Color32::WHITE);
-        assert_eq!(look([0.0, 0.0, 0.0]), Color32::BLACK);
+        assert_eq!(screen_color([1.0, 1.0, 1.0]), Color32::WHITE);
+        assert_eq!(screen_color([0.0, 0.0, 0.0]), Color32::BLACK);
         // On a screen, half the light looks more than half as bright.
-        assert!(look([0.5, 0.5, 0.5]).r() > 180);
-        assert_eq!(look([300.0, 0.0, 0.0]), Color32::from_rgb(255, 0, 0));
-        assert_eq!(look([-1.0, 0.0, 2.0]), Color32::from_rgb(0, 0, 255));
+        assert!(screen_color([0.5, 0.5, 0.5]).r() > 180);
+        assert_eq!(screen_color([300.0, 0.0, 0.0]), Color32::from_rgb(255, 0, 0));
+        assert_eq!(screen_color([-1.0, 0.0, 2.0]), Color32::from_rgb(0, 0, 255));
     }
 }

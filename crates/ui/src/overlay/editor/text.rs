@@ -208,7 +208,7 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
         painter.rect(
             rect,
             1.5,
-            picker::look(triple.values()),
+            picker::screen_color(triple.values()),
             Stroke::new(0.5, style::AHEAD),
             StrokeKind::Outside,
         );

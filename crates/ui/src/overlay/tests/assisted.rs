@@ -131,7 +131,7 @@ fn tab_did_not_reach_the_bar() {
     let focused = |stage: &Stage| stage.panels.context.memory(|memory| memory.focused());
     stage.frame(vec![], OverlayContent::default());
     assert_eq!(focused(&stage), None, "keys belong to the show");
-    stage.panels.ask_for_focus();
+    stage.panels.request_focus();
     while stage.panels.wants_focus {
         stage.frame(vec![], content());
     }

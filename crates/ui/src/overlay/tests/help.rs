@@ -23,7 +23,7 @@ fn every_row_is_legible_and_reached_by_keys_in_every_window() {
             assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
             let at = place_of(&texts, row.help);
             assert!(at.height() > 12.0, "{screen:?}: {} is not seen: {at:?}", row.help);
-            let _ = help.take_key(&Key::Named(NamedKey::ArrowDown), false);
+            let _ = help.handle_key(&Key::Named(NamedKey::ArrowDown), false);
         }
         assert_eq!(help.selected, rows.len() - 1);
     }

@@ -228,7 +228,7 @@ fn screen_readers_hear_the_rows_and_the_buttons_of_both_lists() {
     let here = Some(folder.path().to_owned());
     let mut browser = FileBrowser::start(here, RememberedFolders::default(), tags, || {});
     crate::file_browser::tests::read(&mut browser);
-    let _ = browser.take_key(&Key::Named(NamedKey::End), Held::empty());
+    let _ = browser.handle_key(&Key::Named(NamedKey::End), Held::empty());
     let browser: &'static FileBrowser = Box::leak(Box::new(browser));
     let nodes = |content: &dyn Fn() -> OverlayContent<'static>| -> Vec<Node> {
         let mut stage = Stage::new(SCREEN);

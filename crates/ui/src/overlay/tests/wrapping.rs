@@ -42,7 +42,7 @@ impl Writing {
 
     fn press(&mut self, key: NamedKey) {
         let press = KeyPress { key: Key::Named(key), latin: None, text: None, repeat: false };
-        assert!(self.editor.take_key(&press, Held::empty()), "{key:?}");
+        assert!(self.editor.handle_key(&press, Held::empty()), "{key:?}");
         self.frame(vec![]);
     }
 
