@@ -1,4 +1,4 @@
-// Dims light below the ceilings of cells (crates/render/tests/flashes/witness/limiter.rs).
+// Dims light below the ceilings of cells (`flash::limiter`).
 
 #include "flash_rules.glsl"
 

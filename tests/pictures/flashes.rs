@@ -3,12 +3,11 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::flash_witness::{Analyser, Flashes, grid_of};
 use crate::support::compare::pixel_difference;
 use crate::support::program::Workplace;
 use crate::support::test_renderer::TestRenderer;
 use image::RgbaImage;
-use mariana::flash::COLUMNS;
+use mariana::flash::{Analyser, COLUMNS, Flashes, Grid};
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 use mariana::gpu::shader_source::ShaderLibrary;
@@ -73,8 +72,8 @@ impl Strobe {
         let (mut without, mut with, mut changed) = (Analyser::default(), Analyser::default(), 0);
         let size = self.size;
         self.show(2.5, speed, sound, |time, drawn, shown| {
-            without.add(time, &grid_of(&drawn, size));
-            with.add(time, &grid_of(&shown, size));
+            without.add(time, &Grid::of_picture(&drawn, size));
+            with.add(time, &Grid::of_picture(&shown, size));
             changed += usize::from(drawn != shown);
         });
         (without.worst(), with.worst(), changed)
@@ -147,7 +146,7 @@ fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
     // flashes to change.
     let (near, far) = (SIZE.0 / 2 + 2, SIZE.0 / 2 + 9 * SIZE.0 / COLUMNS as u32);
     strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
-        with.add(time, &grid_of(&shown, SIZE));
+        with.add(time, &Grid::of_picture(&shown, SIZE));
         limited += usize::from(drawn != shown);
         for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > far) {
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
@@ -184,7 +183,7 @@ fn flashes_in(place: &Workplace, folder: &str, fps: f64) -> Flashes {
     let mut analyser = Analyser::default();
     for (frame, name) in names.iter().enumerate() {
         let picture = image::open(name).unwrap().to_rgba8();
-        analyser.add(frame as f64 / fps, &grid_of(&picture, picture.dimensions()));
+        analyser.add(frame as f64 / fps, &Grid::of_picture(&picture, picture.dimensions()));
     }
     analyser.worst()
 }

@@ -5,6 +5,7 @@ mod blends;
 mod embedded;
 mod fades;
 mod feedback;
+mod flash_limiter;
 mod flashes;
 mod followed_sounds;
 mod glsl_import;
@@ -30,9 +31,5 @@ mod textures;
 mod two_dimensions;
 mod views;
 
-// The limiter is not used here.
-#[allow(dead_code, unused_imports)]
-#[path = "../../crates/render/tests/flashes/witness/mod.rs"]
-mod flash_witness;
 #[path = "../support/mod.rs"]
 mod support;

@@ -23,8 +23,58 @@ impl Grid {
         Self(cells)
     }
 
-    /// The colours of the cells, row by row.
-    pub fn colors(&self) -> &[[f32; 3]] {
+    /// Builds the grid of a finished image: sRGB, four bytes per pixel, row by row.
+    pub fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
+        let (width, height) = size;
+        let linear = crate::srgb::linear_of_bytes();
+        let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
+        let (width, height) = (width as usize, height as usize);
+        // If the image has fewer pixels than cells, each cell takes the nearest pixel.
+        let span = |cell: usize, cells: usize, side: usize| {
+            let first = cell * side / cells;
+            first..((cell + 1) * side / cells).max(first + 1)
+        };
+        let pixels = rgba.as_chunks::<4>().0;
+        let mean = |cell: usize| {
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for y in span(cell / COLUMNS, ROWS, height) {
+                for x in span(cell % COLUMNS, COLUMNS, width) {
+                    let Some([r, g, b, _]) = pixels.get(y * width + x) else { continue };
+                    for (sum, byte) in sum.iter_mut().zip([r, g, b]) {
+                        *sum += light(*byte);
+                    }
+                    count += 1.0;
+                }
+            }
+            sum.map(|sum: f64| (sum / f64::max(count, 1.0)) as f32)
+        };
+        Self::new((0..CELLS).map(mean))
+    }
+
+    pub(super) fn colors(&self) -> &[[f32; 3]] {
         &self.0
+    }
+}
+
+/// Relative luminance of linear RGB with the primaries of sRGB.
+pub(super) fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_means_of_linear_light_and_a_pixel_fills_them_all() {
+        let mut rgba = vec![255; 96 * 72 * 4];
+        for at in [0, 96] {
+            rgba[4 * at..4 * at + 3].fill(0);
+        }
+        let grid = Grid::of_picture(&rgba, (96, 72));
+        assert_eq!(grid.colors()[..2], [[0.5; 3], [1.0; 3]]);
+        let one = Grid::of_picture(&[188, 0, 0, 255], (1, 1));
+        assert!(one.colors().iter().all(|[r, g, b]| (r - 0.503).abs() < 1e-3 && (*g, *b) == (0.0, 0.0)));
+        assert_eq!(Grid::of_picture(&[], (9, 9)), Grid::new([[f32::NAN; 3]]));
     }
 }

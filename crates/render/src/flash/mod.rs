@@ -12,11 +12,17 @@
 //! have too many changes within the second before.
 //!
 //! **Flashes are limited in the finished frame**, whatever the scene does. The GPU limits them (`gpu::flash_pass`)
-//! without reading back, so that even the frame that begins the flash is dimmed. `crates/render/tests/flashes` does the
-//! same on the CPU for comparison. The limiter only darkens and never mixes in older frames, so a limited frame is not smeared.
+//! without reading back, so that even the frame that begins the flash is dimmed. [`Limiter`] does the same on the CPU,
+//! and tests compare both. The limiter only darkens and never mixes in older frames, so a limited frame is not smeared.
 
+mod analyser;
+mod fields;
 mod grid;
-pub mod rules;
+mod limiter;
+mod rules;
+mod swing;
 
+pub use analyser::{Analyser, Flashes};
 pub use grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS};
-pub use rules::{Correction, Steps, rules_glsl};
+pub use limiter::{Correction, Limiter, Step, Steps};
+pub use rules::rules_glsl;

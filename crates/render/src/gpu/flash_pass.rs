@@ -238,7 +238,7 @@ impl FlashPass {
     }
 
     /// Reads the measured cells of the last image, their corrections, and the displayed cells, top row first. Waits for
-    /// the GPU. Tests compare them with the limiter on the CPU.
+    /// the GPU. Use it to compare with [`crate::flash::Limiter`].
     pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
         let grid = |target: &Target| {
             let colors = target.read_rgba32f(0);

@@ -16,29 +16,64 @@
 //! frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
 
 use super::fields;
-use super::grid::luminance;
-use super::swing::{Change, LightSwing, RedSwing, Times};
-use mariana_render::flash::rules::{
-    AREA, CAUTIOUS, CEILING_RISE, EARLY, FOLLOW, FRESH, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE,
-    ROUNDING, SWING, Step,
-};
-use mariana_render::flash::{CELLS, COLUMNS, Correction, FLASHES_MAX, Grid, ROWS, Steps};
+use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
+use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, SIMULTANEOUS, Times};
 
+/// Fraction of a field above which flashes are limited. It is a little less than WCAG's quarter.
+pub(super) const AREA: f64 = 0.2;
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
+/// Seconds for which a cell stays marked. The last [`EARLY`] of them do not count.
+pub(super) const HOLD: f64 = 1.0 + EARLY;
+/// A mark that has at least this many seconds left is new: its rise is simultaneous with rises now. Rises are dated up
+/// to a fiftieth of a second too early or too late.
+pub(super) const FRESH: f64 = HOLD - SIMULTANEOUS - 0.02;
+/// Margin between a cell's lowest luminance and its ceiling. A change of this size is too small for a flash.
+pub(super) const SWING: f32 = 0.07;
+/// Half of the time for which the lowest luminance is remembered, in seconds.
+const MEMORY: f64 = 0.6;
+/// Rise of the ceiling in luminance per second: `FOLLOW` if the lowest luminance rises, `RELEASE` after flashes.
+pub(super) const FOLLOW: f32 = 0.25;
+pub(super) const RELEASE: f32 = 0.5;
+/// Fraction of grey that is mixed into a limited red, so that the red is no longer saturated.
+pub(super) const GREY: f32 = 0.6;
+/// Decrease per second of the fraction of grey, after the flashes.
+pub(super) const RED_RELEASE: f32 = 0.6;
+/// A rise at most this many seconds too early is delayed, not limited: by one frame at 30 frames a second.
+pub(super) const EARLY: f64 = 0.035;
 
-pub(crate) const NONE: Correction = Correction { ceiling: OPEN, grey: 0.0 };
+/// A ceiling of this height dims nothing.
+pub(super) const OPEN: f32 = 1.25;
+/// Light below this fraction of the ceiling does not change. Brighter light is compressed below the ceiling.
+pub(super) const KNEE: f32 = 0.8;
+/// Distance in cells over which a ceiling spreads. Adjacent cells get the ceiling unchanged.
+pub(super) const REACH: usize = 7;
+/// Rise of a ceiling per squared distance beyond the adjacent cell. The fraction of grey falls by the same number.
+pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;
 
-/// True if pixels at this cell may change.
-pub(crate) fn limits(correction: &Correction) -> bool {
-    correction.ceiling < OPEN || correction.grey > 0.0
+/// The limit on the light at a cell's centre. Limits are interpolated linearly between centres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// Maximum luminance of a pixel. The highest ceiling, 1.25, dims nothing.
+    pub ceiling: f32,
+    /// Fraction of the colour that becomes grey, 0..1.
+    pub grey: f32,
 }
 
-/// Limits a linear colour.
-pub(crate) fn limited(color: [f32; 3], by: &Correction) -> [f32; 3] {
-    let light = luminance(color);
-    let gain = if light > 0.0 { below_ceiling(light, by.ceiling) / light } else { 1.0 };
-    color.map(|value| (value + by.grey * (light - value)) * gain)
+impl Correction {
+    const NONE: Self = Self { ceiling: OPEN, grey: 0.0 };
+
+    /// True if pixels at this cell may change.
+    pub fn limits(&self) -> bool {
+        self.ceiling < OPEN || self.grey > 0.0
+    }
+
+    /// Limits a linear colour.
+    pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
+        let light = luminance(color);
+        let gain = if light > 0.0 { below_ceiling(light, self.ceiling) / light } else { 1.0 };
+        color.map(|value| (value + self.grey * (light - value)) * gain)
+    }
 }
 
 fn below_ceiling(light: f32, ceiling: f32) -> f32 {
@@ -119,13 +154,13 @@ impl Cell {
     fn show(&mut self, light: f32, color: [f32; 3], now: f64) {
         let renews = self.shown.may_count_only_at(light, &CAUTIOUS);
         if self.shown.step(light, &CAUTIOUS).is_some() {
-            self.shown_changes.note(now);
+            self.shown_changes.add(now);
         } else if renews {
             self.shown_changes.renew(now);
         }
         let renews = self.shown_red.may_count_only_at(color, &CAUTIOUS);
         if self.shown_red.step(color, &CAUTIOUS).is_some() {
-            self.shown_red_changes.note(now);
+            self.shown_red_changes.add(now);
         } else if renews {
             self.shown_red_changes.renew(now);
         }
@@ -142,8 +177,37 @@ fn is_fresh(until: f64, now: f64) -> bool {
     is_put_off(until, now) || until - now >= FRESH
 }
 
+/// The time between two frames, as the limiter needs it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Seconds since the previous frame.
+    pub seconds: f64,
+    /// True if the current half of the memory ends and a new half begins.
+    pub forgets: bool,
+}
+
+/// Computes [`Step`]s from the times between frames.
+#[derive(Debug, Clone, Default)]
+pub struct Steps {
+    /// Seconds since the current half of the memory began.
+    memory: f64,
+}
+
+impl Steps {
+    /// The step to a frame that is shown `seconds` after the previous frame.
+    pub fn next(&mut self, seconds: f64) -> Step {
+        let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
+        self.memory += seconds;
+        let forgets = self.memory >= MEMORY;
+        if forgets {
+            self.memory = 0.0;
+        }
+        Step { seconds, forgets }
+    }
+}
+
 /// The flash limiter on the CPU: a reference for `gpu::flash_pass`, which does the same on the GPU.
-pub(crate) struct Limiter {
+pub struct Limiter {
     cells: Vec<Cell>,
     now: f64,
     steps: Steps,
@@ -158,7 +222,7 @@ impl Default for Limiter {
             now: 0.0,
             steps: Steps::default(),
             step: Step { seconds: 0.0, forgets: false },
-            corrections: vec![NONE; CELLS],
+            corrections: vec![Correction::NONE; CELLS],
         }
     }
 }
@@ -166,7 +230,7 @@ impl Default for Limiter {
 impl Limiter {
     /// Takes the next frame, shown `seconds` after the previous frame, and returns a correction for each cell. Pass the
     /// corrected frame to [`Limiter::record_shown`].
-    pub(crate) fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
+    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
         self.step = self.steps.next(seconds);
         let seconds = self.step.seconds;
         self.now += seconds;
@@ -215,7 +279,7 @@ impl Limiter {
     }
 
     /// Records the mean colours of the displayed frame. Call it after [`Limiter::limit`].
-    pub(crate) fn record_shown(&mut self, shown: &Grid) {
+    pub fn record_shown(&mut self, shown: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(shown.colors()) {
             if self.step.forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];
@@ -240,7 +304,7 @@ impl Limiter {
                     *until = now;
                 }
                 let Some(change) = change else { continue };
-                times.note(now);
+                times.add(now);
                 if change == Change::Up && times.count(now, EARLY) >= CHANGES {
                     *until = now + HOLD;
                 }
@@ -306,3 +370,7 @@ fn neighbour(place: usize, right: isize, down: isize) -> usize {
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);
     row * COLUMNS + column
 }
+
+#[cfg(test)]
+#[path = "limiter_tests.rs"]
+mod tests;

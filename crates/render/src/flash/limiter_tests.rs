@@ -1,10 +1,5 @@
-//! Tests of the limiter on the CPU.
-
-use crate::witness::grid::luminance;
-use crate::witness::limiter::*;
-use crate::witness::{Analyser, Flashes};
-use mariana_render::flash::rules::*;
-use mariana_render::flash::{CELLS, COLUMNS, Grid};
+use super::*;
+use crate::flash::{Analyser, Flashes};
 
 const WHITE: [f32; 3] = [1.0; 3];
 const BLACK: [f32; 3] = [0.0; 3];
@@ -19,7 +14,7 @@ fn small(cell: usize) -> bool {
 }
 
 fn shown_of(frame: &Grid, corrections: &[Correction]) -> Grid {
-    Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| limited(*color, correction)))
+    Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| correction.apply(*color)))
 }
 
 /// Feeds the limiter with frames: `color` in the `lit` cells, black elsewhere. Analyses the displayed frames.
@@ -39,7 +34,7 @@ impl Show {
         let frame = Grid::new((0..CELLS).map(|cell| if lit(cell) { color } else { BLACK }));
         self.time += seconds;
         let corrections = self.limiter.limit(seconds, &frame);
-        self.touched += usize::from(corrections.iter().any(limits));
+        self.touched += usize::from(corrections.iter().any(Correction::limits));
         let shown = shown_of(&frame, corrections);
         self.limiter.record_shown(&shown);
         self.analyser.add(self.time, &shown);
@@ -203,7 +198,7 @@ fn flashing(cell_of: impl Fn(usize, bool) -> [f32; 3], mut look: impl FnMut(&Gri
         let corrections = limiter.limit(1.0 / 60.0, &grid).to_vec();
         let shown = shown_of(&grid, &corrections);
         limiter.record_shown(&shown);
-        if corrections.iter().any(limits) {
+        if corrections.iter().any(Correction::limits) {
             limited += 1;
             look(&shown, &corrections);
         }
@@ -226,7 +221,7 @@ fn cells_far_from_a_flash_do_not_change() {
     let limited = flashing(color, |_, corrections| {
         for (cell, correction) in corrections.iter().enumerate() {
             let far = cell % COLUMNS >= COLUMNS / 2 + REACH;
-            assert!(!far || *correction == NONE, "cell {cell}: {correction:?}");
+            assert!(!far || *correction == Correction::NONE, "cell {cell}: {correction:?}");
         }
     });
     assert!(limited > 60);

@@ -5,12 +5,11 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use crate::witness::{Analyser, Flashes, Limiter, grid_of, limits};
-use mariana_render::flash::{CELLS, COLUMNS, Correction, ROWS};
-use mariana_render::gpu::flash_pass::{FlashPass, PASSES};
-use mariana_render::gpu::headless::Headless;
-use mariana_render::gpu::shader_source::ShaderLibrary;
-use mariana_render::gpu::target::{Target, Texel};
+use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
+use mariana::gpu::flash_pass::{FlashPass, PASSES};
+use mariana::gpu::headless::Headless;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::gpu::target::{Target, Texel};
 
 /// Each cell has two by two pixels.
 const SIZE: (u32, u32) = (2 * COLUMNS as u32, 2 * ROWS as u32);
@@ -75,7 +74,7 @@ impl Bench {
         self.pass.limit(&self.finished, &self.shown);
         let shown = self.shown.read_rgba8(0);
         self.time += seconds;
-        self.analyser.add(self.time, &grid_of(&shown, SIZE));
+        self.analyser.add(self.time, &Grid::of_picture(&shown, SIZE));
         self.changed += usize::from(shown != bytes);
 
         let (cells, corrections, shown_cells) = self.pass.read();
@@ -86,7 +85,7 @@ impl Bench {
         self.cells += CELLS;
         self.differing += corrections.iter().zip(expected).filter(|pair| differ(*pair)).count();
         self.limiter.record_shown(&shown_cells);
-        if corrections.iter().all(|correction| !limits(correction)) {
+        if corrections.iter().all(|correction| !correction.limits()) {
             assert!(shown == bytes, "a frame without limits is changed at {} s", self.time);
         }
     }

@@ -1,15 +1,17 @@
 //! Ten-degree fields of view. A field is a rectangle with a third of the image's width and height, at any position.
 
-use mariana_render::flash::rules::{FIELD_COLUMNS as WIDTH, FIELD_ROWS as HEIGHT};
-use mariana_render::flash::{CELLS, COLUMNS, ROWS};
+use super::grid::{CELLS, COLUMNS, ROWS};
 
+pub(super) const WIDTH: usize = COLUMNS / 3;
+pub(super) const HEIGHT: usize = ROWS / 3;
+const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
 const FIELD: usize = WIDTH * HEIGHT;
 
 /// A summed-area table: for each corner of cells, the sum over all cells above and to the left of the corner.
 type Sums = Vec<u32>;
 
 /// Calls `see` for each field, with the field's first cell and the fraction, 0..1, of marked cells.
-fn look(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
+fn for_each_field(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
     let sums = summed(|cell| u32::from(marked(cell)));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     for y in 0..=ROWS - HEIGHT {
@@ -33,18 +35,18 @@ fn summed(value: impl Fn(usize) -> u32) -> Sums {
     sums
 }
 
-pub(crate) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
+pub(super) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
     let mut largest: f64 = 0.0;
-    look(marked, |_, fraction| largest = largest.max(fraction));
+    for_each_field(marked, |_, fraction| largest = largest.max(fraction));
     largest
 }
 
 /// Finds the fields in which more than `fraction` of the cells is marked, and marks all cells of these fields. Returns
 /// an empty list if there is no such field.
-pub(crate) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool> {
+pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool> {
     let mut first = vec![0; CELLS];
     let mut any = false;
-    look(marked, |cell, inside| {
+    for_each_field(marked, |cell, inside| {
         if inside > fraction
             && let Some(place) = first.get_mut(cell)
         {
@@ -63,4 +65,35 @@ pub(crate) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
         at(right, below) + at(left, above) > at(left, below) + at(right, above)
     });
     covered.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn within(cell: usize, x: std::ops::Range<usize>, y: std::ops::Range<usize>) -> bool {
+        x.contains(&(cell % COLUMNS)) && y.contains(&(cell / COLUMNS))
+    }
+
+    #[test]
+    fn the_largest_fraction_is_found_at_any_position() {
+        assert_eq!(largest_fraction(|_| true), 1.0);
+        assert_eq!(largest_fraction(|_| false), 0.0);
+        for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
+            assert_eq!(largest_fraction(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
+        }
+        let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
+        assert_eq!(largest_fraction(apart), 0.25);
+    }
+
+    #[test]
+    fn all_cells_of_crowded_fields_are_crowded() {
+        assert!(crowded(|cell| within(cell, 0..8, 0..6), 0.25).is_empty());
+        let cells = crowded(|cell| within(cell, 0..9, 0..6), 0.25);
+        // Only the field in the corner contains the whole rectangle.
+        for (cell, crowded) in cells.iter().enumerate() {
+            assert_eq!(*crowded, within(cell, 0..WIDTH, 0..HEIGHT), "{cell}");
+        }
+        assert!(crowded(|_| true, 0.25).iter().all(|cell| *cell));
+    }
 }
