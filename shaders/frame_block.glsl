@@ -11,8 +11,8 @@ layout(std140) uniform FrameBlock {
     vec4 block_bounds_low;        // xyz lower corner of the traced surfaces; w 1 if there are traced surfaces
     vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
-    vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
-    vec4 block_region_scale;      // xyz root cells per unit; w the texel of the whole tape
+    vec4 block_region_middle;     // xyz middle of the tree of regions; w half its side in cells of the first root, or 0
+    vec4 block_region_scale;      // xyz cells of the first root per unit; w the texel of the whole tape
     vec4 frame_reach;       // x the reach of ambient occlusion and glow; y quality; z 0; w growth of a shadow ray's
                             // shortest step with each step
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
@@ -67,7 +67,7 @@ layout(std140) uniform PassBlock {
 #ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;
-vec4 region_low;
+vec4 region_middle;
 vec4 region_scale;
 vec4 planes[PLANES_MAX];
 int shape_first;
@@ -76,7 +76,7 @@ int shape_rows;
 void load_frame() {
     bounds_low = block_bounds_low;
     bounds_high = block_bounds_high;
-    region_low = block_region_low;
+    region_middle = block_region_middle;
     region_scale = block_region_scale;
     shape_first = int(camera_right.w);
     shape_rows = int(camera_up.w);
@@ -85,7 +85,7 @@ void load_frame() {
 #else
 #define bounds_low block_bounds_low
 #define bounds_high block_bounds_high
-#define region_low block_region_low
+#define region_middle block_region_middle
 #define region_scale block_region_scale
 #define planes block_planes
 #define shape_first int(camera_right.w)

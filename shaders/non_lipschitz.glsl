@@ -25,7 +25,8 @@ float slope_towards(Slopes slopes, vec3 direction) {
 // Returns the part of the ray in cells that may contain a surface.
 vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     vec2 span = traced_span(origin, direction, 0.0);
-    vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
+    vec3 half_side = 0.5 * ROOT_SIDE / region_scale.xyz;
+    vec2 tree = box_span(origin, direction, region_middle.xyz - half_side, region_middle.xyz + half_side);
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 

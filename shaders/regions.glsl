@@ -1,7 +1,8 @@
 // Looks up cells in the tree over space, which is built for each frame (crates/field/src/region/). A cell has a
 // lower bound of the distance from its points to all surfaces, and a shortened tape for the distance in the cell.
 //
-// Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A divided cell has a brick of 4 x 4 x 4.
+// Texels 0..4095 are the first root's 16 x 16 x 16 cells, x first. A scene without bounds has more roots, each around the
+// one before and four times as wide. A divided cell has a brick of 4 x 4 x 4.
 //
 // - x: DIVIDED if the cell has a brick; else the bound as float bits, which is 0 if the cell may contain a surface
 // - y: the brick's first texel if the cell has a brick; else the tape's first texel, and the number of the nearest
@@ -18,7 +19,7 @@ struct Cell {
     float bound;    // lower bound of the distance from points of the cell to all surfaces
     int tape;       // first texel of the tape for bound and estimate in the cell
     int object;     // the nearest object, or SEVERAL
-    float side;     // in root cells; 0 outside of the tree
+    float side;     // in cells of the first root; 0 outside of the tree
 #ifdef NON_LIPSCHITZ
     uvec2 slopes;   // bounds of the gradient (non_lipschitz.glsl)
 #endif
@@ -29,22 +30,23 @@ struct Cell {
 const Cell NO_CELL = Cell(0.0, 0, SEVERAL, 0.0);
 #else
 Cell cell_at(vec3 q) {
-    bool inside = region_low.w > 0.5 && all(greaterThanEqual(q, vec3(0.0))) && all(lessThan(q, vec3(ROOT_SIDE)));
+    float far = max(abs(q.x), max(abs(q.y), abs(q.z)));
+    bool inside = far < region_middle.w;
     uvec4 texel = uvec4(0u);
-    float per_root = 1.0;
-    ivec3 place = inside ? ivec3(q) : ivec3(0);
-    int at = place.x + 16 * (place.y + 16 * place.z);
-    if (inside) texel = TEXEL(regions, at);
+    float side = far < 8.0 ? 1.0 : far < 32.0 ? 4.0 : far < 128.0 ? 16.0 : 64.0;
+    int root = far < 8.0 ? 0 : far < 32.0 ? 4096 : far < 128.0 ? 8192 : 12288;
+    ivec3 place = ivec3(floor(q / side)) + 8;
+    if (inside) texel = TEXEL(regions, root + place.x + 16 * (place.y + 16 * place.z));
     while (texel.x == DIVIDED) {
-        per_root *= 4.0;
-        place = ivec3(q * per_root) & 3;
+        side *= 0.25;
+        place = ivec3(floor(q / side)) & 3;
         texel = TEXEL(regions, int(texel.y) + place.x + 4 * (place.y + 4 * place.z));
     }
     Cell cell;
     cell.bound = inside ? uintBitsToFloat(texel.x) : 0.0;
     cell.tape = inside ? int(texel.y & 0xFFFFFFu) : int(region_scale.w);
     cell.object = inside ? int(texel.y >> 24) : SEVERAL;
-    cell.side = inside ? 1.0 / per_root : 0.0;
+    cell.side = inside ? side : 0.0;
 #ifdef NON_LIPSCHITZ
     cell.slopes = texel.zw;
 #endif
@@ -52,9 +54,9 @@ Cell cell_at(vec3 q) {
 }
 #endif
 
-// Converts a point to root coordinates, in units of root cells.
+// Converts a point to coordinates from the tree's middle, in units of the first root's cells.
 vec3 in_root(vec3 p) {
-    return (p - region_low.xyz) * region_scale.xyz;
+    return (p - region_middle.xyz) * region_scale.xyz;
 }
 
 // A ray through the tree. It has few members because they occupy registers while the scene is evaluated.

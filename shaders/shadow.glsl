@@ -29,12 +29,28 @@ float shadow_dims = 0.0;
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
+
+// Returns the part of the ray in which surfaces may dim the light, because the bounds are within the penumbra's radius,
+// t / sharpness.
+vec2 shadow_span(vec3 origin, vec3 direction, float sharpness) {
+    if (bounds_low.w < 0.5) return vec2(1.0, 0.0);
+    if (bounds_high.w < 0.5) return vec2(0.0, FAR);
+    vec3 near;
+    vec3 far;
+    pass_faces(origin, direction, bounds_low.xyz, bounds_high.xyz, near, far);
+    // At t, the point is (t - far) * abs(direction) outside of a far face.
+    vec3 k = sharpness * abs(direction);
+    near *= k / (k + 1.0);
+    far = mix(vec3(FAR), far * k / (k - 1.0), greaterThan(k, vec3(1.0)));
+    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+}
+
 // Returns the fraction of a light that is visible from p: Quilez, "soft shadows in raymarched SDFs" (2010), with the
 // closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = shadow_origin(p, normal, cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
-    vec2 span = traced_span(origin, to_light, clamp(light_t / sharpness, SHADOW_MARGIN_MIN, SHADOW_MARGIN_MAX));
+    vec2 span = shadow_span(origin, to_light, sharpness);
     float end = min(span.y, light_t);
     float t = max(span.x, SHADOW_START);
     float visible = 1.0;

@@ -13,14 +13,21 @@ struct Hit {
     bool met;       // true if the ray hits a surface
 };
 
-// Returns the distances at which the ray enters and leaves the box; the ray misses the box if entry > exit.
-vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
+// Returns the distances at which the ray passes the near and the far face of the box along each axis.
+void pass_faces(vec3 origin, vec3 direction, vec3 low, vec3 high, out vec3 near, out vec3 far) {
     // A component of exactly 0 would make 0 * inf = NaN.
     vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
     vec3 a = (low - origin) * inverse;
     vec3 b = (high - origin) * inverse;
-    vec3 near = min(a, b);
-    vec3 far = max(a, b);
+    near = min(a, b);
+    far = max(a, b);
+}
+
+// Returns the distances at which the ray enters and leaves the box; the ray misses the box if entry > exit.
+vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
+    vec3 near;
+    vec3 far;
+    pass_faces(origin, direction, low, high, near, far);
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 

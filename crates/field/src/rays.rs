@@ -58,15 +58,10 @@ rays! {
     /// Shortest step of a shadow ray.
     SHADOW_STEP_MIN: f32 = 0.03;
     /// Longest step of a shadow ray near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a
-    /// step may be half the distance.
+    /// step may be half the distance, or so long that nothing on the way dims the light.
     SHADOW_STEP_MAX: f32 = 0.6;
     /// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
     SHADOW_START: f32 = 0.02;
-    /// Surfaces also dim shadow rays outside the scene's bounds, as far away as a penumbra is wide. This width is the
-    /// light's distance divided by its sharpness, but at least this length.
-    SHADOW_MARGIN_MIN: f32 = 0.1;
-    /// Maximum of the same width.
-    SHADOW_MARGIN_MAX: f32 = 3.0;
     /// Minimum sharpness of a penumbra: a light's distance divided by its radius.
     SHARPNESS_MIN: f32 = 2.0;
     /// Maximum sharpness of a penumbra.

@@ -125,7 +125,7 @@ impl<'a> RayProbe<'a> {
     pub fn trace(&self, ray: &Ray) -> Traced {
         let behind = self.plane_on(ray);
         let mut traced = Traced { hit: behind, ..Traced::default() };
-        let Some((start, end)) = self.traced_span(ray, 0.0) else { return traced };
+        let Some((start, end)) = self.traced_span(ray, None) else { return traced };
         let end = behind.map_or(end, |hit| end.min(hit.distance));
         if start < end {
             let met = match self.world.non_lipschitz {
@@ -219,21 +219,27 @@ impl<'a> RayProbe<'a> {
         first
     }
 
-    /// Returns the part of the ray that may come as near as `margin` to surfaces other than planes.
-    fn traced_span(&self, ray: &Ray, margin: f32) -> Option<(f32, f32)> {
+    /// Returns the part of the ray that may meet surfaces other than planes, or in which they may dim a light of this
+    /// sharpness.
+    fn traced_span(&self, ray: &Ray, sharpness: Option<f32>) -> Option<(f32, f32)> {
         if !self.world.has_rest {
             return None;
         }
         let mut span = (0.0_f32, rays::FAR);
         let tree = Some((self.regions.low, add(self.regions.low, self.regions.size)));
-        let enlarged =
-            |(low, high): ([f32; 3], [f32; 3])| (low.map(|x| x - margin), high.map(|x| x + margin));
-        let boxes = [self.regions.bounds.map(enlarged), tree.filter(|_| self.world.non_lipschitz)];
+        let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
         for (low, high) in boxes.into_iter().flatten() {
             for axis in 0..3 {
                 let slow = ray.direction[axis] + 1e-9_f32.copysign(ray.direction[axis]);
                 let two = [low[axis], high[axis]].map(|face| (face - ray.origin[axis]) / slow);
-                span = (span.0.max(two[0].min(two[1])), span.1.min(two[0].max(two[1])));
+                let (mut near, mut far) = (two[0].min(two[1]), two[0].max(two[1]));
+                if let Some(sharpness) = sharpness {
+                    // The bounds are within t / sharpness of the ray (`shaders/shadow.glsl`).
+                    let k = sharpness * ray.direction[axis].abs();
+                    near *= k / (k + 1.0);
+                    far = if k > 1.0 { far * k / (k - 1.0) } else { rays::FAR };
+                }
+                span = (span.0.max(near), span.1.min(far));
             }
         }
         Some(span)
@@ -371,7 +377,7 @@ impl<'a> Walk<'a> {
     fn of(regions: &Regions, ray: &'a Ray) -> Self {
         let side = regions.size.map(|size| size / rays::ROOT_SIDE);
         let roots = |axis: usize| match side[axis] > 0.0 {
-            true => ((ray.origin[axis] - regions.low[axis]) / side[axis]).abs(),
+            true => ((ray.origin[axis] - regions.low[axis]) / side[axis] - 0.5 * rays::ROOT_SIDE).abs(),
             false => 0.0,
         };
         let nudge = rays::AHEAD + rays::AHEAD_OF_FAR * roots(0).max(roots(1)).max(roots(2));

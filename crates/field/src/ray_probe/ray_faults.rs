@@ -141,7 +141,7 @@ pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> 
 impl RayProbe<'_> {
     /// Returns the object whose surface the steps of a ray pass.
     fn passed_surface(&self, ray: &Ray, cost: &mut Traced) -> Option<usize> {
-        let (mut t, end) = self.traced_span(ray, 0.0)?;
+        let (mut t, end) = self.traced_span(ray, None)?;
         let mut value = |t: f32| {
             let place = ray.at(t);
             self.value(self.regions.cell_at(place).as_ref(), place, cost)

@@ -107,9 +107,8 @@ impl RayProbe<'_> {
             (shadow.end, shadow.visible) = (hit.distance, 0.0);
             return Some(shadow);
         }
-        let width = (incoming.t / sharpness).clamp(rays::SHADOW_MARGIN_MIN, rays::SHADOW_MARGIN_MAX);
-        let margin = if self.world.non_lipschitz { 0.0 } else { width };
-        let Some((start, end)) = self.traced_span(&ray, margin) else { return Some(shadow) };
+        let penumbra = (!self.world.non_lipschitz).then_some(sharpness);
+        let Some((start, end)) = self.traced_span(&ray, penumbra) else { return Some(shadow) };
         let span = (start.max(rays::SHADOW_START), end.min(incoming.t));
         if span.0 < span.1 {
             shadow.end = span.1;

@@ -15,7 +15,7 @@
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0..4096, if there are cells | the root: 16x16x16 cells, `x + 16 * (y + 16 * z)` |
+//! | 4096 of a root | 16x16x16 cells, `x + 16 * (y + 16 * z)`; the first root begins at 0 |
 //! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
 //! | a tape | a texel with the address of the object's tape; then the clauses (`encode`) |
 //!
@@ -83,6 +83,8 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
 /// Cells of the root along each axis.
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
+/// Extent of a root, as a multiple of the extent of the root before. The inner 4x4x4 cells are that root.
+pub const ROOT_GROWTH: usize = 4;
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
 /// The whole tapes need this number of texels in addition to those of their clauses.

@@ -10,8 +10,8 @@ use super::lanes::{CELLS, Lanes, cells_of, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
-use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, place_in};
-use super::{DIVIDED, OBJECT_UNKNOWN};
+use super::tree::{Block, RegionStats, Scale, Trunk, bound_cells, place_in};
+use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
 use crate::graph::{Interval, Op};
 use crate::rays::REGION_LEVELS;
 
@@ -24,12 +24,6 @@ const UNDIVIDED_MAX: usize = 16;
 const UNDIVIDED_AGAIN_MAX: usize = 96;
 /// Maximum number of cells of bricks that are divided again, for a tree that takes 0.1 to 0.2 s.
 const AGAIN_MAX: usize = 3072;
-/// Cells are divided if their side exceeds this fraction of their distance from the eye. With 0.2, building
-/// the tree takes a third less time in lattice and a quarter less in tunnel, but rays run 9 % more clauses in lattice
-/// and 4 % more in city.
-const FINE_FRACTION: f32 = 0.16;
-/// Replaces [`FINE_FRACTION`] if rays need gradients.
-const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
 /// If a brick has more programs than this, decisions that save little are dropped. In lattice a brick had 25 programs,
 /// mostly because cells differed in the sign of an ABS's operand or in the larger operand of a MAX. The limit costs
 /// lattice and city 3 % more clauses; dropping such decisions in all bricks would cost speakers 13 %.
@@ -67,6 +61,9 @@ struct Written {
 #[derive(Debug)]
 pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
+    scale: Scale,
+    /// Cells of the present block of a root that lie in the root before, where they are not looked up.
+    hidden: u64,
     number: usize,
     parts: usize,
     room: usize,
@@ -87,6 +84,8 @@ impl<'a> Part<'a> {
     pub(super) fn new(trunk: &'a Trunk<'a>, number: usize, parts: usize) -> Self {
         Self {
             trunk,
+            scale: Scale::default(),
+            hidden: 0,
             number,
             parts,
             room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts,
@@ -111,16 +110,20 @@ impl<'a> Part<'a> {
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
-        for &group in &trunk.root.groups {
+        let roots = trunk.roots.iter().enumerate();
+        for (number, root, group) in
+            roots.flat_map(|(n, root)| root.groups.iter().map(move |g| (n, root, *g)))
+        {
+            self.scale = root.scale;
             // Distribute neighbouring blocks over the parts, because neighbours take about the same time.
             let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
             let own: Vec<usize> = cells_of(group).filter(own).collect();
             if own.is_empty() {
                 continue;
             }
-            trunk.root.decisions.shortened(
+            root.decisions.shortened(
                 &trunk.program,
-                &trunk.root.rows,
+                &root.rows,
                 (group, true),
                 trunk.frame,
                 &mut self.scratch,
@@ -131,9 +134,15 @@ impl<'a> Part<'a> {
                 if !is_wanted() {
                     return;
                 }
-                let inner = trunk.root.block.child(place_in(cell));
-                let cells = self.cells(&level.short, &level.structure, inner, 1);
-                self.blocks.push((cell, cells));
+                self.hidden = if number > 0 { inner_cells(cell) } else { 0 };
+                let inner = root.block.child(place_in(cell));
+                let lowest = bounds_of(&trunk.program, &root.rows).lo[cell];
+                let cells = match number > 0 && lowest > self.scale.around {
+                    // Rays cross the large cells in few steps, whatever their bounds.
+                    true => std::array::from_fn(|_| self.cell(lowest, trunk.whole.second(), [0; 2])),
+                    false => self.cells(&level.short, &level.structure, inner, 1),
+                };
+                self.blocks.push((CELLS * number + cell, cells));
             }
         }
     }
@@ -179,21 +188,21 @@ impl<'a> Part<'a> {
         let trunk = self.trunk;
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
         self.stats.passes += 1;
-        bound_cells(program, block, trunk.rounding.overlap, &mut level.rows, trunk.frame);
-        let bounds = match program.roots[BOUND] {
-            Arg::Value(value) => level.rows[value as usize],
-            Arg::Number(number) => Lanes::splat(Interval::point(number)),
-        };
+        bound_cells(program, block, self.scale.overlap, &mut level.rows, trunk.frame);
+        let bounds = bounds_of(program, &level.rows);
         // A cell whose bound is NaN may contain a surface. A cell that is solid throughout contains no surface.
-        let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
-        let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
+        let outside = mask(|cell| bounds.lo[cell] > self.scale.margin);
+        let surface = !outside & !mask(|cell| -bounds.hi[cell] > self.scale.margin);
         // Few rays evaluate the distance in cells far from surfaces, so these cells use the whole tape.
         let (near, own) = match depth {
-            1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
+            1 => (
+                !mask(|cell| bounds.lo[cell] > OBJECT_REACH) & !self.hidden,
+                !mask(|cell| bounds.lo[cell] > self.scale.around) & !self.hidden,
+            ),
             _ => (u64::MAX, u64::MAX),
         };
         for cell in cells_of(!own) {
-            cells[cell] = self.cell(bounds.lo[cell], trunk.whole.tape | OBJECT_UNKNOWN << 24, [0; 2]);
+            cells[cell] = self.cell(bounds.lo[cell], trunk.whole.second(), [0; 2]);
         }
         // Only penumbras and occlusion read tapes away from surfaces, so neighbouring cells share a tape there.
         let away = own & !surface;
@@ -303,7 +312,7 @@ impl<'a> Part<'a> {
         });
         let away_squared: f32 = away.map(|along| along * along).sum();
         let side = block.cell.into_iter().fold(0.0, f32::max);
-        let fraction = if self.gradients.is_some() { NON_LIPSCHITZ_FINE_FRACTION } else { FINE_FRACTION };
+        let fraction = self.scale.fine_fraction;
         side * side > fraction * fraction * away_squared
     }
 
@@ -331,7 +340,7 @@ impl<'a> Part<'a> {
     }
 
     fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
-        let bound = lowest - self.trunk.rounding.margin;
+        let bound = lowest - self.scale.margin;
         // A NaN becomes 0, because it is not a bound.
         let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
         self.stats.cells += 1;
@@ -350,7 +359,7 @@ impl<'a> Part<'a> {
         }
         let Some(second) = self.new_tape(program) else {
             self.stats.overflowed += cells;
-            return self.trunk.whole.tape | OBJECT_UNKNOWN << 24;
+            return self.trunk.whole.second();
         };
         self.known.insert(hash, second);
         second
@@ -439,6 +448,21 @@ impl<'a> Part<'a> {
         self.written.texels.extend_from_slice(self.encoder.texels());
         Some(at + before as u32)
     }
+}
+
+/// The distances of 64 cells, from the values of a program in them.
+fn bounds_of(program: &Program, rows: &[Lanes]) -> Lanes {
+    match program.roots[BOUND] {
+        Arg::Value(value) => rows[value as usize],
+        Arg::Number(number) => Lanes::splat(Interval::point(number)),
+    }
+}
+
+/// The cells of a root's block that lie in the root before.
+fn inner_cells(block: usize) -> u64 {
+    let (first, last) = (ROOT_SIDE / 2 - BRICK_SIDE / 2, ROOT_SIDE / 2 + BRICK_SIDE / 2);
+    let at = |cell: usize, axis: usize| BRICK_SIDE * place_in(block)[axis] + place_in(cell)[axis];
+    mask(|cell| (0..3).all(|axis| (first..last).contains(&at(cell, axis))))
 }
 
 const fn eighth_of(cell: usize) -> u64 {

@@ -1,7 +1,7 @@
 //! Reads a tree on the CPU in the same way as the shaders, for tests and for tracing without a GPU.
 
 use super::tree::Regions;
-use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE, gradient};
+use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, gradient};
 use crate::graph::{Compound, FrameInputs, Input, Interval};
 use crate::tape::{Clause, Instruction, Operand, opcode};
 
@@ -25,15 +25,18 @@ pub struct Cell {
 impl Regions {
     /// Returns the cell of a point; `None` outside of the tree.
     pub fn cell_at(&self, point: [f32; 3]) -> Option<Cell> {
-        let (mut low, mut side) = (self.low, self.size.map(|size| size / ROOT_SIDE as f32));
-        let (mut first, mut cells) = (0, ROOT_SIDE);
+        let middle: [f32; 3] = std::array::from_fn(|axis| self.low[axis] + 0.5 * self.size[axis]);
+        let is_in = |half: [f32; 3]| (0..3).all(|axis| (point[axis] - middle[axis]).abs() < half[axis]);
+        let halves = (0..self.roots)
+            .map(|root| self.size.map(|size| 0.5 * size * ROOT_GROWTH.pow(root as u32) as f32));
+        let (root, half) = halves.enumerate().find(|(_, half)| is_in(*half))?;
+        let mut low: [f32; 3] = std::array::from_fn(|axis| middle[axis] - half[axis]);
+        let mut side = half.map(|half| half / (ROOT_SIDE / 2) as f32);
+        let (mut first, mut cells) = (root * ROOT_SIDE.pow(3), ROOT_SIDE);
         loop {
             let mut texel = 0;
             for axis in (0..3).rev() {
                 let place = ((point[axis] - low[axis]) / side[axis]).floor();
-                if !(first > 0 || (0.0..cells as f32).contains(&place)) {
-                    return None;
-                }
                 // Clamp, because rounding must not lead out of the cell that was found.
                 let place = place.clamp(0.0, (cells - 1) as f32);
                 low[axis] += place * side[axis];

@@ -23,12 +23,13 @@ pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     inputs
 }
 
-/// Returns a point, determined by `number`, in the tree's box or slightly outside.
+/// Returns a point, determined by `number`, in the box of one of the tree's roots or slightly outside.
 pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
+    let times = ROOT_GROWTH.pow(number % regions.roots.max(1) as u32) as f32;
     std::array::from_fn(|axis| {
         let fraction = (f64::from(number) * places[axis] + 0.5).fract() as f32;
-        regions.low[axis] + regions.size[axis] * (fraction * 1.1 - 0.05)
+        regions.low[axis] + regions.size[axis] * (0.5 + times * (fraction * 1.1 - 0.55))
     })
 }
 
@@ -106,6 +107,26 @@ fn others(p) {
   sqrt(dot(a, a) + 4 * (4 - 2 * max(a.x, a.y, a.z))) - 0.9
 }
 ";
+
+/// Regression: rays beyond 33 units from the eye ran the whole tape, which was 70 % of all clauses over a sea.
+#[test]
+fn far_rays_of_a_scene_without_bounds_run_short_tapes() {
+    let world = world_of(
+        "object sea { shape = y + 0.1 * sin(x) }\n\
+         object posts { shape = union(for i in 0..40: capped_cylinder(p - vec3(50 * i - 900, 0, 3 * i * i - 900), 3, 2)) }",
+    );
+    assert!(world.bounds.is_none());
+    let inputs = inputs_of(&world, 0.0, 0.5);
+    assert_regions_are_right(&world, &inputs, 40_000);
+    let tree = RegionPlan::new(&world).build(&inputs, &RegionOptions::default());
+    let reach = crate::rays::FAR;
+    let corner = tree.cell_at([reach, reach, reach]).expect("a cell where rays end");
+    assert!(corner.bound > 500.0, "{corner:?}");
+    for at in [[40.0, 0.0, 90.0], [-500.0, 0.0, 300.0], [700.0, 0.0, -700.0]] {
+        let cell = tree.cell_at(at).expect("a cell");
+        assert!(tree.clauses_of(cell.tape) * 3 < tree.clauses_of(tree.whole_tape), "{cell:?}");
+    }
+}
 
 #[test]
 fn cells_that_differ_in_little_share_a_tape() {

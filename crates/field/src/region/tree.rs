@@ -3,6 +3,9 @@
 //! **Bounds of a frame.** The world's box contains the surfaces of all sounds and times; the surfaces of one frame are
 //! often in a smaller box. Up to three passes over 64 cells therefore shrink the box before the tree is built. Rays,
 //! shadows and occlusion are limited to the smaller box.
+//!
+//! **Roots.** A scene without bounds has several roots, each around the one before, because rays that run far would
+//! otherwise evaluate the whole tape.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -10,7 +13,7 @@ use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
 use super::reuse::{Before, Memory};
-use super::{BRICK_SIDE, ROOT_SIDE, RegionVariant};
+use super::{BRICK_SIDE, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
 use crate::rays::WITHOUT_GLASS;
 
@@ -60,10 +63,12 @@ pub struct RegionStats {
 pub struct Regions {
     /// The texels that the shaders read.
     pub texels: Vec<[u32; 4]>,
-    /// Lower corner of the tree's box.
+    /// Lower corner of the first root's box.
     pub low: [f32; 3],
     /// Extent of the box; 0 if there are no cells.
     pub size: [f32; 3],
+    /// Number of roots. Each has the same centre and four times the extent of the one before; 0 if there are no cells.
+    pub roots: usize,
     /// Lower and upper corner of a box that contains all surfaces of the frame except planes, if known.
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the whole tape.
@@ -74,8 +79,18 @@ pub struct Regions {
 }
 
 const TIGHTENINGS_MAX: usize = 3;
-/// Half the side of the tree of a scene without bounds.
+/// Half the side of the first root of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
+/// In the first root, cells are divided if their side exceeds this fraction of their distance from the eye. With 0.2,
+/// building the tree takes a third less time in lattice and a quarter less in tunnel, but rays run 9 % more clauses in
+/// lattice and 4 % more in city.
+const FINE_FRACTION: f32 = 0.16;
+/// Replaces [`FINE_FRACTION`] if rays need gradients.
+const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
+/// Replaces [`FINE_FRACTION`] in other roots.
+const OUTER_FINE_FRACTION: f32 = 0.5;
+/// Number of roots of a scene without bounds. The last one contains all rays, which end at [`FAR`](crate::rays::FAR).
+const ROOTS_MAX: usize = 4;
 /// Penumbras and occlusion need distances within this range of surfaces. It slightly exceeds the highest probe.
 pub(super) const AROUND: f32 = 1.2;
 /// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
@@ -99,14 +114,13 @@ pub(super) struct Trunk<'a> {
     pub(super) frame: &'a FrameInputs,
     pub(super) options: &'a RegionOptions,
     pub(super) program: Program,
-    pub(super) root: Root,
-    /// The root, still without cells, and the whole tapes.
+    pub(super) roots: Vec<Root>,
+    /// The roots, still without cells, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
     pub(super) steepest: f32,
     pub(super) before: Option<Before<'a>>,
     pub(super) unbounded: bool,
-    pub(super) rounding: Rounding,
     pub(super) whole: Whole,
     stats: RegionStats,
 }
@@ -118,14 +132,20 @@ pub(super) struct Root {
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
     pub(super) groups: Vec<u64>,
+    pub(super) scale: Scale,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rounding {
+/// Lengths that belong to a root.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Scale {
     /// Subtracted from lower bounds of the distance.
     pub(super) margin: f32,
     /// Cells are enlarged by this on all sides.
     pub(super) overlap: f32,
+    /// Cells have tapes of their own up to this distance from surfaces.
+    pub(super) around: f32,
+    /// Cells are divided if their side exceeds this fraction of their distance from the eye.
+    pub(super) fine_fraction: f32,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -153,26 +173,23 @@ pub(super) fn build(
 ) -> Regions {
     let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
     let (low, size) = extent(bounds, options.center);
-    let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // If the value is not a distance, rays need cells, even if the options ask for none.
     let cells =
         (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    // Gradients would take too long in large cells, and rays end where there are none.
+    let reaches_far = bounds.is_none() && !variant.non_lipschitz;
+    let roots = if reaches_far && options.texels_max >= 16 * ROOT_SIDE.pow(3) { ROOTS_MAX } else { 1 };
+    let roots = if cells { roots } else { 0 };
     let mut trunk = Trunk {
         frame,
         options,
         program,
-        root: Root {
-            block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
-            rows: Vec::new(),
-            decisions: ChoiceTrace::default(),
-            groups: Vec::new(),
-        },
-        texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
+        roots: (0..roots).map(|number| Root::new(number, (low, size), variant.non_lipschitz)).collect(),
+        texels: vec![[0; 4]; roots * ROOT_SIDE.pow(3)],
         variant,
         steepest,
         before: last.filter(|_| cells).and_then(|last| Before::of(last, (low, size), &frame.shapes)),
         unbounded: bounds.is_none(),
-        rounding: Rounding { margin: farthest * ROUNDING, overlap: farthest * OVERLAP },
         whole: Whole::default(),
         stats: RegionStats::default(),
     };
@@ -192,11 +209,11 @@ pub(super) fn build(
             texels.extend(its);
             stats.add(&of_part);
             for (block, cells) in blocks {
-                let place = place_in(block);
+                let (root, place) = (block / CELLS * ROOT_SIDE.pow(3), place_in(block % CELLS));
                 for (child, cell) in cells.into_iter().enumerate() {
                     let at: [usize; 3] =
                         std::array::from_fn(|axis| BRICK_SIDE * place[axis] + place_in(child)[axis]);
-                    texels[at[0] + ROOT_SIDE * (at[1] + ROOT_SIDE * at[2])] = cell;
+                    texels[root + at[0] + ROOT_SIDE * (at[1] + ROOT_SIDE * at[2])] = cell;
                 }
             }
         }
@@ -207,6 +224,7 @@ pub(super) fn build(
     Regions {
         low,
         size: if cells { size } else { [0.0; 3] },
+        roots,
         bounds,
         whole_tape: trunk.whole.tape,
         texels,
@@ -223,6 +241,40 @@ impl RegionStats {
         self.tapes += part.tapes;
         self.clauses += part.clauses;
         self.overflowed += part.overflowed;
+    }
+}
+
+impl Whole {
+    /// The second word of a cell with the whole tape.
+    pub(super) fn second(self) -> u32 {
+        self.tape | OBJECT_UNKNOWN << 24
+    }
+}
+
+impl Root {
+    /// Creates the root with this number around the first root's box.
+    fn new(number: usize, (low, size): ([f32; 3], [f32; 3]), non_lipschitz: bool) -> Self {
+        let times = ROOT_GROWTH.pow(number as u32) as f32;
+        let low: [f32; 3] = std::array::from_fn(|axis| low[axis] - 0.5 * (times - 1.0) * size[axis]);
+        let size = size.map(|side| times * side);
+        let faces = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs()));
+        let farthest = faces.fold(0.0, f32::max);
+        Self {
+            block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
+            rows: Vec::new(),
+            decisions: ChoiceTrace::default(),
+            groups: Vec::new(),
+            scale: Scale {
+                margin: farthest * ROUNDING,
+                overlap: farthest * OVERLAP,
+                around: times * AROUND,
+                fine_fraction: match number {
+                    0 if non_lipschitz => NON_LIPSCHITZ_FINE_FRACTION,
+                    0 => FINE_FRACTION,
+                    _ => OUTER_FINE_FRACTION,
+                },
+            },
+        }
     }
 }
 
@@ -249,11 +301,12 @@ impl Trunk<'_> {
     fn divide(&mut self) {
         let mut structure = Structure::default();
         structure.analyse(&self.program);
-        self.stats.passes += 1;
-        let Root { block, rows, decisions, groups } = &mut self.root;
-        bound_cells(&self.program, *block, self.rounding.overlap, rows, self.frame);
-        decisions.decide(&self.program, &structure, rows, [u64::MAX; 2], &[]);
-        decisions.groups(rows, &[u64::MAX], groups);
+        for Root { block, rows, decisions, groups, scale } in &mut self.roots {
+            self.stats.passes += 1;
+            bound_cells(&self.program, *block, scale.overlap, rows, self.frame);
+            decisions.decide(&self.program, &structure, rows, [u64::MAX; 2], &[]);
+            decisions.groups(rows, &[u64::MAX], groups);
+        }
     }
 }
 

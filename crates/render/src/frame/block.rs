@@ -10,6 +10,7 @@ use mariana_field::graph::{
 use mariana_field::lang::{Light, TextureRef};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
+use mariana_field::region::ROOT_GROWTH;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
 use mariana_field::world::{LightKind, PLANES_MAX, TILE_PARTS, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
@@ -56,10 +57,12 @@ pub fn block_defines() -> [String; 16] {
 /// The box of a frame's region tree, a box around all surfaces, and the tape that is valid everywhere.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RegionTree {
-    /// Lower corner of the tree's box.
+    /// Lower corner of the first root's box.
     pub low: [f32; 3],
     /// Extent of the box; 0 without cells.
     pub size: [f32; 3],
+    /// Number of roots.
+    pub roots: usize,
     /// Lower and upper corner of a box around all surfaces of the frame, if the box is tighter than the world's.
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the tape that is valid everywhere. It is below 2^24, so that a float holds it exactly.
@@ -96,6 +99,9 @@ impl Frame {
         let medium = tree.medium.as_deref();
         let has_cells = tree.size.iter().all(|side| *side > 0.0);
         let per_unit = tree.size.map(|side| if has_cells { ROOT_SIDE / side } else { 1.0 });
+        let middle = |axis: usize| tree.low[axis] + 0.5 * tree.size[axis];
+        let growth = ROOT_GROWTH.pow(tree.roots.saturating_sub(1) as u32) as f32;
+        let half_side = if has_cells { 0.5 * ROOT_SIDE * growth } else { 0.0 };
         let mut media = media(world, medium, sound_tables::texel_count(inputs));
         let last_frame = world.scene.textures.iter().position(TextureRef::is_last_frame);
         media[0][3] = last_frame.map_or(-1.0, |number| number as f32);
@@ -111,7 +117,7 @@ impl Frame {
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
-            [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
+            [middle(0), middle(1), middle(2), half_side],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth()],
             [screen_width, screen_height, screen_width / eye_width as f32, screen_height / eye_height as f32],
@@ -217,14 +223,19 @@ mod tests {
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
-        let tree =
-            RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], bounds: None, whole_tape: 9, medium: None };
+        let tree = RegionTree {
+            low: [1.0; 3],
+            size: [2.0, 4.0, 8.0],
+            roots: 2,
+            whole_tape: 9,
+            ..RegionTree::default()
+        };
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
         assert_eq!(block[5], [0.0, 1.0, 0.0, 0.0], "time, number of lights, rows of the history");
         assert_eq!((block[6][3], block[7][3]), (1.0, 1.0));
-        assert_eq!(block[9..11], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
+        assert_eq!(block[9..11], [[2.0, 3.0, 5.0, 32.0], [8.0, 4.0, 2.0, 9.0]]);
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);

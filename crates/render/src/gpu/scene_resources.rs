@@ -380,8 +380,8 @@ impl SceneResources {
             self.upload_regions(built.clone());
             built
         });
-        let Regions { low, size, bounds, whole_tape, .. } = *built.regions;
-        RegionTree { low, size, bounds, whole_tape, medium: built.medium.clone() }
+        let Regions { low, size, roots, bounds, whole_tape, .. } = *built.regions;
+        RegionTree { low, size, roots, bounds, whole_tape, medium: built.medium.clone() }
     }
 
     /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.
