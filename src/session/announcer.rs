@@ -73,7 +73,7 @@ impl Announcer {
     }
 
     /// Announces a change of track. Reports new track errors and missed audio, over the frame and on the terminal.
-    pub(crate) fn update(&mut self, status: &PlayerStatus) {
+    pub(crate) fn report(&mut self, status: &PlayerStatus) {
         self.report_track_errors(&status.track_errors);
         self.report_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());

@@ -23,7 +23,7 @@ impl HeardParts {
     }
 
     /// Sets whether a scene needs the parts.
-    pub(super) fn request(&mut self, wanted: bool) {
+    pub(super) fn set_wanted(&mut self, wanted: bool) {
         self.wanted = wanted;
     }
 

@@ -251,7 +251,7 @@ impl Listening {
 
     /// Sets whether a scene reads parts of the song.
     pub(crate) fn request_parts(&mut self, wanted: bool) {
-        self.parts.request(wanted);
+        self.parts.set_wanted(wanted);
     }
 
     /// Returns true when the parts of the current song become known. Then reports problems with its stems.

@@ -276,7 +276,7 @@ impl Session {
         {
             return Err(SessionError::SongLost(error.clone()));
         }
-        self.playback.reports.update(
+        self.playback.reports.report_song(
             &status,
             self.playback.listening.has_started(),
             self.screen.is_fullscreen(),
@@ -435,7 +435,7 @@ impl Playback {
         if let Some(live) = self.listening.sound.live_status() {
             self.reports.report_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.update(&status, self.listening.has_started(), fullscreen);
+            self.reports.report_song(&status, self.listening.has_started(), fullscreen);
         }
     }
 

@@ -97,10 +97,10 @@ impl Reports {
     }
 
     /// Reports news about the song, over the frame and to the desktop. `started` is true after the first frame.
-    pub(crate) fn update(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
+    pub(crate) fn report_song(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);
-        self.announcer.update(status);
+        self.announcer.report(status);
         self.desktop.show(status, started, fullscreen);
     }
 

@@ -220,11 +220,11 @@ impl SpanHistory {
     fn find(&self, moment: Instant) -> Option<Found> {
         let moment_ns = self.nanoseconds(moment);
         // An attempt fails only if the writer overwrote the whole history during the attempt.
-        (0..4).find_map(|_| self.find(moment_ns))
+        (0..4).find_map(|_| self.find_span(moment_ns))
     }
 
     /// Finds the span for a moment, or the oldest kept span if the moment is earlier than all kept spans.
-    fn find(&self, moment_ns: u64) -> Option<Found> {
+    fn find_span(&self, moment_ns: u64) -> Option<Found> {
         let written = self.written.load(Ordering::Acquire);
         let mut oldest_seen = None;
         for index in (written.saturating_sub(SPANS_KEPT as u64)..written).rev() {

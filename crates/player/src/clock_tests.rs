@@ -62,7 +62,7 @@ fn readers_never_see_a_span_half_written() {
             let mut seen = 0_u64;
             // On a busy machine the writer may end before the reader begins.
             while done.load(Ordering::Acquire) == 0 || seen == 0 {
-                if let Some(Found { span, .. }) = history.find(u64::MAX) {
+                if let Some(Found { span, .. }) = history.find_span(u64::MAX) {
                     assert_eq!(span.frame, span.segment);
                     seen += 1;
                 }

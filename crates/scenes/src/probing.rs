@@ -259,22 +259,22 @@ fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
     }
 }
 
-/// Builds the frame's tree and passes it to `look`. Returns `None` once `is_wanted` is false.
-fn probe<T>(
+/// Builds the frame's tree and passes it to `run`. Returns `None` once `is_wanted` is false.
+fn with_ray_probe<T>(
     scenery: &Scenery,
     is_wanted: &(dyn Fn() -> bool + Sync),
-    look: impl FnOnce(&RayProbe<'_>) -> T,
+    run: impl FnOnce(&RayProbe<'_>) -> T,
 ) -> Option<T> {
     let Scenery { world, frame, maker, request, .. } = scenery;
     let built = maker.build_while(frame, request.clone(), is_wanted);
-    is_wanted().then(|| look(&RayProbe::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
+    is_wanted().then(|| run(&RayProbe::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
 }
 
 /// Probes a point, given as fractions of the frame's width and height. Returns `None` once `is_wanted` is false.
 pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
     let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
     let scene = &scenery.world.scene;
-    let surface = probe(scenery, is_wanted, |ray_probe| {
+    let surface = with_ray_probe(scenery, is_wanted, |ray_probe| {
         let hit = ray_probe.trace(&ray).hit?;
         let object = scene.objects.get(hit.object)?;
         let deciding = Deciding::new(&scene.graph, object.shape).ok();
@@ -307,7 +307,7 @@ pub fn ray_diagram(
     let Scenery { world, frame, .. } = scenery;
     let ray = ray_at(frame, at, 1.0);
     let names: Vec<String> = world.scene.objects.iter().map(|object| object.name.clone()).collect();
-    probe(scenery, is_wanted, |ray_probe| RayDiagram::of(ray_probe, frame, &ray, &names, size))
+    with_ray_probe(scenery, is_wanted, |ray_probe| RayDiagram::of(ray_probe, frame, &ray, &names, size))
 }
 
 /// Computes ray statistics of a grid over the frame. Returns `None` once `is_wanted` is false.
@@ -316,7 +316,7 @@ pub fn ray_statistics_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
     let options = RayStatisticsOptions { columns: COLUMNS, rows };
     let ray = |x: f64, y: f64| ray_at(&scenery.frame, [x, y], 1.0);
-    probe(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
+    with_ray_probe(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
 }
 
 #[cfg(test)]

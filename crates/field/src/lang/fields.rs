@@ -223,7 +223,7 @@ macro_rules! section {
             /// Builds the section from its numbers, in the order of [`Self::numbers`]. Missing numbers are 0.
             pub fn of($($own: $type,)* numbers: impl IntoIterator<Item = N>) -> Self {
                 let mut numbers = numbers.into_iter();
-                Self { $($own,)* $($field: $crate::lang::fields::Parts::take(&mut numbers),)+ }
+                Self { $($own,)* $($field: $crate::lang::fields::Parts::from_numbers(&mut numbers),)+ }
             }
 
             /// Returns the section with every number of a field that has a range clamped to it by `clamp`.

@@ -343,7 +343,7 @@ impl Editor {
 
     fn hold_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
         self.set_focus(true);
-        let taken = self.held_numbers.hold(numbers, line_start, &mut self.texts);
+        let taken = self.held_numbers.grab(numbers, line_start, &mut self.texts);
         self.show_refusal(taken);
         self.revision += 1;
     }

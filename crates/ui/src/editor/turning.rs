@@ -100,7 +100,7 @@ impl HeldNumbers {
     }
 
     /// Grabs numbers of the line that begins at `line_start`. If the text is read-only, returns the reason.
-    pub(super) fn hold(
+    pub(super) fn grab(
         &mut self,
         numbers: Vec<Number>,
         line_start: usize,

@@ -159,9 +159,8 @@ impl World {
                 (melt.planes, melt.rest, material)
             }
             BlendKind::Portal(shape) => {
-                let portal =
-                    portal::portal(&mut graph, shape, &to.scene, before, &camera, s).map_err(graph_error)?;
-                portal::through(&mut graph, &a, &b, portal)
+                let portal = portal::distance(&mut graph, shape, &to.scene, before, &camera, s);
+                portal::through(&mut graph, &a, &b, portal.map_err(graph_error)?)
             }
         };
         let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, &a, &b)).transpose();

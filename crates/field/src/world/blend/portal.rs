@@ -129,7 +129,7 @@ fn own_shape(
 /// Returns the distance to the portal, negative inside. At the middle of the transition, the size of the portal is the
 /// distance from the eye to the target. Towards the end the portal grows without limit. `to` is the second scene, and
 /// `before` counts the images and parameters of the first scene, which precede its own.
-pub(super) fn portal(
+pub(super) fn distance(
     graph: &mut Graph,
     shape: PortalShape,
     to: &Scene,

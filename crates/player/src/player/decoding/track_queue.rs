@@ -113,7 +113,7 @@ impl TrackQueue {
         let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
         if goes_on {
-            self.request(false);
+            self.request_following(false);
         }
         ahead
     }
@@ -122,12 +122,12 @@ impl TrackQueue {
         let current = self.passages.track().info.id;
         // If the list thread has ended, no further track follows.
         let _ = self.list.send(Request::Order { repeat, shuffled, current });
-        self.request(false);
+        self.request_following(false);
     }
 
     pub(super) fn request_ahead(&mut self) {
         if matches!(self.next, Next::Unasked) {
-            self.request(false);
+            self.request_following(false);
         }
     }
 
@@ -172,9 +172,9 @@ impl TrackQueue {
 
     pub(super) fn following(&mut self, empty: bool) -> Following {
         match std::mem::replace(&mut self.next, Next::Unasked) {
-            Next::Unasked => self.request(false),
+            Next::Unasked => self.request_following(false),
             Next::Asked(id) => self.next = Next::Asked(id),
-            Next::Again if empty => self.request(true),
+            Next::Again if empty => self.request_following(true),
             Next::Again => match self.passages.source().seek(0.0) {
                 Ok(_) => {
                     self.next = Next::Again;
@@ -182,7 +182,7 @@ impl TrackQueue {
                 }
                 Err(error) => {
                     self.track_errors.report(error.to_string());
-                    self.request(true);
+                    self.request_following(true);
                 }
             },
             Next::Track(track) => {
@@ -211,7 +211,7 @@ impl TrackQueue {
     fn replace_with(&mut self, track: Track) {
         self.passages.replace_with(track);
         self.empty_tracks = 0;
-        self.request(false);
+        self.request_following(false);
     }
 
     fn silence(&self) -> Track {
@@ -220,7 +220,7 @@ impl TrackQueue {
     }
 
     /// Requests the track after the current track. `anew` is true if the current track must be opened again to repeat.
-    fn request(&mut self, anew: bool) {
+    fn request_following(&mut self, anew: bool) {
         let after = self.passages.track().info.id;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
     }
