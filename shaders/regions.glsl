@@ -33,8 +33,13 @@ Cell cell_at(vec3 q) {
     float far = max(abs(q.x), max(abs(q.y), abs(q.z)));
     bool inside = far < region_middle.w;
     uvec4 texel = uvec4(0u);
+#ifdef NON_LIPSCHITZ
+    float side = 1.0;
+    int root = 0;
+#else
     float side = far < 8.0 ? 1.0 : far < 32.0 ? 4.0 : far < 128.0 ? 16.0 : 64.0;
     int root = far < 8.0 ? 0 : far < 32.0 ? 4096 : far < 128.0 ? 8192 : 12288;
+#endif
     ivec3 place = ivec3(floor(q / side)) + 8;
     if (inside) texel = TEXEL(regions, root + place.x + 16 * (place.y + 16 * place.z));
     while (texel.x == DIVIDED) {

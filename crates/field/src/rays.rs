@@ -58,7 +58,7 @@ rays! {
     /// Shortest step of a shadow ray.
     SHADOW_STEP_MIN: f32 = 0.03;
     /// Longest step of a shadow ray near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a
-    /// step may be half the distance, or so long that nothing on the way dims the light.
+    /// step may be half the distance.
     SHADOW_STEP_MAX: f32 = 0.6;
     /// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
     SHADOW_START: f32 = 0.02;
