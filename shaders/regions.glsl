@@ -1,8 +1,8 @@
 // Looks up cells in the tree over space, which is built for each frame (crates/field/src/region/). A cell has a
 // lower bound of the distance from its points to all surfaces, and a shortened tape for the distance in the cell.
 //
-// Texels 0..4095 are the first root's 16 x 16 x 16 cells, x first. A scene without bounds has more roots, each around the
-// one before and four times as wide. A divided cell has a brick of 4 x 4 x 4.
+// Texels 0..4095 are the first root's 16 x 16 x 16 cells, x first. A scene without bounds has more roots with the same
+// middle, each four times as wide as the next smaller one. A divided cell has a brick of 4 x 4 x 4.
 //
 // - x: DIVIDED if the cell has a brick; else the bound as float bits, which is 0 if the cell may contain a surface
 // - y: the brick's first texel if the cell has a brick; else the tape's first texel, and the number of the nearest

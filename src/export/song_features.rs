@@ -28,7 +28,7 @@ const TRACK_SECONDS: f64 = 4.0;
 /// Decodes and analyses a song as far as necessary.
 pub struct SongFeatures {
     decoder: Decoder,
-    /// Returns the song's title for messages.
+    /// The song's title for messages.
     pub name: String,
     analyzer: Analyzer,
     track: FeatureTrack,

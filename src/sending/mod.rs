@@ -38,7 +38,7 @@ pub enum SendError {
 /// Sends frames to a target until it is dropped.
 pub struct Sending {
     latest_frame: Arc<LatestFrame>,
-    /// Returns the target.
+    /// Where the frames go.
     pub target: SenderTarget,
 }
 

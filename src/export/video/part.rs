@@ -109,7 +109,7 @@ impl WholeRecord {
     }
 }
 
-/// Hashes what decides about the frames, besides the song and what [`WholeRecord`] names. Paths do not count, because
+/// Hashes all that determines the frames, except the song and the fields of [`WholeRecord`]. Paths do not count, because
 /// machines may have different ones.
 fn hash_of_frames(request: &VideoRequest) -> Result<u64, ExportError> {
     let mut look = Fingerprint::default();

@@ -110,8 +110,7 @@ fn whole_vectors(
     c: &[NodeId],
     shape: (u8, u8),
 ) -> Option<Vec<NodeId>> {
-    let (columns, rows) = shape;
-    let (columns, rows) = (usize::from(columns), usize::from(rows));
+    let (columns, rows) = (usize::from(shape.0), usize::from(shape.1));
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     Some(match (of, a, b) {
         (MathFunction::Dot, ..) => vec![graph.dot(a, b)],

@@ -83,8 +83,9 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
 /// Cells of the root along each axis.
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
-/// Extent of a root, as a multiple of the extent of the root before. The inner 4x4x4 cells are that root.
+/// Extent of a root, as a multiple of the extent of the next smaller root, which is its inner 4x4x4 cells.
 pub const ROOT_GROWTH: usize = 4;
+const _: () = assert!(ROOT_SIDE == 16 && ROOT_GROWTH == 4, "`shaders/regions.glsl` has these numbers");
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
 /// The whole tapes need this number of texels in addition to those of their clauses.

@@ -62,7 +62,7 @@ struct Written {
 pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
     scale: Scale,
-    /// Cells of the present block of a root that lie in the root before, where they are not looked up.
+    /// Cells of the present block that are inside of the next smaller root, where they are not looked up.
     hidden: u64,
     number: usize,
     parts: usize,
@@ -110,39 +110,39 @@ impl<'a> Part<'a> {
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
-        let roots = trunk.roots.iter().enumerate();
-        for (number, root, group) in
-            roots.flat_map(|(n, root)| root.groups.iter().map(move |g| (n, root, *g)))
-        {
+        for (number, root) in trunk.roots.iter().enumerate() {
             self.scale = root.scale;
-            // Distribute neighbouring blocks over the parts, because neighbours take about the same time.
-            let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
-            let own: Vec<usize> = cells_of(group).filter(own).collect();
-            if own.is_empty() {
-                continue;
-            }
-            root.decisions.shortened(
-                &trunk.program,
-                &root.rows,
-                (group, true),
-                trunk.frame,
-                &mut self.scratch,
-                &mut level.short,
-            );
-            level.structure.analyse(&level.short);
-            for cell in own {
-                if !is_wanted() {
-                    return;
+            let bounds = bounds_of(&trunk.program, &root.rows);
+            for &group in &root.groups {
+                // Distribute neighbouring blocks over the parts, because neighbours take about the same time.
+                let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
+                let own: Vec<usize> = cells_of(group).filter(own).collect();
+                if own.is_empty() {
+                    continue;
                 }
-                self.hidden = if number > 0 { inner_cells(cell) } else { 0 };
-                let inner = root.block.child(place_in(cell));
-                let lowest = bounds_of(&trunk.program, &root.rows).lo[cell];
-                let cells = match number > 0 && lowest > self.scale.around {
-                    // Rays cross the large cells in few steps, whatever their bounds.
-                    true => std::array::from_fn(|_| self.cell(lowest, trunk.whole.second(), [0; 2])),
-                    false => self.cells(&level.short, &level.structure, inner, 1),
-                };
-                self.blocks.push((CELLS * number + cell, cells));
+                root.decisions.shortened(
+                    &trunk.program,
+                    &root.rows,
+                    (group, true),
+                    trunk.frame,
+                    &mut self.scratch,
+                    &mut level.short,
+                );
+                level.structure.analyse(&level.short);
+                for cell in own {
+                    if !is_wanted() {
+                        return;
+                    }
+                    self.hidden = if number > 0 { inner_cells(cell) } else { 0 };
+                    let inner = root.block.child(place_in(cell));
+                    let lowest = bounds.lo[cell];
+                    let cells = match number > 0 && lowest > self.scale.around {
+                        // A ray crosses large cells in few steps, so exact bounds would save little.
+                        true => std::array::from_fn(|_| self.cell(lowest, trunk.whole.second(), [0; 2])),
+                        false => self.cells(&level.short, &level.structure, inner, 1),
+                    };
+                    self.blocks.push((CELLS * number + cell, cells));
+                }
             }
         }
     }
@@ -458,7 +458,7 @@ fn bounds_of(program: &Program, rows: &[Lanes]) -> Lanes {
     }
 }
 
-/// The cells of a root's block that lie in the root before.
+/// The cells of a root's block that are inside of the next smaller root.
 fn inner_cells(block: usize) -> u64 {
     let (first, last) = (ROOT_SIDE / 2 - BRICK_SIDE / 2, ROOT_SIDE / 2 + BRICK_SIDE / 2);
     let at = |cell: usize, axis: usize| BRICK_SIDE * place_in(block)[axis] + place_in(cell)[axis];

@@ -4,8 +4,8 @@
 //! often in a smaller box. Up to three passes over 64 cells therefore shrink the box before the tree is built. Rays,
 //! shadows and occlusion are limited to the smaller box.
 //!
-//! **Roots.** A scene without bounds has several roots, each around the one before, because rays that run far would
-//! otherwise evaluate the whole tape.
+//! **Roots.** A scene without bounds has several nested roots, because rays beyond a single root would evaluate the whole
+//! tape.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -67,7 +67,7 @@ pub struct Regions {
     pub low: [f32; 3],
     /// Extent of the box; 0 if there are no cells.
     pub size: [f32; 3],
-    /// Number of roots. Each has the same centre and four times the extent of the one before; 0 if there are no cells.
+    /// Number of nested roots with the same centre, each four times as wide as the next smaller one; 0 without cells.
     pub roots: usize,
     /// Lower and upper corner of a box that contains all surfaces of the frame except planes, if known.
     pub bounds: Option<([f32; 3], [f32; 3])>,
@@ -142,7 +142,7 @@ pub(super) struct Scale {
     pub(super) margin: f32,
     /// Cells are enlarged by this on all sides.
     pub(super) overlap: f32,
-    /// Cells have tapes of their own up to this distance from surfaces.
+    /// Cells up to this distance from surfaces have shortened tapes.
     pub(super) around: f32,
     /// Cells are divided if their side exceeds this fraction of their distance from the eye.
     pub(super) fine_fraction: f32,
@@ -176,7 +176,8 @@ pub(super) fn build(
     // If the value is not a distance, rays need cells, even if the options ask for none.
     let cells =
         (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
-    // Gradients would take too long in large cells, and rays end where there are none.
+    // A formula that is not a distance has one root: its gradients cost much in large cells, and its rays end with the
+    // tree.
     let reaches_far = bounds.is_none() && !variant.non_lipschitz;
     let roots = if reaches_far && options.texels_max >= 16 * ROOT_SIDE.pow(3) { ROOTS_MAX } else { 1 };
     let roots = if cells { roots } else { 0 };
@@ -184,7 +185,7 @@ pub(super) fn build(
         frame,
         options,
         program,
-        roots: (0..roots).map(|number| Root::new(number, (low, size), variant.non_lipschitz)).collect(),
+        roots: (0..roots).map(|number| Root::new(number, low, size, variant.non_lipschitz)).collect(),
         texels: vec![[0; 4]; roots * ROOT_SIDE.pow(3)],
         variant,
         steepest,
@@ -253,7 +254,7 @@ impl Whole {
 
 impl Root {
     /// Creates the root with this number around the first root's box.
-    fn new(number: usize, (low, size): ([f32; 3], [f32; 3]), non_lipschitz: bool) -> Self {
+    fn new(number: usize, low: [f32; 3], size: [f32; 3], non_lipschitz: bool) -> Self {
         let times = ROOT_GROWTH.pow(number as u32) as f32;
         let low: [f32; 3] = std::array::from_fn(|axis| low[axis] - 0.5 * (times - 1.0) * size[axis]);
         let size = size.map(|side| times * side);

@@ -278,13 +278,6 @@ impl OutputCallback {
         !self.incoming.is_empty()
     }
 
-    /// True if the ring is at least half full or a segment waits.
-    #[cfg(test)]
-    pub(crate) fn is_fed(&self) -> bool {
-        let is_half_full = |segment: &Segment| segment.ring.slots() >= segment.ring.buffer().capacity() / 2;
-        self.is_offered() || self.segment.as_ref().is_some_and(is_half_full)
-    }
-
     /// Fills a device's buffer: `data` with `channels` interleaved channels. Updates the counters. `latency` is the
     /// time from now until the buffer's first frame is heard, if the device reports a plausible latency.
     pub fn serve<T: Sample + FromSample<f32>>(

@@ -8,7 +8,7 @@ use super::analysis::AnalysisInput;
 use super::decoding::{Command, Decoding};
 use super::listing;
 use super::listing::SharedTrackErrors;
-use super::tests::{RATE, Ramp, Ramps};
+use super::tests::{RATE, Ramp, Ramps, wait_until_idle};
 use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Clock, SpanHistory};
 use crate::output::{Controls, OutputCallback};
@@ -31,15 +31,11 @@ struct Device {
 }
 
 impl Device {
-    fn run(&mut self, now: Instant, fed: bool) {
+    /// Serves all calls until `now`. With `commands`, each call waits for the decoding thread.
+    fn run(&mut self, now: Instant, commands: Option<&Sender<Command>>) {
         while self.next_call <= now {
-            let waiting = Instant::now();
-            while fed && !self.output_callback.is_fed() {
-                assert!(
-                    waiting.elapsed() < Duration::from_secs(20),
-                    "the decoding thread produces no frames"
-                );
-                std::thread::sleep(Duration::from_millis(1));
+            if let Some(commands) = commands {
+                wait_until_idle(commands);
             }
             let mut data = vec![0.0_f32; 2 * self.buffer];
             self.output_callback.fill(&mut data, 2, self.next_call, Some(self.latency));
@@ -119,10 +115,10 @@ impl TestPlayback {
         for _ in 0..ms / LOOK_MS {
             self.now += Duration::from_millis(LOOK_MS);
             if let Some((before, _)) = self.before.as_mut().filter(|(_, until)| *until > self.now) {
-                before.run(self.now, false);
+                before.run(self.now, None);
             }
             if !lost {
-                self.device.run(self.now, true);
+                self.device.run(self.now, Some(&self.commands));
             }
             self.look();
         }
@@ -177,11 +173,8 @@ fn open(
         OutputCallback::new(rate, buffer, Arc::new(Controls::new(1.0, false)), Arc::default());
     let history = link.history.clone();
     commands.send(Command::Output { link, at: now }).expect("the thread runs");
-    let waiting = Instant::now();
-    while !output_callback.is_offered() {
-        assert!(waiting.elapsed() < Duration::from_secs(20), "no frames are decoded for the output");
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    wait_until_idle(commands);
+    assert!(output_callback.is_offered(), "no frames are decoded for the output");
     Device { output_callback, history, rate, buffer, latency, next_call: now + first_call, heard: None }
 }
 

@@ -183,19 +183,12 @@ impl Stepped {
         self.commands.send(command).expect("the thread runs");
     }
 
-    /// Waits until the thread has obeyed all commands and filled its ring, however slow the machine is.
-    fn wait_until_idle(&self) {
-        let (answer, answers) = channel();
-        self.send(Command::AnswerWhenIdle(answer));
-        answers.recv_timeout(Duration::from_secs(60)).expect("the thread becomes idle");
-    }
-
     pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
         let audible_segments = self.audible_segments.clone();
         for _ in 0..frames / 480 {
-            self.wait_until_idle();
+            wait_until_idle(&self.commands);
             let rate = f64::from(self.history.rate());
             let mut data = [0.0_f32; 960];
             self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
@@ -231,7 +224,7 @@ impl Stepped {
     pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
         let mut samples = Vec::new();
         while samples.len() < frames {
-            self.wait_until_idle();
+            wait_until_idle(&self.commands);
             let mut data = [0.0_f32; 960];
             self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
             let left = data.iter().step_by(2).skip_while(|sample| samples.is_empty() && **sample == 0.0);
@@ -250,11 +243,8 @@ impl Stepped {
         self.output_callback = output_callback;
         self.send(Command::Output { link, at: self.now });
         // Late frames are dropped, so the simulated time waits for the thread.
-        let start = Instant::now();
-        while !self.output_callback.is_offered() {
-            assert!(start.elapsed() < Duration::from_secs(20), "no frames are decoded for the device");
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        wait_until_idle(&self.commands);
+        assert!(self.output_callback.is_offered(), "no frames are decoded for the device");
     }
 
     pub(super) fn begin(&mut self) {
@@ -270,6 +260,13 @@ impl Drop for Stepped {
         let _ = self.commands.send(Command::Quit);
         assert!(self.worker.join_within(Duration::from_secs(5)) || std::thread::panicking());
     }
+}
+
+/// Waits until the decoding thread has obeyed all commands and filled its ring, however slow the machine is.
+pub(super) fn wait_until_idle(commands: &Sender<Command>) {
+    let (answer, answers) = channel();
+    commands.send(Command::AnswerWhenIdle(answer)).expect("the thread runs");
+    answers.recv_timeout(Duration::from_secs(60)).expect("the thread becomes idle");
 }
 
 fn assert_reported(heard: &[Heard], least_part: f64) {

@@ -134,8 +134,6 @@ impl Texts {
     }
 }
 
-impl Texts {}
-
 impl Texts {
     pub(super) fn edit(
         &mut self,

@@ -29,7 +29,7 @@ pub(crate) enum Command {
         id: u64,
         found: Found,
     },
-    /// Answers as soon as the thread has nothing to decode.
+    /// Answers when the thread begins to wait, because its ring is full or the song has ended.
     #[cfg(test)]
     AnswerWhenIdle(std::sync::mpsc::Sender<()>),
     Quit,
