@@ -19,9 +19,9 @@
 //!     shift: 0.0,
 //!     device: None,
 //! });
-//! assert!(panel.rows().iter().any(|row| row.name == "Quality"));
+//! assert!(panel.rows.iter().any(|row| row.name == "Quality"));
 //! panel.handle_key(&Key::Named(NamedKey::ArrowDown));
-//! assert_eq!(panel.selected(), 1);
+//! assert_eq!(panel.selected, 1);
 //! ```
 //!
 //! Panels read the time from [`clock`], so tests can simulate it.
