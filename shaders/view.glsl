@@ -15,7 +15,7 @@ vec3 heat_color(float fraction) {
 // Returns the distance at a point, or the formula's value, including planes.
 float value_at(vec3 p) {
     // This point is outside the tree, so the whole tape runs.
-    Cell whole = cell_at(vec3(-1.0));
+    Cell whole = cell_at(vec3(1e9));
     float d = bounds_low.w < 0.5 ? FAR : scene_distance(whole, p, 0.0).y;
     for (int i = 0; i < PLANES; i++) {
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, dot(planes[i].xyz, p) + planes[i].w);
