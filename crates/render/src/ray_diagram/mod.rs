@@ -450,7 +450,9 @@ mod tests {
             .collect()
     }
 
-    const BALL: &str = "material mirror { reflect = 0.5 }\nobject ball { shape = sphere(p, 1)  material = mirror }\n\
+    // The small sphere extends the scene's bounds, so that the ray to the lamp has steps.
+    const BALL: &str = "material mirror { reflect = 0.5 }\n\
+                        object ball { shape = union(sphere(p, 1), sphere(p - vec3(-3, 3, -1), 0.2))  material = mirror }\n\
                         camera { position = vec3(0, 0, -5)  target = vec3(0) }\nlight lamp { position = vec3(-4, 4, -4) }";
 
     #[test]
