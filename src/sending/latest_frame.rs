@@ -31,6 +31,7 @@ struct State {
     news: Vec<String>,
     writing: Option<Instant>,
     reported_slow: bool,
+    reported_blocked: bool,
 }
 
 impl LatestFrame {
@@ -86,7 +87,7 @@ impl LatestFrame {
     /// Counts a new receiver. The first receiver gets no frame that is older than its connection.
     pub(super) fn has_receiver(&self) {
         let mut state = self.lock();
-        state.reported_slow = false;
+        (state.reported_slow, state.reported_blocked) = (false, false);
         state.receivers += 1;
         if state.receivers == 1 {
             state.picture = None;
@@ -119,7 +120,7 @@ impl LatestFrame {
     pub(super) fn news(&self) -> Vec<String> {
         let mut state = self.lock();
         let blocks = state.writing.is_some_and(|since| since.elapsed() > BLOCKS_AFTER);
-        if blocks && !std::mem::replace(&mut state.reported_slow, true) {
+        if blocks && !std::mem::replace(&mut state.reported_blocked, true) {
             let sentence = format!("{} has stopped reading: the show continues without it", self.reader());
             state.news.push(sentence);
         }
@@ -178,6 +179,16 @@ mod tests {
         assert!(!latest_frame.is_wanted());
         latest_frame.report_slow();
         assert_eq!(latest_frame.news().len(), 1);
+        assert!(latest_frame.news().is_empty());
+    }
+
+    #[test]
+    fn a_slow_receiver_that_stops_reading_is_reported_too() {
+        let latest_frame = LatestFrame::new("a place".into());
+        latest_frame.report_slow();
+        latest_frame.lock().writing = Instant::now().checked_sub(2 * BLOCKS_AFTER);
+        let reported = latest_frame.news();
+        assert!(matches!(&reported[..], [_, one] if one.contains("has stopped reading")), "{reported:?}");
         assert!(latest_frame.news().is_empty());
     }
 }
