@@ -7,9 +7,12 @@
 //! takes. In stills, videos and measurements, `Renderer::draw` builds missing regions itself.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
 
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
@@ -20,6 +23,7 @@ pub(super) struct TreeJob<Tag> {
     pub frame: Frame,
     pub maker: RegionMaker,
     pub request: RegionRequest,
+    /// Maximum processor time of the builder's thread.
     pub patience: Duration,
 }
 
@@ -118,10 +122,17 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
         let forgotten = state.forgotten;
         drop(state);
         let TreeJob { tag, frame, maker, request, patience } = job;
-        let begun = Instant::now();
+        // The limit is this thread's processor time, so that other programs make no scene too large. Threads that help
+        // with the tree begin at 0, so this one is the first to reach the limit.
+        let begun = ThreadTime::now().as_duration();
+        let is_late = AtomicBool::new(false);
         let is_wanted = || {
+            is_late.fetch_or(
+                ThreadTime::now().as_duration().saturating_sub(begun) >= patience,
+                Ordering::Relaxed,
+            );
             let state = shared.lock();
-            state.forgotten == forgotten && !state.over && begun.elapsed() < patience
+            state.forgotten == forgotten && !state.over && !is_late.load(Ordering::Relaxed)
         };
         // After a panic the frame must not wait for ever: the next request tries again.
         let built = catch_unwind(AssertUnwindSafe(|| maker.build_while(&frame, request, &is_wanted)));
@@ -129,8 +140,7 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
             Ok(regions) => {
                 let mut state = shared.lock();
                 if state.forgotten == forgotten {
-                    let in_time = begun.elapsed() < patience;
-                    let regions = in_time.then(|| Arc::new(regions));
+                    let regions = (!is_late.into_inner()).then(|| Arc::new(regions));
                     state.done = Some(BuiltTree { tag, frame, regions });
                 }
             }
@@ -187,6 +197,29 @@ mod tests {
         wakes.recv_timeout(Duration::from_secs(20)).unwrap();
         let built = builder.poll().unwrap();
         assert!(built.tag == 1 && built.regions.is_none());
+    }
+
+    #[test]
+    fn a_tree_that_waits_for_other_programs_is_not_given_up() {
+        let world = world("union(for i in 0..20: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
+        let maker = maker_of(&world);
+        let (woken, wakes) = channel();
+        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
+        let request = RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default());
+        let patience = Duration::from_secs(1);
+        builder.request(TreeJob { tag: 1, frame, maker, request, patience });
+        let held = loop {
+            let state = builder.shared.lock();
+            if state.next.is_none() {
+                break state;
+            }
+        };
+        // The thread waits for the lock, as it waits for a processor.
+        std::thread::sleep(patience);
+        drop(held);
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(builder.poll().unwrap().regions.is_some());
     }
 
     #[test]
