@@ -55,7 +55,7 @@ pub fn write_video(
     };
     let asked = seam.as_ref().map(Seam::needed).or(asked);
     let mut drawing = Drawing::open(request, asked, seam.is_some())?;
-    let writer = FrameWriter::start(Sink::open(request, 0)?)?;
+    let mut writer = FrameWriter::start(Sink::open(request, 0)?)?;
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {
         let Some(picture) = drawing.draw(drawn)? else { break };

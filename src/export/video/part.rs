@@ -235,7 +235,7 @@ fn write_frames(
     (mut number, end): (u64, u64),
     progress: &mut dyn FnMut(u64),
 ) -> Result<u64, ExportError> {
-    let writer = FrameWriter::start(sink)?;
+    let mut writer = FrameWriter::start(sink)?;
     while number < end {
         let next = match picture.take() {
             Some(picture) => Some(picture),

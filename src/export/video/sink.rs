@@ -1,7 +1,9 @@
-//! Writes the frames of a video on a separate thread, so that the next frame is drawn meanwhile.
+//! Writes the frames of a video on separate threads, so that the next frames are drawn meanwhile.
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 use super::encoder::{Encoder, Frames};
@@ -13,9 +15,18 @@ use crate::export::still::Pixels;
 use crate::y4m::{self, Chroma};
 
 pub(super) enum Sink {
-    Stills { folder: PathBuf, size: (u32, u32), has_alpha: bool, written: u64 },
+    /// `first` is the number of the first frame, by which stills are named.
+    Stills {
+        folder: PathBuf,
+        size: (u32, u32),
+        has_alpha: bool,
+        first: u64,
+    },
     Standard,
-    Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
+    Encoder {
+        ffmpeg: Box<Encoder>,
+        has_alpha: bool,
+    },
 }
 
 /// True if the output is a folder, or will be a folder because it ends in a slash.
@@ -40,7 +51,7 @@ impl Sink {
                 folder: path.clone(),
                 size: request.size,
                 has_alpha: request.alpha,
-                written: first,
+                first,
             });
         }
         Ok(Self::encoder(Encoder::start(request, path, Frames::Drawn, None)?, request.alpha))
@@ -50,19 +61,28 @@ impl Sink {
         Self::Encoder { ffmpeg: Box::new(ffmpeg), has_alpha }
     }
 
-    /// Writes a frame of RGBA bytes. Returns false if the reader has closed the output.
-    fn write(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
+    /// Writes the frame with this number, counted from 0, of RGBA bytes. Returns false if the reader has closed the output.
+    fn write(&mut self, number: u64, rgba: &[u8]) -> Result<bool, ExportError> {
         match self {
-            Self::Stills { folder, size, has_alpha, written } => {
+            Self::Stills { folder, size, has_alpha, first } => {
                 let pixels = if *has_alpha { Pixels::transparent(rgba) } else { Pixels::opaque(rgba) };
-                pixels.write_png(&folder.join(format!("frame-{written:05}.png")), *size)?;
-                *written += 1;
+                let number = *first + number;
+                pixels.write_png(&folder.join(format!("frame-{number:05}.png")), *size)?;
                 Ok(true)
             }
             Self::Standard => write_standard(&y4m::frame(rgba)),
             Self::Encoder { ffmpeg, has_alpha: true } => ffmpeg.encode(&straight(rgba)).map(|()| true),
             Self::Encoder { ffmpeg, .. } => ffmpeg.encode(rgba).map(|()| true),
         }
+    }
+
+    /// The sinks of the threads that share the work.
+    fn shared(self) -> Vec<Self> {
+        let Self::Stills { folder, size, has_alpha, first } = self else { return vec![self] };
+        let frames = STILLS_BYTES_MAX / (4 * size.0 as usize * size.1 as usize).max(1);
+        let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+        let still = |_| Self::Stills { folder: folder.clone(), size, has_alpha, first };
+        (0..processors.min(frames).max(1)).map(still).collect()
     }
 
     fn finish(self) -> Result<Option<PathBuf>, ExportError> {
@@ -73,42 +93,60 @@ impl Sink {
     }
 }
 
-/// Maximum number of frames that wait to be written, besides the frame being drawn and the frame being written.
+/// Maximum number of frames that wait to be written, besides the frame being drawn and the frames being written.
 const WAITING_MAX: usize = 1;
 
-/// A [`Sink`] on its own thread. A drop without [`FrameWriter::finish`] does not replace the output.
+/// Maximum size in bytes of the frames being written as stills, each by a thread of its own.
+const STILLS_BYTES_MAX: usize = 256 << 20;
+
+type Frame = (u64, Vec<u8>);
+
+/// A [`Sink`] on its own threads: one for each processor for stills, which are encoded here, else one. A drop without
+/// [`FrameWriter::finish`] does not replace the output.
 pub(super) struct FrameWriter {
-    frames: SyncSender<Vec<u8>>,
-    thread: JoinHandle<Result<Sink, ExportError>>,
+    frames: SyncSender<Frame>,
+    sent: u64,
+    threads: Vec<JoinHandle<Result<Sink, ExportError>>>,
 }
 
 impl FrameWriter {
     pub(super) fn start(sink: Sink) -> Result<Self, ExportError> {
         let (frames, incoming) = sync_channel(WAITING_MAX);
-        let work = move || write_all(sink, &incoming);
-        let thread =
-            std::thread::Builder::new().name("frames".into()).spawn(work).map_err(ExportError::Thread)?;
-        Ok(Self { frames, thread })
+        let incoming = Arc::new(Mutex::new(incoming));
+        let sinks = sink.shared();
+        let threads = sinks.into_iter().map(|sink| {
+            let incoming = incoming.clone();
+            let work = move || write_all(sink, &incoming);
+            std::thread::Builder::new().name("frames".into()).spawn(work).map_err(ExportError::Thread)
+        });
+        let threads = threads.collect::<Result<_, _>>()?;
+        Ok(Self { frames, sent: 0, threads })
     }
 
-    /// Passes a frame to the thread. Returns false if writing has ended; [`FrameWriter::finish`] returns the error.
-    pub(super) fn write(&self, rgba: Vec<u8>) -> bool {
-        self.frames.send(rgba).is_ok()
+    /// Passes a frame to a thread. Returns false if writing has ended; [`FrameWriter::finish`] returns the error.
+    pub(super) fn write(&mut self, rgba: Vec<u8>) -> bool {
+        self.sent += 1;
+        self.frames.send((self.sent - 1, rgba)).is_ok()
     }
 
     /// Waits until all frames are written, and moves the output to its path. Returns the path of a video.
     pub(super) fn finish(self) -> Result<Option<PathBuf>, ExportError> {
         drop(self.frames);
-        let sink = self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        sink?.finish()
+        let mut file = None;
+        for thread in self.threads {
+            let sink = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            file = sink.finish()?;
+        }
+        Ok(file)
     }
 }
 
-fn write_all(mut sink: Sink, incoming: &Receiver<Vec<u8>>) -> Result<Sink, ExportError> {
-    for rgba in incoming {
-        if !sink.write(&rgba)? {
-            break;
+fn write_all(mut sink: Sink, incoming: &Mutex<Receiver<Frame>>) -> Result<Sink, ExportError> {
+    loop {
+        let next = incoming.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let Ok((number, rgba)) = next else { return Ok(sink) };
+        if !sink.write(number, &rgba)? {
+            return Ok(sink);
         }
     }
-    Ok(sink)
 }
