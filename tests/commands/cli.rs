@@ -270,7 +270,7 @@ fn bench_measures_both_modes_of_any_formula() {
         assert!(b > 0.0 && (a - b).abs() <= 0.02 * b, "{kind}: {report}");
     }
     let text = place.run(&arguments).done();
-    for part in ["interpreted", "compiled", "formula", "clauses per pixel"] {
+    for part in ["interpreted", "compiled", "formula", "clauses of distances per pixel"] {
         assert!(text.contains(part), "'{part}' in {text}");
     }
 }

@@ -157,8 +157,10 @@ impl std::fmt::Display for BenchReport {
                 row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
             }),
             ("cell lookups per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
-            ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
-            ("  of materials and light", &|row| format!("{:.1}", row.evaluations_per_pixel.surface_clauses)),
+            ("clauses of distances per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
+            ("clauses of materials and light", &|row| {
+                format!("{:.1}", row.evaluations_per_pixel.surface_clauses)
+            }),
             ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
             ("  primary", &|row| format!("{:.2}", row.evaluations_per_pixel.primary)),
             ("  reflection", &|row| format!("{:.2}", row.evaluations_per_pixel.reflection)),
