@@ -156,37 +156,41 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 #endif
 #ifdef GLASS
         met_in_glass = ray_side < 0.0 && t >= free_in_glass;
-        d = scene_distance(cell, origin + t * direction, met_in_glass ? WITHOUT_GLASS : 0.0).x;
-        if (!met_in_glass) d *= ray_side;
+        vec2 nearest = scene_distance(cell, origin + t * direction, met_in_glass ? WITHOUT_GLASS : 0.0);
+        if (!met_in_glass) nearest *= ray_side;
 #else
-        d = scene_distance(cell, origin + t * direction, 0.0).x;
+        vec2 nearest = scene_distance(cell, origin + t * direction, 0.0);
 #endif
+        d = nearest.y;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(count_reflection); } else { COUNT(count_primary); }
         if (i == STEPS_MAX - 1) COUNT(count_capped);
 #endif
-        // Not d >= reach, so that NaN also ends the ray.
-        if (!(d >= reach * (cone + spread * t))) break;
+        // Not d < reach, so that NaN also ends the ray.
+        float radius = reach * (cone + spread * t);
+        if (!(d >= radius)) break;
+        // Where a bound is small, another cell of a repetition begins, but there need be no surface.
+        float stride = min(d, max(nearest.x, radius));
         // Tried: longer steps that the last two distances predict, undone where the empty spheres do not meet (Keinert
         // et al. 2014). Seven scenes need 2 to 10 % fewer evaluations; lattice, whose bound is not smooth, needs 2 %
         // more.
 #ifdef GLASS
         if (met_in_glass) {
-            free_in_glass = t + d;
+            free_in_glass = t + stride;
             continue;
         }
-        if (ray_side < 0.0 && t + d > free_in_glass) {
+        if (ray_side < 0.0 && t + stride > free_in_glass) {
             t = free_in_glass;
             before = 0.0;
             continue;
         }
 #endif
-        t += d;
+        t += stride;
 #ifdef BEAMS
-        free = free_after(free, d, t);
+        free = free_after(free, min(d, nearest.x), t);
         if (free > 0.0) beam_steps = i + 1;
 #endif
-        before = d;
+        before = stride < d ? 0.0 : d;
         if (t >= end) break;
     }
 #ifdef BEAMS

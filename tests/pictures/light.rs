@@ -41,6 +41,27 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
     [r, g, b]
 }
 
+/// The bound is small where two cells meet, also far above the balls.
+#[test]
+fn no_curtain_hangs_where_the_cells_of_a_repetition_meet() {
+    let view = "camera { position = vec3(0, 1.6, -5.5)  target = vec3(0.3, 1.6, 4)  fov = 50 }";
+    let balls = format!(
+        "fn ball(q, cell) = sphere(q, 0.2 + 0.7 * hash(cell))\n\
+         object balls {{\n  shape = ball(repeat(p, vec3(2, 0, 2)), cell_of(p, vec3(2, 0, 2)))\n  \
+         bound = other_cells(p, vec3(2, 0, 2), 0.9) }}\n{view}"
+    );
+    let sky = picture(&format!("object floor {{ shape = y }}\n{view}"));
+    let scene = SceneSource::Formula(balls);
+    for mode in [Mode::Compiled, Mode::Interpreted] {
+        let drawn = TestRenderer::of(&scene, mode, Counting::Off).picture(0.0, silence(), SIZE);
+        for (x, y, pixel) in drawn.enumerate_pixels().filter(|(_, y, _)| y * 5 < SIZE.1 * 2) {
+            let expected = sky.get_pixel(x, y);
+            let off = pixel.0.iter().zip(expected.0).map(|(a, b)| a.abs_diff(b)).max();
+            assert!(off <= Some(4), "{mode}, {x}, {y}: {pixel:?} in place of the sky, {expected:?}");
+        }
+    }
+}
+
 #[test]
 fn a_small_panel_lights_like_a_lamp_to_one_side() {
     // In front of a small panel, the light is the same as from a lamp whose strength is the panel's area times the

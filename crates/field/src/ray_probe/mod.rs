@@ -249,12 +249,17 @@ impl<'a> RayProbe<'a> {
         cell.map_or(self.regions.whole_tape, |cell| cell.tape)
     }
 
-    fn value(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> f32 {
+    /// Returns the lower bound of the distance, and the distance itself, which is larger where an object has a bound.
+    fn values(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> [f32; 2] {
         let tape = self.tape_of(cell);
         traced.evaluations += 1;
         traced.clauses +=
             *self.lengths.borrow_mut().entry(tape).or_insert_with(|| self.regions.clauses_of(tape));
-        self.regions.run(tape, point, 0.0, self.frame)[0]
+        self.regions.run(tape, point, 0.0, self.frame)
+    }
+
+    fn value(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> f32 {
+        self.values(cell, point, traced)[0]
     }
 
     /// Calls `trace` with rays that do not skip cells, if the values are distances. Other values need the cells.
@@ -288,15 +293,17 @@ impl<'a> RayProbe<'a> {
                 }
                 cell = self.cell_at(&walk, t);
             }
-            d = self.value(cell.as_ref(), ray.at(t), traced);
+            let bound;
+            [bound, d] = self.values(cell.as_ref(), ray.at(t), traced);
             self.record(t, d);
             // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
                 traced.capped = false;
                 break;
             }
-            t += d;
-            before = d;
+            let stride = d.min(bound.max(reach * t));
+            t += stride;
+            before = if stride < d { 0.0 } else { d };
             if t >= end {
                 traced.capped = false;
                 return None;

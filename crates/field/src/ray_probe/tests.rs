@@ -59,6 +59,23 @@ fn a_ray_that_creeps_along_a_flat_value_is_capped() {
 }
 
 #[test]
+fn rays_that_end_at_the_bound_of_a_cell_meet_no_surface() {
+    let world = world_of(
+        "object balls { shape = sphere(repeat(p, vec3(2, 0, 2)), 0.9)  bound = other_cells(p, vec3(2, 0, 2), 0.9) }",
+    );
+    for cells in [true, false] {
+        with_ray_probe(&world, 0.0, cells, |ray_probe| {
+            for (to, meets) in [([0.3, 0.35, 1.0], false), ([0.9, 0.2, 0.7], false), ([0.3, -0.4, 1.0], true)]
+            {
+                let ray = Ray { spread: 0.02, ..ray([0.0, 1.6, -5.0], [to[0], 1.6 + to[1], to[2] - 5.0]) };
+                let traced = ray_probe.trace(&ray);
+                assert_eq!(traced.hit.is_some(), meets, "{to:?}: {traced:?}");
+            }
+        });
+    }
+}
+
+#[test]
 fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
     let world = world_of(KNOWN);
     for cells in [true, false] {
