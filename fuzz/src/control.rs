@@ -1,7 +1,7 @@
 //! Input from controllers: OSC packets and the bytes of MIDI devices.
 
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
-use mariana_control::limits::LIMITS;
+use mariana_control::limits;
 use mariana_control::midi::{Clock, Device, Said};
 use mariana_control::osc::{Asked, Pattern, messages, understand};
 use mariana_control::{Amount, ParamChange, midi::Message};
@@ -18,9 +18,9 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
 /// Parses an OSC packet and matches its address patterns with some addresses.
 pub(crate) fn osc(data: &[u8]) {
     let (found, _) = messages(data);
-    assert!(found.len() <= LIMITS.osc_elements_max, "{} messages", found.len());
+    assert!(found.len() <= limits::OSC_ELEMENTS_MAX, "{} messages", found.len());
     for (message, _) in &found {
-        assert!(message.args.len() <= LIMITS.osc_arguments_max);
+        assert!(message.args.len() <= limits::OSC_ARGUMENTS_MAX);
         if let Some(pattern) = Pattern::read(&message.addr) {
             // Matching must not panic and must be fast.
             let _ = (pattern.matches("/param/size"), pattern.matches(&message.addr), pattern.matches(""));
@@ -36,14 +36,14 @@ pub(crate) fn osc(data: &[u8]) {
 pub(crate) fn check_turn(change: &ParamChange) {
     let (Amount::Value(to) | Amount::Fraction(to)) = change.to;
     assert!(to.is_finite() && change.seconds.is_finite(), "{change:?}");
-    assert!(change.name.len() <= LIMITS.name_bytes_max, "{change:?}");
+    assert!(change.name.len() <= limits::NAME_BYTES_MAX, "{change:?}");
 }
 
 pub(crate) fn check_act(action: &Action) {
     assert!(ACTIONS.iter().any(|row| row.name == action.name), "{action:?}");
     match &action.given {
         ActionValue::Number(number) => assert!(number.is_finite(), "{action:?}"),
-        ActionValue::Text(text) => assert!(text.len() <= LIMITS.name_bytes_max, "{action:?}"),
+        ActionValue::Text(text) => assert!(text.len() <= limits::NAME_BYTES_MAX, "{action:?}"),
         ActionValue::Nothing => {}
     }
 }

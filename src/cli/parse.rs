@@ -1,6 +1,6 @@
 //! Parsers of flags with numbers, checked against the limits.
 
-use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_control::limits as control_limits;
 use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
@@ -59,7 +59,7 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
 }
 
 pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
-    parse_within(text, CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max, "times a second")
+    parse_within(text, control_limits::OSC_RATE_MIN, control_limits::OSC_RATE_MAX, "times a second")
 }
 
 pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn rates_of_osc_are_those_of_the_limits() {
-        let (least, most) = (CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max);
+        let (least, most) = (control_limits::OSC_RATE_MIN, control_limits::OSC_RATE_MAX);
         assert_eq!(parse_osc_rate(&least.to_string()), Ok(least));
         assert_eq!(parse_osc_rate(&most.to_string()), Ok(most));
         for rate in [least / 2.0, most + 1.0, f64::NAN] {

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::limits::LIMITS;
-use crate::{Curve, Glide};
+use crate::{Curve, Glide, limits};
 
 /// A rule by which a parameter follows an input: `low + (high - low) * curve(input)`.
 ///
@@ -42,7 +41,7 @@ impl SoundBinding {
         let is_finite =
             [self.low, self.high, self.smoothing, release].iter().all(|number| number.is_finite());
         for seconds in std::iter::once(&mut self.smoothing).chain(&mut self.release) {
-            *seconds = seconds.clamp(0.0, LIMITS.smoothing_seconds_max);
+            *seconds = seconds.clamp(0.0, limits::SMOOTHING_SECONDS_MAX);
         }
         is_finite.then_some(self)
     }
@@ -110,6 +109,59 @@ impl Following {
     }
 }
 
+// The origin of a parameter's value.
+
+/// The controller that changed a parameter last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ChangedBy {
+    /// No controller: the parameter has the value in the scene's text.
+    #[default]
+    Text,
+    /// A slider in the window, or a stored slider value.
+    Slider,
+    /// A mapped MIDI knob, key or wheel.
+    Midi,
+    /// An OSC message.
+    Osc,
+    /// The phone page.
+    Phone,
+    /// A show that moves parameters.
+    Show,
+    /// A recorded performance.
+    Recording,
+    /// A sound to which the parameter is bound.
+    Sound,
+}
+
+impl ChangedBy {
+    /// All variants.
+    pub const ALL: [Self; 8] = [
+        Self::Text,
+        Self::Slider,
+        Self::Midi,
+        Self::Osc,
+        Self::Phone,
+        Self::Show,
+        Self::Recording,
+        Self::Sound,
+    ];
+
+    /// Returns the label next to a slider.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Text => "text",
+            Self::Slider => "slider",
+            Self::Midi => "MIDI",
+            Self::Osc => "OSC",
+            Self::Phone => "phone",
+            Self::Show => "show",
+            Self::Recording => "recording",
+            Self::Sound => "sound",
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,6 +193,6 @@ mod tests {
         assert_eq!(binding(0.0, 1.0, Curve::Fast).expression("bass"), "bass * (2 - bass)");
         assert_eq!(binding(f32::NAN, 1.0, Curve::Fast).mended(), None);
         let long = SoundBinding { smoothing: 1e9, ..up };
-        assert_eq!(long.mended().unwrap().smoothing, LIMITS.smoothing_seconds_max);
+        assert_eq!(long.mended().unwrap().smoothing, limits::SMOOTHING_SECONDS_MAX);
     }
 }

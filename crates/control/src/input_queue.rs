@@ -9,7 +9,7 @@ use std::time::Instant;
 use super::action::Action;
 use super::midi::{KnobMove, Source};
 use super::{ChangedBy, Param};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A new value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,8 +122,8 @@ impl InputQueue {
                 pending.places.get(&change.name).and_then(|place| pending.batch.params.get_mut(*place))
             {
                 *known = change;
-            } else if pending.batch.params.len() < LIMITS.pending_params_max
-                && change.name.len() <= LIMITS.name_bytes_max
+            } else if pending.batch.params.len() < limits::PENDING_PARAMS_MAX
+                && change.name.len() <= limits::NAME_BYTES_MAX
             {
                 pending.places.insert(change.name.clone(), pending.batch.params.len());
                 pending.batch.params.push(change);
@@ -141,7 +141,7 @@ impl InputQueue {
                 actions.last_mut().filter(|last| last.name == action.name && is_newer(last, &action))
             {
                 *last = action;
-            } else if actions.len() < LIMITS.pending_actions_max {
+            } else if actions.len() < limits::PENDING_ACTIONS_MAX {
                 actions.push(action);
             } else {
                 pending.refusals.too_many += 1;
@@ -155,7 +155,7 @@ impl InputQueue {
             let (knobs, name) = (&mut pending.batch.knobs, (knob.device.clone(), knob.source));
             if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
                 known.merge(&knob);
-            } else if knobs.len() < LIMITS.moved_knobs_max {
+            } else if knobs.len() < limits::MOVED_KNOBS_MAX {
                 pending.knob_places.insert(name, knobs.len());
                 knobs.push(knob);
             } else {
@@ -251,12 +251,12 @@ mod tests {
     #[test]
     fn input_beyond_the_limits_is_rejected_and_counted() {
         let (input_queue, _) = place();
-        for number in 0..LIMITS.pending_params_max + 3 {
+        for number in 0..limits::PENDING_PARAMS_MAX + 3 {
             input_queue.turn(change(&number.to_string(), 0.0));
         }
         input_queue.turn(change("0", 7.0));
-        input_queue.turn(change(&"x".repeat(LIMITS.name_bytes_max + 1), 0.0));
-        for _ in 0..LIMITS.pending_actions_max + 2 {
+        input_queue.turn(change(&"x".repeat(limits::NAME_BYTES_MAX + 1), 0.0));
+        for _ in 0..limits::PENDING_ACTIONS_MAX + 2 {
             input_queue.act(Action { name: "next", given: ActionValue::Nothing });
         }
         input_queue.turn(change("0", f32::NAN));
@@ -264,10 +264,10 @@ mod tests {
         let refusals = input_queue.counts().1;
         assert_eq!((refusals.too_many, refusals.not_numbers, refusals.count()), (6, 2, 8));
         let batch = input_queue.drain();
-        assert_eq!(batch.params.len(), LIMITS.pending_params_max);
+        assert_eq!(batch.params.len(), limits::PENDING_PARAMS_MAX);
         assert_eq!(
             (batch.params[0].to, batch.actions.len()),
-            (Amount::Value(7.0), LIMITS.pending_actions_max)
+            (Amount::Value(7.0), limits::PENDING_ACTIONS_MAX)
         );
     }
 
@@ -285,13 +285,13 @@ mod tests {
         let merged = KnobMove { way: [0.0, 1.0], presses: 10_000, steps, ..knob(1, 0.0, false) };
         assert_eq!(input_queue.drain().knobs, [merged]);
         assert_eq!(woken.load(Ordering::Relaxed), 1);
-        for number in 0..LIMITS.moved_knobs_max + 5 {
+        for number in 0..limits::MOVED_KNOBS_MAX + 5 {
             let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
             input_queue.moved(KnobMove::to("desk".into(), source, 0.0, false));
         }
         assert_eq!(
             (input_queue.counts().1.too_many, input_queue.drain().knobs.len()),
-            (5, LIMITS.moved_knobs_max)
+            (5, limits::MOVED_KNOBS_MAX)
         );
     }
 

@@ -14,7 +14,6 @@
 
 pub mod action;
 mod binding;
-mod changed_by;
 mod glide;
 mod input_queue;
 pub mod limits;
@@ -24,8 +23,7 @@ pub mod osc;
 mod present;
 mod slider;
 
-pub use binding::{Bound, SoundBinding};
-pub use changed_by::ChangedBy;
+pub use binding::{Bound, ChangedBy, SoundBinding};
 pub use glide::Glide;
 pub use input_queue::{Amount, InputBatch, InputQueue, ParamChange, Refusals};
 pub use midi::Curve;

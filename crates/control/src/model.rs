@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::binding::Following;
 use super::{Bound, ChangedBy, Glide, SoundBinding};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A parameter as declared in a scene's text. `min <= default <= max`, all finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +93,7 @@ impl Model {
             return;
         }
         let seconds = if turn.seconds.is_finite() {
-            turn.seconds.clamp(0.0, LIMITS.smoothing_seconds_max)
+            turn.seconds.clamp(0.0, limits::SMOOTHING_SECONDS_MAX)
         } else {
             0.0
         };
@@ -148,7 +148,8 @@ impl Model {
         &mut self,
         scene: &str,
         param: &Param<'_>,
-        (binding, seconds): (SoundBinding, f32),
+        binding: SoundBinding,
+        seconds: f32,
         directed: Option<Directed>,
         now: f64,
     ) {
@@ -383,7 +384,7 @@ mod tests {
     fn smoothing_is_clamped_to_the_limit() {
         let mut model = Model::default();
         model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(ChangedBy::Osc, 4.0) }, None, 0.0);
-        let gone = f64::from(LIMITS.smoothing_seconds_max) * 7.0;
+        let gone = f64::from(limits::SMOOTHING_SECONDS_MAX) * 7.0;
         assert!(model.moves("orb", gone - 1.0) && !model.moves("orb", gone));
     }
 
@@ -395,7 +396,7 @@ mod tests {
     fn a_bound_parameter_follows_its_input_until_a_controller_turns_it() {
         let mut model = Model::default();
         model.turn("orb", &SIZE, turn(ChangedBy::Slider, 2.0), None, 0.0);
-        model.bind("orb", &SIZE, (by_bass(0.0, 8.0, 0.0), 0.0), None, 1.0);
+        model.bind("orb", &SIZE, by_bass(0.0, 8.0, 0.0), 0.0, None, 1.0);
         let hear = |model: &mut Model, now, value| {
             model.move_bound(now, |name| (name == "bass").then_some(value));
             read(model, None, now)
@@ -408,7 +409,7 @@ mod tests {
         assert_eq!(hear(&mut model, 2.0, 0.0), (1.5, ChangedBy::Midi));
         let bound = model.bound("orb", "size").unwrap();
         assert!(!bound.is_active && model.bindings("orb").is_empty());
-        model.bind("orb", &SIZE, (bound.binding, 0.0), None, 3.0);
+        model.bind("orb", &SIZE, bound.binding, 0.0, None, 3.0);
         assert_eq!(hear(&mut model, 3.0, 0.125), (1.0, ChangedBy::Sound));
         model.unbind("orb", &SIZE);
         assert_eq!(read(&model, None, 3.0), (1.5, ChangedBy::Slider));
@@ -418,19 +419,19 @@ mod tests {
     #[test]
     fn a_binding_is_smoothed_and_begins_at_the_present_value() {
         let mut model = Model::default();
-        model.bind("orb", &SIZE, (by_bass(4.0, 0.0, 1.0), 0.0), None, 0.0);
+        model.bind("orb", &SIZE, by_bass(4.0, 0.0, 1.0), 0.0, None, 0.0);
         for step in 0..=10 {
             model.move_bound(f64::from(step) / 10.0, |_| Some(0.0));
         }
         let one = 4.0 - 3.0 / std::f32::consts::E;
         assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5 && model.moves("orb", 1.0));
         // A recalled binding takes over within its time.
-        model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 2.0), None, 8.0);
+        model.bind("orb", &SIZE, by_bass(0.0, 4.0, 0.0), 2.0, None, 8.0);
         let before = read(&model, None, 8.0).0;
         model.move_bound(9.0, |_| Some(0.0));
         assert!((read(&model, None, 9.0).0 - 0.5 * before).abs() < 1e-5);
         assert_eq!(read(&model, None, 10.0).0, 0.0);
-        model.bind("orb", &SIZE, (by_bass(f32::NAN, 4.0, 0.0), 0.0), None, 11.0);
+        model.bind("orb", &SIZE, by_bass(f32::NAN, 4.0, 0.0), 0.0, None, 11.0);
         assert_eq!(model.bindings("orb")["size"].low, 0.0, "such a binding is ignored");
     }
 
@@ -438,7 +439,7 @@ mod tests {
     fn a_show_takes_a_bound_parameter_over_with_its_next_movement() {
         let mut model = Model::default();
         let directed = |part| Some(Directed { value: 3.0, part });
-        model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 0.0), directed(1), 0.0);
+        model.bind("orb", &SIZE, by_bass(0.0, 4.0, 0.0), 0.0, directed(1), 0.0);
         model.move_bound(1.0, |_| Some(0.5));
         assert_eq!(read(&model, directed(1), 1.0), (2.0, ChangedBy::Sound));
         assert_eq!(read(&model, directed(2), 1.0), (3.0, ChangedBy::Show));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Bound, ChangedBy};
+use crate::{Bound, ChangedBy, Param};
 
 /// A parameter that the user can move.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,21 +25,9 @@ pub struct Slider {
 }
 
 impl Slider {
-    /// Clamps a value to the range. A value that is not finite becomes the default.
-    pub fn clamped(&self, value: f32) -> f32 {
-        let value = if value.is_finite() { value } else { self.default };
-        value.max(self.min).min(self.max)
-    }
-
-    /// Returns a value's position between `min` and `max`, 0..1.
-    pub fn position_of(&self, value: f32) -> f32 {
-        let position = (value - self.min) / (self.max - self.min);
-        if position.is_finite() { position.clamp(0.0, 1.0) } else { 0.0 }
-    }
-
-    /// Returns the value at a position between `min` (0) and `max` (1).
-    pub fn value_at(&self, position: f32) -> f32 {
-        self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
+    /// Returns the parameter with its range.
+    pub fn param(&self) -> Param<'_> {
+        Param { name: &self.name, min: self.min, max: self.max, default: self.default }
     }
 
     /// Returns who changed the value last; empty for the scene's text and the slider itself.
@@ -78,11 +66,20 @@ mod tests {
             bound: None,
         };
         let unit = slider(0.0, 1.0);
-        assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
-        assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);
-        assert_eq!(slider(-4.0, 4.0).position_of(2.0), 0.75);
+        assert_eq!(
+            [-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.param().clamped(value)),
+            [0.0, 0.25, 1.0, 0.5]
+        );
+        assert_eq!(
+            [-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).param().value_at(position)),
+            [-4.0, -2.0, 4.0]
+        );
+        assert_eq!(slider(-4.0, 4.0).param().fraction_of(2.0), 0.75);
         // An empty range.
-        assert_eq!((slider(1.0, 1.0).position_of(1.0), slider(1.0, 1.0).value_at(0.3)), (0.0, 1.0));
+        assert_eq!(
+            (slider(1.0, 1.0).param().fraction_of(1.0), slider(1.0, 1.0).param().value_at(0.3)),
+            (0.0, 1.0)
+        );
         assert_eq!(
             [1.0, 10.0, 100.0, 1_000.0].map(|max| slider(0.0, max).value_text()),
             ["0.250", "0.25", "0.2", "0"]

@@ -7,7 +7,7 @@
 //! ```
 
 use mariana_control::action::{Action, ActionRow, ActionValue, row_of};
-use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_control::limits as control_limits;
 use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
 
@@ -70,7 +70,7 @@ enum With {
 pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
         Message::Turn(Turn { turn: name, to }) => {
-            if name.len() > CONTROL_LIMITS.name_bytes_max {
+            if name.len() > control_limits::NAME_BYTES_MAX {
                 return Err(Refused::Unknown);
             }
             let to = Amount::Value(number(to)?);
@@ -82,7 +82,7 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
                 None => ActionValue::Nothing,
                 Some(With::Switch(on)) => ActionValue::Number(f32::from(u8::from(on))),
                 Some(With::Number(value)) => ActionValue::Number(number(value)?),
-                Some(With::Text(text)) if text.len() <= CONTROL_LIMITS.name_bytes_max => {
+                Some(With::Text(text)) if text.len() <= control_limits::NAME_BYTES_MAX => {
                     ActionValue::Text(text)
                 }
                 Some(With::Text(_)) => return Err(Refused::Unknown),
@@ -173,7 +173,7 @@ mod tests {
     fn oversized_and_unknown_messages_are_rejected() {
         assert_eq!(parse_request(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
         assert_eq!(parse_request(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
-        let long = "x".repeat(CONTROL_LIMITS.name_bytes_max + 1);
+        let long = "x".repeat(control_limits::NAME_BYTES_MAX + 1);
         assert_eq!(parse_request(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
         assert_eq!(parse_request(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
         for text in

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use mariana_control::action::ActionRow;
-use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_control::limits as control_limits;
 use mariana_control::osc::{Place, PlaceError};
 use mariana_control::{Board, InputQueue};
 
@@ -165,7 +165,7 @@ impl Shared {
                 Ok(listens) => return Some(listens),
                 Err(error) => self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
             }
-            std::thread::sleep(CONTROL_LIMITS.port_retry);
+            std::thread::sleep(control_limits::PORT_RETRY);
         }
         None
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::aside::aside;
 use super::writer_thread::WriterThread;
-use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_control::limits as control_limits;
 use mariana_control::midi::{Mapping, MappingFile, MappingsError};
 use mariana_files::Folders;
 use mariana_files::atomic_file::AtomicFile;
@@ -154,7 +154,7 @@ fn refused(path: &Path, doing: &'static str, reason: &dyn std::fmt::Display) -> 
 }
 
 fn read(path: &Path) -> Result<MappingFile, KnobsError> {
-    let read = match read_at_most(path, CONTROL_LIMITS.mapping_bytes_max) {
+    let read = match read_at_most(path, control_limits::MAPPING_BYTES_MAX) {
         Ok(Some(bytes)) => MappingFile::read(&bytes),
         Ok(None) => Err(MappingsError::TooLarge),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(MappingFile::default()),

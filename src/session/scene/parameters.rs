@@ -153,7 +153,7 @@ impl Parameters {
         match binding {
             Some(binding) => {
                 let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
-                self.model.bind(&knob.scene, &param_of(slider), (binding, 0.0), directed, self.now);
+                self.model.bind(&knob.scene, &param_of(slider), binding, 0.0, directed, self.now);
             }
             None => self.model.unbind(&knob.scene, &param_of(slider)),
         }
@@ -187,7 +187,7 @@ impl Parameters {
         for (slider, knob) in scene.knobs.iter().filter(|(_, knob)| knob.place >= begin) {
             let (param, directed) = (param_of(slider), moves.of(knob, &slider.name, split));
             if let Some(binding) = snapshot.bindings.get(param.name) {
-                self.model.bind(&knob.scene, &param, (binding.clone(), seconds), directed, self.now);
+                self.model.bind(&knob.scene, &param, binding.clone(), seconds, directed, self.now);
             } else if let Some(to) = snapshot.sliders.get(param.name) {
                 let turn = Turn { to: *to, seconds, changed_by: ChangedBy::Slider };
                 self.model.morph(&knob.scene, &param, turn, directed, self.now);

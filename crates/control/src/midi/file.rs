@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::encoding::Encoding;
 use super::mapping::{Curve, Mapping, Mappings, Target};
 use super::source::Source;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The contents of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,10 +29,10 @@ pub enum MappingsError {
     #[error("{0}")]
     Malformed(String),
     /// The file has too many mappings.
-    #[error("it has {0} mappings; the limit is {max}", max = LIMITS.mappings_max)]
+    #[error("it has {0} mappings; the limit is {max}", max = limits::MAPPINGS_MAX)]
     TooMany(usize),
     /// The file is too large.
-    #[error("it has more than {} bytes", LIMITS.mapping_bytes_max)]
+    #[error("it has more than {} bytes", limits::MAPPING_BYTES_MAX)]
     TooLarge,
 }
 
@@ -91,13 +91,13 @@ impl MappingFile {
     /// # Errors
     /// Fails if the file is malformed, too large, or has too many mappings.
     pub fn read(bytes: &[u8]) -> Result<Self, MappingsError> {
-        if bytes.len() > LIMITS.mapping_bytes_max {
+        if bytes.len() > limits::MAPPING_BYTES_MAX {
             return Err(MappingsError::TooLarge);
         }
         let malformed = |reason: String| MappingsError::Malformed(reason.trim().replace('\n', " "));
         let text = std::str::from_utf8(bytes).map_err(|error| malformed(error.to_string()))?;
         let text: Text = toml::from_str(text).map_err(|error| malformed(error.message().to_owned()))?;
-        if text.knob.len() > LIMITS.mappings_max {
+        if text.knob.len() > limits::MAPPINGS_MAX {
             return Err(MappingsError::TooMany(text.knob.len()));
         }
         let rows = text.knob.into_iter().enumerate();
@@ -223,9 +223,9 @@ mod tests {
     #[test]
     fn files_beyond_the_limits_are_refused() {
         let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\naction = \"next\"\n";
-        let many = knob.repeat(LIMITS.mappings_max + 1);
-        assert_eq!(MappingFile::read(many.as_bytes()), Err(MappingsError::TooMany(LIMITS.mappings_max + 1)));
-        let large = vec![b'#'; LIMITS.mapping_bytes_max + 1];
+        let many = knob.repeat(limits::MAPPINGS_MAX + 1);
+        assert_eq!(MappingFile::read(many.as_bytes()), Err(MappingsError::TooMany(limits::MAPPINGS_MAX + 1)));
+        let large = vec![b'#'; limits::MAPPING_BYTES_MAX + 1];
         assert_eq!(MappingFile::read(&large), Err(MappingsError::TooLarge));
         assert!(MappingFile::read(&large[1..]).is_ok());
     }

@@ -11,7 +11,7 @@ use super::clock::{Clock, ClockReading};
 use super::device::{Device, Said};
 use super::ports::{Hear, Ports};
 use crate::InputQueue;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The interval between two scans for devices.
 const LOOK: Duration = Duration::from_millis(500);
@@ -107,7 +107,7 @@ fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>
     };
     open.retain(|name, _| names.contains(name));
     let mut refused = Vec::new();
-    for name in names.iter().take(LIMITS.midi_devices_max) {
+    for name in names.iter().take(limits::MIDI_DEVICES_MAX) {
         if !open.contains_key(name) {
             match ports.open(name, hearing(name, shared.clone())) {
                 Ok(connection) => drop(open.insert(name.clone(), connection)),
@@ -115,9 +115,9 @@ fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>
             }
         }
     }
-    let beyond = names.iter().skip(LIMITS.midi_devices_max);
+    let beyond = names.iter().skip(limits::MIDI_DEVICES_MAX);
     refused.extend(beyond.map(|name| {
-        (name.clone(), format!("only {} devices can be open at the same time", LIMITS.midi_devices_max))
+        (name.clone(), format!("only {} devices can be open at the same time", limits::MIDI_DEVICES_MAX))
     }));
     let clock_of = {
         let clock = lock(&shared.clock);
@@ -251,11 +251,12 @@ mod tests {
         let (hub, _, news) = hub(&hub_test);
         news.recv().unwrap();
         assert_eq!(hub.state().trouble.as_deref(), Some("there is no sequencer"));
-        let names: Vec<String> = (0..=LIMITS.midi_devices_max).map(|number| format!("{number:03}")).collect();
+        let names: Vec<String> =
+            (0..=limits::MIDI_DEVICES_MAX).map(|number| format!("{number:03}")).collect();
         hub_test.plug(&names.iter().map(|name| &**name).collect::<Vec<_>>());
         news.recv().unwrap();
         let state = hub.state();
-        assert_eq!((state.devices.len(), state.refused.len()), (LIMITS.midi_devices_max, 1));
+        assert_eq!((state.devices.len(), state.refused.len()), (limits::MIDI_DEVICES_MAX, 1));
     }
 
     #[test]

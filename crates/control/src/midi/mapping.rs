@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::encoding::Encoding;
-use super::pick_up::PickUp;
+use super::learn::PickUp;
 use super::source::{KnobMove, Source};
 use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::{Amount, ChangedBy, ParamChange};
 
 /// The target of a mapping.
@@ -180,7 +180,7 @@ impl Mapping {
             return false;
         }
         self.range = self.range.map(|end| end.clamp(0.0, most));
-        self.smoothing = self.smoothing.clamp(0.0, LIMITS.smoothing_seconds_max);
+        self.smoothing = self.smoothing.clamp(0.0, limits::SMOOTHING_SECONDS_MAX);
         !self.device.is_empty()
     }
 }
@@ -213,7 +213,7 @@ pub struct Mappings {
 impl Mappings {
     /// Uses a list of mappings. Entries beyond the limit are ignored.
     pub fn of(mut list: Vec<Mapping>) -> Self {
-        list.truncate(LIMITS.mappings_max);
+        list.truncate(limits::MAPPINGS_MAX);
         Self { holds: vec![PickUp::default(); list.len()], list }
     }
 
@@ -227,7 +227,7 @@ impl Mappings {
         let same = |one: &Mapping| {
             one.device == mapping.device && one.source == mapping.source && one.target == mapping.target
         };
-        if self.list.len() >= LIMITS.mappings_max || self.list.iter().any(same) {
+        if self.list.len() >= limits::MAPPINGS_MAX || self.list.iter().any(same) {
             return false;
         }
         self.list.push(mapping);
@@ -300,7 +300,7 @@ fn actions_of(
     value: Option<&str>,
     moved: &KnobMove,
 ) -> impl Iterator<Item = Action> {
-    let presses = moved.presses.min(LIMITS.presses_max) as usize;
+    let presses = moved.presses.min(limits::PRESSES_MAX) as usize;
     let (times, given) = match row.takes {
         ValueType::Press | ValueType::Switch => (presses, ActionValue::Nothing),
         ValueType::Level | ValueType::Number => {
@@ -418,7 +418,7 @@ mod tests {
         let third = moved(Source::Program { channel: 0 }, 2.0 / 127.0, 1);
         assert_eq!(apply(&mut mappings, &third), [act("scene", ActionValue::Number(3.0))]);
         let many = apply(&mut mappings, &moved(PAD, 1.0, u32::MAX));
-        assert_eq!(many.len(), 2 * LIMITS.presses_max as usize);
+        assert_eq!(many.len(), 2 * limits::PRESSES_MAX as usize);
     }
 
     #[test]
@@ -432,10 +432,10 @@ mod tests {
         mappings.remove(7);
         mappings.remove(0);
         assert_eq!(mappings.list(), []);
-        for number in 0..LIMITS.mappings_max + 1 {
-            assert_eq!(mappings.add(mapped(KNOB, param(&number.to_string()))), number < LIMITS.mappings_max);
+        for number in 0..limits::MAPPINGS_MAX + 1 {
+            assert_eq!(mappings.add(mapped(KNOB, param(&number.to_string()))), number < limits::MAPPINGS_MAX);
         }
-        assert_eq!(Mappings::of(vec![one; LIMITS.mappings_max + 1]).list().len(), LIMITS.mappings_max);
+        assert_eq!(Mappings::of(vec![one; limits::MAPPINGS_MAX + 1]).list().len(), limits::MAPPINGS_MAX);
     }
 
     /// Returns the movement of an encoder by `turns`, which arrive between two frames.

@@ -10,7 +10,6 @@ mod hub;
 mod learn;
 mod mapping;
 mod message;
-mod pick_up;
 mod ports;
 mod source;
 

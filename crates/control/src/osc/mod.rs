@@ -3,15 +3,12 @@
 
 mod address;
 mod packet;
-mod pattern;
 mod place;
 mod receiver;
 mod sender;
-mod waiting;
 
-pub use address::{Asked, FixedAddress, Query, Refused, fixed_addresses, understand};
+pub use address::{Asked, FixedAddress, Pattern, Query, Refused, fixed_addresses, is_pattern, understand};
 pub use packet::{Timed, messages};
-pub use pattern::{Pattern, is_pattern};
 pub use place::{Place, PlaceError};
 pub use receiver::{OscReceiver, ReceiverState};
 pub use sender::{OscSender, Sample};

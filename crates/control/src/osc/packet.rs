@@ -3,7 +3,7 @@
 
 use rosc::{OscMessage, OscPacket, OscTime};
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 const BUNDLE: &[u8] = b"#bundle\0";
 /// The length of a bundle's header, which has a name and a time tag.
@@ -21,7 +21,7 @@ pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     let mut elements = 0;
     while let Some((piece, depth, time)) = pieces.pop() {
         elements += 1;
-        if elements > LIMITS.osc_elements_max {
+        if elements > limits::OSC_ELEMENTS_MAX {
             return (found, rubbish + 1 + pieces.len() as u64);
         }
         if !piece.starts_with(BUNDLE) {
@@ -31,7 +31,7 @@ pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
             }
             continue;
         }
-        let Some(mut rest) = piece.get(BUNDLE_HEAD..).filter(|_| depth < LIMITS.osc_depth_max) else {
+        let Some(mut rest) = piece.get(BUNDLE_HEAD..).filter(|_| depth < limits::OSC_DEPTH_MAX) else {
             rubbish += 1;
             continue;
         };
@@ -41,7 +41,7 @@ pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
                 rubbish += 1;
                 break;
             };
-            if pieces.len() < LIMITS.osc_elements_max {
+            if pieces.len() < limits::OSC_ELEMENTS_MAX {
                 pieces.push((element, depth + 1, time));
             } else {
                 rubbish += 1;
@@ -72,7 +72,7 @@ fn message(bytes: &[u8]) -> Option<OscMessage> {
     let address = bytes.iter().position(|byte| *byte == 0)?;
     let tags = bytes.get((address / 4 + 1) * 4..)?;
     let count = tags.iter().take_while(|byte| **byte != 0).count();
-    if count > LIMITS.osc_arguments_max + 1 {
+    if count > limits::OSC_ARGUMENTS_MAX + 1 {
         return None;
     }
     match rosc::decoder::decode_udp(bytes) {
@@ -126,8 +126,8 @@ mod tests {
     #[test]
     fn bundles_nested_beyond_the_limit_are_rejected() {
         let nested = |depth| (0..depth).fold(sent("/a"), |inner, _| bundle(vec![inner]));
-        assert_eq!(addresses(&nested(LIMITS.osc_depth_max)).0.len(), 1);
-        assert_eq!(addresses(&nested(LIMITS.osc_depth_max + 1)), (Vec::new(), 1));
+        assert_eq!(addresses(&nested(limits::OSC_DEPTH_MAX)).0.len(), 1);
+        assert_eq!(addresses(&nested(limits::OSC_DEPTH_MAX + 1)), (Vec::new(), 1));
         // A packet of only headers and sizes has the deepest nesting that fits.
         let deep: Vec<u8> = (0..3_000_u32)
             .rev()
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn more_messages_than_the_limit_are_counted_as_rubbish() {
-        let count = LIMITS.osc_elements_max;
+        let count = limits::OSC_ELEMENTS_MAX;
         let (found, rubbish) = addresses(&bundle(vec![sent("/a"); count + 5]));
         assert!(found.len() < count && found.len() + rubbish as usize >= count, "{} {rubbish}", found.len());
     }
@@ -149,8 +149,8 @@ mod tests {
             let args = vec![OscType::Int(1); count];
             addresses(&OscPacket::Message(OscMessage { addr: "/a".to_owned(), args }))
         };
-        assert_eq!(of(LIMITS.osc_arguments_max).0.len(), 1);
-        assert_eq!(of(LIMITS.osc_arguments_max + 1), (Vec::new(), 1));
+        assert_eq!(of(limits::OSC_ARGUMENTS_MAX).0.len(), 1);
+        assert_eq!(of(limits::OSC_ARGUMENTS_MAX + 1), (Vec::new(), 1));
         // Such deep arrays must not be decoded: dropping them would recurse too deeply.
         for address in [&b"/a\0\0"[..], b"/,\0\0", b",\0\0\0"] {
             let tags = [address, b",", &b"[".repeat(30_000), &b"]".repeat(30_000), b"\0\0\0"].concat();
@@ -179,7 +179,7 @@ mod tests {
             }
             bytes.truncate(length);
             let (found, _) = messages(&bytes);
-            prop_assert!(found.len() <= LIMITS.osc_elements_max);
+            prop_assert!(found.len() <= limits::OSC_ELEMENTS_MAX);
         }
     }
 }

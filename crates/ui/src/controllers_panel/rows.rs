@@ -2,7 +2,6 @@
 
 use super::{ControllerRow, ControllersState};
 use mariana_commands as commands;
-use mariana_control::Param;
 use mariana_control::action::ValueType;
 use mariana_control::midi::{Mapping, Target};
 use mariana_remote::RemoteState;
@@ -35,9 +34,8 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     }
     for slider in facts.sliders {
         let target = Target::Param { scene: facts.scene.clone(), name: slider.name.clone() };
-        let param = Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default };
         let about = format!("{} · {}", slider.value_text(), slider.changed_by.name());
-        add(&mut rows, target, slider.name.clone(), about, Some(param.fraction_of(slider.value)));
+        add(&mut rows, target, slider.name.clone(), about, Some(slider.param().fraction_of(slider.value)));
     }
     rows.push(words("Actions".to_owned()));
     for row in commands::for_controllers() {

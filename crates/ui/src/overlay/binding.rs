@@ -101,7 +101,7 @@ pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, events:
 
 /// The range of a new binding: from the present value to the greatest value, so that silence changes nothing.
 fn range_of(slider: &Slider) -> (f32, f32) {
-    let value = slider.clamped(slider.value);
+    let value = slider.param().clamped(slider.value);
     if value < slider.max { (value, slider.max) } else { (slider.min, slider.max) }
 }
 
@@ -120,7 +120,7 @@ fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<Soun
     for (end, value) in [("low", binding.low), ("high", binding.high)] {
         let mut rail = Slider {
             name: format!("{} of {}", end, slider.name),
-            value: slider.clamped(value),
+            value: slider.param().clamped(value),
             default: if end == "low" { slider.min } else { slider.max },
             bound: None,
             ..slider.clone()

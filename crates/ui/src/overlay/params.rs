@@ -94,7 +94,7 @@ fn row(
     events: &mut Vec<UiEvent>,
 ) -> bool {
     let before = slider.value;
-    slider.value = slider.clamped(slider.value);
+    slider.value = slider.param().clamped(slider.value);
     let full = ui.available_width();
 
     let (line, _) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::hover());
@@ -169,19 +169,19 @@ pub(super) fn rail(ui: &mut Ui, slider: &mut Slider) {
     } else if let Some(pointer) =
         response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
     {
-        slider.value = slider.value_at((pointer.x - rail.left()) / rail.width());
+        slider.value = slider.param().value_at((pointer.x - rail.left()) / rail.width());
     }
     let (range, step) =
         (f64::from(slider.min)..=f64::from(slider.max), STEP * f64::from(slider.max - slider.min));
     if let Some(wanted) = assisted::rail(ui, &response, &slider.name, slider.value.into(), range, step) {
-        slider.value = slider.clamped(wanted as f32);
+        slider.value = slider.param().clamped(wanted as f32);
     }
     draw_rail(ui, slider, rail, &response);
 }
 
 fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
     let painter = ui.painter();
-    let x_of = |value: f32| rail.left() + slider.position_of(value) * rail.width();
+    let x_of = |value: f32| rail.left() + slider.param().fraction_of(value) * rail.width();
     let (knob, default) = (x_of(slider.value), x_of(slider.default));
     let held = response.hovered() || response.is_pointer_button_down_on();
     painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);

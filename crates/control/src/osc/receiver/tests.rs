@@ -4,7 +4,7 @@ use rosc::OscBundle;
 
 use super::*;
 use crate::action::{ActionValue, ValueType};
-use crate::osc::waiting::of_osc;
+use crate::osc::receiver::of_osc;
 use crate::{Amount, ChangedBy};
 
 const ACTIONS: &[ActionRow] = &[ActionRow { name: "pause", takes: ValueType::Switch, meaning: "pause" }];
@@ -70,9 +70,9 @@ fn a_pattern_matches_at_most_the_limit_of_addresses() {
     let mut present = hearing.board.read(Present::clone);
     let param = present.params.remove(0);
     let name = |number| Slider { name: format!("p{number}"), ..param.clone() };
-    present.params = (0..LIMITS.osc_matches_max + 9).map(name).collect();
+    present.params = (0..limits::OSC_MATCHES_MAX + 9).map(name).collect();
     hearing.board.put(present);
-    assert_eq!(batch(&hearing, &packet("/param/*", Vec::new())).len(), LIMITS.osc_matches_max);
+    assert_eq!(batch(&hearing, &packet("/param/*", Vec::new())).len(), limits::OSC_MATCHES_MAX);
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn scheduled_messages_wait_and_those_beyond_the_limits_are_counted() {
     });
     assert_eq!(waits, [(2.0, "/param/size".to_owned())]);
     hearing.handle_packet(&later, now, |_, _| false);
-    let much_later = now + Duration::from_secs_f64(LIMITS.osc_ahead_seconds_max + 9.0);
+    let much_later = now + Duration::from_secs_f64(limits::OSC_AHEAD_SECONDS_MAX + 9.0);
     hearing.handle_packet(&bundle(much_later, "/param/size", half.to_vec()), now, |_, _| true);
     assert!(hearing.input_queue.drain().is_empty());
     assert_eq!(hearing.input_queue.counts().1.too_many, 2);
@@ -132,8 +132,10 @@ fn questions_are_answered_from_the_board() {
 #[test]
 fn answers_are_limited() {
     let hearing = hearing();
-    hearing.board.put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
-    assert_eq!(batch(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
+    hearing
+        .board
+        .put(Present { scenes: vec!["x".into(); limits::OSC_ANSWERS_MAX + 9], ..Present::default() });
+    assert_eq!(batch(&hearing, &packet("/query/scenes", Vec::new())).len(), limits::OSC_ANSWERS_MAX);
 }
 
 #[test]
