@@ -2,7 +2,7 @@
 
 use mariana::scenes::{SceneError, SceneSource};
 use mariana_music::SongMoment;
-use mariana_player::limits::LIMITS;
+use mariana_player::limits;
 use mariana_player::lyrics::Lyrics;
 
 use super::files::{contain_panics, file};
@@ -37,10 +37,10 @@ fn bake(folder: &str, shape: &str) {
 /// Reads lyrics, and marks words at some moments.
 pub(crate) fn lyrics(data: &[u8]) {
     let lyrics = Lyrics::parse(&String::from_utf8_lossy(data));
-    assert!(lyrics.line(LIMITS.lyrics_lines_max).is_none());
+    assert!(lyrics.line(limits::LYRICS_LINES_MAX).is_none());
     for number in 0..200 {
         let Some(line) = lyrics.line(number) else { break };
-        assert!(line.words.len() <= LIMITS.lyrics_line_bytes_max, "{line:?}");
+        assert!(line.words.len() <= limits::LYRICS_LINE_BYTES_MAX, "{line:?}");
         for time in [line.start, 0.5 * (line.start + line.end), -1e9] {
             let Some((_, line)) = lyrics.at(time) else { continue };
             let mut moment = SongMoment::UNKNOWN;

@@ -54,15 +54,14 @@ pub(crate) fn decode(data: &[u8]) {
     let Ok(mut decoder) = Decoder::open_track(&path, 0) else { return };
     let info = decoder.info().clone();
     assert!(
-        (mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max)
+        (mariana_music::limits::SAMPLE_RATE_MIN..=mariana_music::limits::SAMPLE_RATE_MAX)
             .contains(&info.sample_rate),
         "{info:?}"
     );
-    assert!(info.source_channels <= usize::from(mariana_player::limits::LIMITS.channels_max), "{info:?}");
+    assert!(info.source_channels <= usize::from(mariana_player::limits::CHANNELS_MAX), "{info:?}");
     assert!(
-        info.duration.is_none_or(
-            |seconds| (0.0..=mariana_player::limits::LIMITS.claimed_duration_max).contains(&seconds)
-        ),
+        info.duration
+            .is_none_or(|seconds| (0.0..=mariana_player::limits::CLAIMED_DURATION_MAX).contains(&seconds)),
         "{info:?}"
     );
     assert!(info.scene_gain.is_finite() && info.scene_gain >= 0.0, "{info:?}");
@@ -117,7 +116,7 @@ pub(crate) fn lists(data: &[u8]) {
         Ok(items) => items,
         Err(error) => return assert!(error.to_string().contains("list."), "{error}"),
     };
-    assert!(!items.is_empty() && items.len() <= mariana_player::limits::LIMITS.playlist_looks_max);
+    assert!(!items.is_empty() && items.len() <= mariana_player::limits::PLAYLIST_LOOKS_MAX);
     for cut in items.iter().filter_map(|item| item.cut) {
         assert!(cut.end.is_none_or(|end| end >= cut.start), "{cut:?}");
     }
@@ -130,7 +129,7 @@ pub(crate) fn lists(data: &[u8]) {
         return;
     }
     let Ok(mut opened) = Playlist::open(&[path], Repeat::Off, false) else { return };
-    assert!(opened.first.info.count <= mariana_player::limits::LIMITS.playlist_tracks_max);
+    assert!(opened.first.info.count <= mariana_player::limits::PLAYLIST_TRACKS_MAX);
     if !opened.playable {
         return;
     }
@@ -163,10 +162,7 @@ pub(crate) fn settings(data: &[u8]) {
     let path = file("settings", "settings.toml", data);
     let (mut file, reported) = SettingsFile::open(Some(path.clone()));
     let in_range = |file: &SettingsFile| {
-        file.settings()
-            .latency_ms
-            .values()
-            .all(|shift| shift.abs() <= mariana_player::limits::LIMITS.latency_ms_max)
+        file.settings().latency_ms.values().all(|shift| shift.abs() <= mariana_player::limits::LATENCY_MS_MAX)
     };
     assert!(in_range(&file));
     assert!(reported.is_none_or(|error| error.to_string().contains("settings.toml")));

@@ -2,7 +2,7 @@
 
 use mariana_control::limits as control_limits;
 use mariana_field::world::BlendKind;
-use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_player::limits as player_limits;
 
 use crate::config::SETTING_LIMITS;
 use crate::export::video::Part;
@@ -186,7 +186,7 @@ pub(super) fn parse_corners(text: &str) -> Result<Corners, String> {
 }
 
 pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(text, -PLAYER_LIMITS.latency_ms_max, PLAYER_LIMITS.latency_ms_max, "milliseconds")
+    parse_within(text, -player_limits::LATENCY_MS_MAX, player_limits::LATENCY_MS_MAX, "milliseconds")
 }
 
 #[cfg(test)]

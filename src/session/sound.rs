@@ -17,7 +17,7 @@ use crate::ui::settings_panel;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
-use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_player::limits as player_limits;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
 const LIST_STANDS: Duration = Duration::from_secs(4);
@@ -162,8 +162,8 @@ impl Sound {
     /// Sets the delay of the frames in milliseconds, within limits, and returns it. `settled` saves it for the device.
     pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) -> f64 {
         // Live sound cannot be shown before it arrives.
-        let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
-        let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
+        let least = if self.live.is_some() { 0.0 } else { -player_limits::LATENCY_MS_MAX };
+        let shift = shift.clamp(least, player_limits::LATENCY_MS_MAX);
         self.asked_ms = Some(shift);
         if let Some(device) = self.device.clone().filter(|_| settled) {
             // From now on the saved value applies, so that another device gets its own delay.

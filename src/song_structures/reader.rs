@@ -7,7 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::{ReadSong, StructureCache, find, lyrics_of};
-use mariana_player::priority;
+use mariana_player::lower_priority;
 use mariana_player::track::TrackInfo;
 
 /// Maximum number of structures of earlier tracks in memory.
@@ -88,7 +88,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), known_max });
         let of_thread = shared.clone();
         std::thread::Builder::new().name(name.into()).spawn(move || {
-            priority::lower(FIRST_NICENESS);
+            lower_priority(FIRST_NICENESS);
             while let Some(track) = of_thread.next() {
                 let begun = Instant::now();
                 let go_on = || of_thread.wants_most(&track);
@@ -98,7 +98,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
                     tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
                     of_thread.publish(track.id, found);
                     wake();
-                    priority::lower(NICENESS);
+                    lower_priority(NICENESS);
                 }
             }
         })?;

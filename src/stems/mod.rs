@@ -6,7 +6,7 @@ mod cache;
 pub use cache::PartsCache;
 
 use mariana_field::graph::PartInput;
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 use mariana_music::{KeptNumber, PartListener, PartTracks};
 use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::playlist::Cut;
@@ -207,7 +207,7 @@ impl<'a> StemReading<'a> {
             }
             scale(&mut block, self.scene_gain);
             if !self.listener.push(&block) {
-                let (part, limit) = (self.stem.name(), MUSIC_LIMITS.part_seconds_max);
+                let (part, limit) = (self.stem.name(), music_limits::PART_SECONDS_MAX);
                 self.problems.push(StemProblem::TooLong { part, file: self.file(), limit });
                 self.is_over = true;
             }

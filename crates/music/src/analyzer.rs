@@ -11,13 +11,12 @@ use super::pitch::strongest_hz;
 use super::resolution::Resolution;
 use super::rhythm::Rhythm;
 use super::scale::{BAND_COUNT, WAVE_PER_HOP};
-use super::slow_window::SlowWindow;
 use super::smoothing::Follower;
 use super::sounds::Sounds;
-use super::spectrum::Spectrum;
+use super::spectrum::{SlowWindow, Spectrum};
 use super::stereo::StereoImage;
 use super::volume::{Volumes, stretch_length};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The maximum position, in frames (190 000 years at 768 kHz), so that the frame count never overflows.
 const POSITION_MAX: u64 = 1 << 62;
@@ -95,7 +94,7 @@ pub struct Analyzer {
     followers: Followers,
     gain: AutoGain,
     rhythm: Rhythm,
-    sounds: Sounds,
+    pub(super) sounds: Sounds,
     last: TimedFeatures,
 }
 
@@ -138,17 +137,17 @@ impl Analyzer {
 
     /// Creates an analyzer with or without automatic gain.
     pub fn with_gain(sample_rate: u32, alignment: Alignment, gain: Gain) -> Self {
-        let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
+        let sample_rate = sample_rate.clamp(limits::SAMPLE_RATE_MIN, limits::SAMPLE_RATE_MAX);
         let rate = f64::from(sample_rate);
         let hop = hop_at(rate);
         let longest = hop * Resolution::Long.hops();
         let hop_seconds = hop as f64 / rate;
         let decimator = Decimator::new(hop);
-        let slow_length = longest / decimator.step();
+        let slow_length = longest / decimator.step;
         let (lookahead, late) = match alignment {
             // The moment is at the middle of the decimated long window.
             Alignment::Centred => {
-                ((slow_length / 2 - 1) * decimator.step() + decimator.delay() + 1, FLUX_LATE.0)
+                ((slow_length / 2 - 1) * decimator.step + decimator.delay() + 1, FLUX_LATE.0)
             }
             Alignment::Trailing => (0, FLUX_LATE.1),
         };
@@ -209,7 +208,7 @@ impl Analyzer {
 
     /// The number of sample frames per hop.
     pub fn hop(&self) -> usize {
-        self.buffer.hop()
+        self.buffer.hop
     }
 
     /// The features of a moment are emitted this many sample frames after the moment. With centred windows the number
@@ -228,7 +227,7 @@ impl Analyzer {
         self.progress = Progress { moment, position, ..Progress::default() };
         // `ahead` never exceeds the buffer: the moment is less than a hop ahead, and its window reaches back further.
         let ahead = self.lookahead + (moment - position) as usize;
-        self.buffer.restart(self.buffer.frames().len() - ahead);
+        self.buffer.restart(self.buffer.frames.len() - ahead);
         self.slow.restart();
         self.followers.stereo.restart();
         self.gain.restart();
@@ -259,11 +258,6 @@ impl Analyzer {
         self.restart(0);
     }
 
-    #[cfg(test)]
-    pub(super) fn sounds(&self) -> &Sounds {
-        &self.sounds
-    }
-
     fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         if self.buffer.is_full() {
             self.measure();
@@ -274,7 +268,7 @@ impl Analyzer {
     }
 
     fn measure(&mut self) {
-        let (history, hop) = (self.buffer.frames(), self.buffer.hop());
+        let (history, hop) = (&self.buffer.frames, self.buffer.hop);
         if std::mem::replace(&mut self.progress.has_measured, true) {
             self.slow.follow(history, hop);
         } else {
@@ -284,7 +278,7 @@ impl Analyzer {
         let [middle, short] =
             self.windows.each_mut().map(|(place, spectrum)| spectrum.measure(&history[place.clone()]));
         let stereo = self.bands.stereo([long, middle, short]);
-        let spectra = [long, middle, short].map(Spectrum::power);
+        let spectra = [long, middle, short].map(|spectrum| spectrum.power.as_slice());
         let [long, middle, short] = spectra;
         let powers = self.bands.powers(spectra);
         let power = powers.iter().sum();

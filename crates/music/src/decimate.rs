@@ -11,7 +11,7 @@ const ORDER: usize = 4;
 /// frames (Hogenauer 1981). The filter's zeros are at all multiples of the lower rate, so aliases below 500 Hz are
 /// attenuated by 80 dB.
 pub(super) struct Decimator {
-    step: usize,
+    pub(super) step: usize,
     taps: Vec<f32>,
 }
 
@@ -27,10 +27,6 @@ impl Decimator {
             taps = longer;
         }
         Self { step, taps: taps.into_iter().map(|tap| tap as f32).collect() }
-    }
-
-    pub(super) fn step(&self) -> usize {
-        self.step
     }
 
     /// An output frame describes the moment this many input frames before its last input frame.
@@ -87,6 +83,6 @@ mod tests {
         let decimator = Decimator::new(32);
         let mut kept = [[0.0; 2]; 2];
         decimator.keep(&[[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], &mut kept);
-        assert_eq!((decimator.step(), decimator.delay(), kept), (1, 0, [[3.0, 4.0], [5.0, 6.0]]));
+        assert_eq!((decimator.step, decimator.delay(), kept), (1, 0, [[3.0, 4.0], [5.0, 6.0]]));
     }
 }

@@ -16,9 +16,9 @@ pub(super) fn hop_at(rate: f64) -> usize {
 }
 
 pub(super) struct HopBuffer {
-    frames: Vec<StereoFrame>,
+    pub(super) frames: Vec<StereoFrame>,
     filled: usize,
-    hop: usize,
+    pub(super) hop: usize,
 }
 
 impl HopBuffer {
@@ -58,16 +58,8 @@ impl HopBuffer {
         self.filled -= self.hop;
     }
 
-    pub(super) fn frames(&self) -> &[StereoFrame] {
-        &self.frames
-    }
-
     pub(super) fn newest(&self, count: usize) -> &[StereoFrame] {
         &self.frames[self.frames.len() - count..]
-    }
-
-    pub(super) fn hop(&self) -> usize {
-        self.hop
     }
 }
 

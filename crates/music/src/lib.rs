@@ -53,7 +53,6 @@ mod resolution;
 mod rhythm;
 mod rises;
 mod scale;
-mod slow_window;
 mod smoothing;
 mod song;
 mod sounds;
@@ -65,7 +64,6 @@ mod tap;
 mod track;
 mod volume;
 mod whitening;
-mod window;
 
 pub use analyzer::{Alignment, Analyzer};
 pub use bands::band_edge;

@@ -9,7 +9,7 @@ use super::analyzer::{Alignment, Analyzer};
 use super::features::{Features, TimedFeatures};
 use super::gain::Gain;
 use super::scale::BAND_COUNT;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The version of the analysis of parts. Increase it whenever the same sound gives other numbers.
 pub const PART_TRACK_VERSION: u32 = 1;
@@ -129,7 +129,7 @@ impl PartListener {
         let analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, Gain::Off);
         let hop_seconds = analyzer.hop() as f64 / f64::from(analyzer.sample_rate());
         let track = PartTrack { kept: kept.to_vec(), hop_seconds, numbers: Vec::new(), bands: Vec::new() };
-        Self { analyzer, track, seconds_max: LIMITS.part_seconds_max }
+        Self { analyzer, track, seconds_max: limits::PART_SECONDS_MAX }
     }
 
     /// Analyses the next frames. Returns false once the part has reached the limit; later frames are ignored.

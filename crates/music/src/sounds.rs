@@ -57,7 +57,7 @@ impl Sounds {
             self.follower.follow(value, part * level);
         }
         let harmony = self.notes.follow(long, middle);
-        features.notes = *self.notes.levels();
+        features.notes = self.notes.levels;
         (features.chord_root, features.chord_minor) = (harmony.chord_root, harmony.chord_minor);
         features.chord_certainty = harmony.chord_certainty;
         (features.melody, features.melody_certainty) = (harmony.melody, harmony.melody_certainty);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mariana_transforms::{Complex32, Fft};
 
 use super::StereoFrame;
-use super::window::hann;
+use super::decimate::Decimator;
 
 /// Measures power spectra of stretches of samples. Only `new` allocates memory.
 pub(super) struct Spectrum {
@@ -13,7 +13,7 @@ pub(super) struct Spectrum {
     window: Vec<f32>,
     buffer: Vec<Complex32>,
     scratch: Vec<Complex32>,
-    power: Vec<f32>,
+    pub(super) power: Vec<f32>,
     scales: Vec<f32>,
 }
 
@@ -55,11 +55,6 @@ impl Spectrum {
         self
     }
 
-    /// The power in each bin from 0 Hz to just below half the sample rate. Bin k has k · rate / length hertz.
-    pub(super) fn power(&self) -> &[f32] {
-        &self.power
-    }
-
     /// Returns the weighted sums of 2·(|R|² - |L|²) and of 4·Re(L·R*) over the bins from `first` on, on the scale of
     /// [`Spectrum::power`], which is 2·(|L|² + |R|²).
     ///
@@ -75,5 +70,67 @@ impl Spectrum {
             sums[1] += product.im;
         }
         sums
+    }
+}
+
+// The window function for Fourier transforms.
+
+/// Returns the periodic Hann window, `length` weights 0..1: w(n) = ½ - ½·cos(2πn / length). The window's peak is at
+/// `length / 2`, and its equivalent noise bandwidth is 1.5 bins (Harris 1978, table 1).
+pub(super) fn hann(length: usize) -> Vec<f32> {
+    let step = std::f64::consts::TAU / length as f64;
+    (0..length).map(|n| (0.5 - 0.5 * (step * n as f64).cos()) as f32).collect()
+}
+
+// A long window at a lower sample rate, for low frequencies.
+
+pub(super) struct SlowWindow {
+    kept: Vec<StereoFrame>,
+    decimator: Decimator,
+    spectrum: Spectrum,
+}
+
+impl SlowWindow {
+    /// Creates a window of `length` decimated frames. The power of each bin is divided by its `gain`.
+    pub(super) fn new(decimator: Decimator, length: usize, gain: impl Fn(usize, &Decimator) -> f64) -> Self {
+        let spectrum = Spectrum::new(length, |bin| gain(bin, &decimator));
+        Self { kept: vec![[0.0; 2]; length], decimator, spectrum }
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.kept.fill([0.0; 2]);
+    }
+
+    /// Advances the window by a hop of `hop` frames. Afterwards the window ends at the newest of `frames`.
+    pub(super) fn follow(&mut self, frames: &[StereoFrame], hop: usize) {
+        let new = hop / self.decimator.step;
+        self.kept.copy_within(new.., 0);
+        let start = self.kept.len() - new;
+        self.decimator.keep(frames, &mut self.kept[start..]);
+    }
+
+    pub(super) fn fill(&mut self, frames: &[StereoFrame]) {
+        self.decimator.keep(frames, &mut self.kept);
+    }
+
+    pub(super) fn spectrum(&mut self) -> &Spectrum {
+        self.spectrum.measure(&self.kept)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hann_has_its_known_gain_and_noise_bandwidth() {
+        let window = hann(4096);
+        let sum: f64 = window.iter().map(|&w| f64::from(w)).sum();
+        let squares: f64 = window.iter().map(|&w| f64::from(w).powi(2)).sum();
+        let noise_bandwidth = 4096.0 * squares / (sum * sum);
+        assert!((sum / 4096.0 - 0.5).abs() < 1e-6, "coherent gain {}", sum / 4096.0);
+        assert!((noise_bandwidth - 1.5).abs() < 1e-6, "noise bandwidth {noise_bandwidth} bins");
+        assert_eq!(window[2048], 1.0);
+        assert_eq!(window[0], 0.0);
     }
 }

@@ -10,7 +10,7 @@ use super::scale::WAVE_PER_HOP;
 use super::tables::{
     HISTORY_POINTS, HISTORY_SECONDS, MOMENTS_PER_ROW, POINTS_PER_COLUMN, Sound, Tables, WAVEFORM_POINTS,
 };
-use crate::limits::LIMITS;
+use crate::limits;
 
 const DEFAULT_SECONDS: f64 = 20.0;
 
@@ -42,7 +42,7 @@ impl FeatureTrack {
     /// to the limits' `feature_track_seconds_max`; NaN counts as 0. New moments replace the oldest.
     pub fn new(seconds: f64) -> Self {
         let seconds =
-            if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, LIMITS.feature_track_seconds_max) };
+            if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, limits::FEATURE_TRACK_SECONDS_MAX) };
         let capacity = (seconds / SHORTEST_HOP).ceil() as usize + 2;
         let rows_capacity = capacity.div_ceil(MOMENTS_PER_ROW as usize) + HISTORY_ROWS;
         let (moments, rows) = (VecDeque::with_capacity(capacity), VecDeque::with_capacity(rows_capacity));
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn length_is_bounded_and_at_least_as_requested() {
-        let limit = LIMITS.feature_track_seconds_max;
+        let limit = limits::FEATURE_TRACK_SECONDS_MAX;
         for (asked, kept) in
             [(2.0, 2.0), (-1.0, 0.0), (f64::NAN, 0.0), (f64::INFINITY, limit), (2.0 * limit, limit)]
         {

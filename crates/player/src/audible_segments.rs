@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::clock::Audible;
 use super::track::TrackInfo;
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
 const SEGMENTS_KEPT: usize = 8;
@@ -248,7 +248,7 @@ impl AudibleSegments {
 impl Passage {
     fn new(id: u64, track: Arc<TrackInfo>, segment_time: f64, start: f64, lap: u32) -> Self {
         let anchors = VecDeque::from([Anchor { segment_time, song_time: start, lap }]);
-        let features = FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE);
+        let features = FeatureTrack::new(limits::LATENCY_MS_MAX / 1000.0 + TRACK_RESERVE);
         Self { id, track, segment_time, start, anchors, features }
     }
 }

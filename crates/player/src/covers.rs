@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use mariana_files::reading::read_at_most;
 
 use super::decode::{Cover, embedded_cover};
-use super::limits::LIMITS;
+use super::limits;
 use super::song::Song;
 
 /// Names of cover files without their extension, the most likely first. Case does not matter.
@@ -30,7 +30,7 @@ fn beside(song: &Path) -> Option<Cover> {
     let folder = song.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut found: Vec<(usize, PathBuf)> = fs::read_dir(folder)
         .ok()?
-        .take(LIMITS.cover_folder_files_max)
+        .take(limits::COVER_FOLDER_FILES_MAX)
         .flatten()
         .filter_map(|entry| Some((rank(&entry.file_name().to_string_lossy())?, entry.path())))
         .collect();
@@ -45,7 +45,7 @@ fn rank(name: &str) -> Option<usize> {
 }
 
 fn read(path: &Path) -> Option<Cover> {
-    Cover::from_bytes(read_at_most(path, LIMITS.cover_bytes_max).ok()??)
+    Cover::from_bytes(read_at_most(path, limits::COVER_BYTES_MAX).ok()??)
 }
 
 #[cfg(test)]
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(cover_of(&song).map(|cover| cover.kind), Some(CoverKind::Png));
         fs::write(folder.path().join("COVER.jpg"), JPEG).unwrap();
         assert_eq!(cover_of(&song).map(|cover| cover.kind), Some(CoverKind::Jpeg));
-        fs::write(folder.path().join("COVER.jpg"), vec![0xff_u8; LIMITS.cover_bytes_max + 2]).unwrap();
+        fs::write(folder.path().join("COVER.jpg"), vec![0xff_u8; limits::COVER_BYTES_MAX + 2]).unwrap();
         assert_eq!(cover_of(&song).map(|cover| cover.kind), Some(CoverKind::Png), "an image over the limit");
     }
 

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 
 use super::device_list::{FoundDevice, ListedDevice};
+use super::devices::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
 use super::error::{DeviceError, Direction};
-use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
 use super::server_connection::ServerConnection;
 
 const BUFFER_RATE: u32 = 48_000;
@@ -203,7 +203,7 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
 
 /// Returns the rate to request from a device: `rate` within the limits, or the nearest limit if a server converts.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
-    let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
+    let (min, max) = (music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
@@ -335,6 +335,9 @@ mod tests {
     #[test]
     fn unusual_rates_are_converted_by_a_server_and_rejected_elsewhere() {
         assert_eq!((usable_rate(48_000, true), usable_rate(48_000, false)), (Some(48_000), Some(48_000)));
-        assert_eq!((usable_rate(1, true), usable_rate(1, false)), (Some(MUSIC_LIMITS.sample_rate_min), None));
+        assert_eq!(
+            (usable_rate(1, true), usable_rate(1, false)),
+            (Some(music_limits::SAMPLE_RATE_MIN), None)
+        );
     }
 }

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 
+use super::devices::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::error::Direction;
-use super::hosts::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::worker::Worker;
 
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
@@ -34,7 +34,7 @@ impl ListedDevice {
 
     /// The entry of an input that records this output.
     fn monitor(&self) -> Self {
-        Self { id: hosts::monitor_id(&self.id), name: format!("Monitor of {}", self.name) }
+        Self { id: devices::monitor_id(&self.id), name: format!("Monitor of {}", self.name) }
     }
 
     /// True for an input that records an output.
@@ -53,8 +53,8 @@ impl FoundDevice {
     /// Returns the entry of `device` in this direction, if the device supports it. Where outputs can be recorded, an
     /// output that is no input too is listed for recording as its monitor.
     pub(crate) fn of(direction: Direction, device: cpal::Device) -> Option<Self> {
-        let supports = (device.supports_output(), device.supports_input());
-        let is_monitor = listed_as_monitor(direction, supports, hosts::OUTPUTS_CAN_BE_RECORDED)?;
+        let (output, input) = (device.supports_output(), device.supports_input());
+        let is_monitor = listed_as_monitor(direction, output, input, devices::OUTPUTS_CAN_BE_RECORDED)?;
         let own = ListedDevice::of(&device);
         Some(Self { entry: if is_monitor { own.monitor() } else { own }, device })
     }
@@ -63,7 +63,8 @@ impl FoundDevice {
 /// Returns whether a device that supports output and input is listed as a monitor; `None` if it is not listed.
 fn listed_as_monitor(
     direction: Direction,
-    (output, input): (bool, bool),
+    output: bool,
+    input: bool,
     outputs_can_be_recorded: bool,
 ) -> Option<bool> {
     match direction {
@@ -96,14 +97,14 @@ impl DeviceList {
 
     /// The input that records the default output.
     pub fn default_monitor(&self) -> Option<&ListedDevice> {
-        self.input(&hosts::monitor_id(self.default_output.as_deref()?))
+        self.input(&devices::monitor_id(self.default_output.as_deref()?))
     }
 
     /// Queries the sound system. This may block as long as the sound system does.
     fn query() -> Self {
         hush_sound_library();
         let watched = hosts_by_preference().into_iter().find(|id| is_watched(*id));
-        let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
+        let Some(host) = watched.and_then(|id| devices::host(id).ok()) else { return Self::default() };
         let id_of = |device: Option<cpal::Device>| {
             device.and_then(|device| device.id().ok()).map(|id| id.to_string())
         };
@@ -220,7 +221,7 @@ mod tests {
     fn an_output_is_listed_as_a_monitor_only_where_outputs_can_be_recorded() {
         let (output, input, both) = ((true, false), (false, true), (true, true));
         for recordable in [false, true] {
-            let listed = |direction, supports| listed_as_monitor(direction, supports, recordable);
+            let listed = |direction, (output, input)| listed_as_monitor(direction, output, input, recordable);
             assert_eq!(listed(Direction::Input, output), recordable.then_some(true));
             assert_eq!(listed(Direction::Output, output), Some(false));
             assert_eq!(

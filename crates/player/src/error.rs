@@ -1,6 +1,6 @@
 //! Errors of playback. Each message says what happened and what to do.
 
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 use thiserror::Error;
 
 /// The errors that prevent playback altogether.
@@ -119,7 +119,9 @@ pub enum DeviceError {
     /// The device's sample rate is out of range.
     #[error(
         "the sound {direction} {device} runs at {rate} samples per second, but only {} to {} are supported; choose \
-         another device with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
+         another device with --device",
+        music_limits::SAMPLE_RATE_MIN,
+        music_limits::SAMPLE_RATE_MAX
     )]
     Rate {
         /// The direction of the sound.

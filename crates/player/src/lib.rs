@@ -9,7 +9,7 @@
 //!
 //! | module | what it does | runs on |
 //! |---|---|---|
-//! | [`source`], [`decode`], [`resample`] | produce frames | decoding thread |
+//! | [`decode`], [`resample`] | produce frames | decoding thread |
 //! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, with a demuxer for each input | caller |
 //! | [`playlist`], [`track`] | choose tracks and their order, and open them ahead of time | list thread |
 //! | [`tags`] | reads the tags of whole lists and folders ahead, with a cache | thread of low priority |
@@ -42,7 +42,6 @@ mod encoding;
 mod error;
 pub mod ffmpeg;
 mod gain_switch;
-mod hosts;
 pub mod input;
 pub mod limits;
 pub mod listed;
@@ -51,7 +50,6 @@ mod one_line;
 pub mod output;
 pub mod player;
 pub mod playlist;
-pub mod priority;
 #[cfg(target_os = "linux")]
 mod pulse_cookie;
 #[cfg(target_os = "linux")]
@@ -78,3 +76,4 @@ pub use player::{
     LoudnessShape, MissedAudio, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position,
     SilenceEnd, TrackErrors,
 };
+pub use worker::lower_priority;

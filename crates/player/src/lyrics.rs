@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use mariana_music::SongMoment;
 
 use crate::decode::DecodeError;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::playlist::text::Lines;
 use crate::song::{Song, one_line};
 
@@ -66,11 +66,8 @@ pub enum LyricsError {
         most: u64,
     },
     /// The file has no line with a time.
-    #[error("the lyrics {} have no line with a time: write a time such as [01:23.45] before each line", path.display())]
-    NoTimes {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("the lyrics {} have no line with a time: write a time such as [01:23.45] before each line", .0.display())]
+    NoTimes(PathBuf),
     /// The song cannot be opened.
     #[error(transparent)]
     Song(#[from] DecodeError),
@@ -100,7 +97,7 @@ impl Lyrics {
     /// # Errors
     /// Fails if the file cannot be read, exceeds the limit, or has no line with a time.
     pub fn read(path: &Path) -> Result<Self, LyricsError> {
-        let most = LIMITS.lyrics_bytes_max;
+        let most = limits::LYRICS_BYTES_MAX;
         let mut bytes = Vec::new();
         let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
         read.map_err(|source| LyricsError::Read { path: path.to_owned(), source })?;
@@ -112,7 +109,7 @@ impl Lyrics {
             text.iter().flat_map(|text| text.lines.iter().map(|line| text.decode(line))).collect();
         let lyrics = Self::parse(&lines.join("\n"));
         if lyrics.lines.is_empty() {
-            return Err(LyricsError::NoTimes { path: path.to_owned() });
+            return Err(LyricsError::NoTimes(path.to_owned()));
         }
         Ok(lyrics)
     }
@@ -126,7 +123,7 @@ impl Lyrics {
             let first = sung.len();
             while let Some((inside, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
                 match (seconds(inside), inside.split_once(':')) {
-                    (Some(start), _) if sung.len() < LIMITS.lyrics_lines_max => sung.push((start, "")),
+                    (Some(start), _) if sung.len() < limits::LYRICS_LINES_MAX => sung.push((start, "")),
                     (Some(_), _) => {}
                     (None, Some((name, value))) if name.trim().eq_ignore_ascii_case("offset") => {
                         earlier = value.trim().parse().map_or(earlier, |ms: f64| ms / 1000.0);
@@ -136,7 +133,7 @@ impl Lyrics {
                 rest = after.trim_start();
             }
             // Many times before one line must not multiply its words.
-            let most = LIMITS.lyrics_line_bytes_max;
+            let most = limits::LYRICS_LINE_BYTES_MAX;
             let words = rest.get(..rest.floor_char_boundary(most)).unwrap_or_default();
             sung.iter_mut().skip(first).for_each(|(_, sung)| *sung = words);
         }
@@ -145,7 +142,7 @@ impl Lyrics {
         let next = sung.iter().skip(1).map(|(start, _)| *start).chain([f64::INFINITY]);
         let ends: Vec<f64> = next.collect();
         let lines = sung.into_iter().zip(ends).map(|((start, words), next)| {
-            LyricLine::parse(words, (start, next.min(start + LINE_SECONDS_MAX)), earlier)
+            LyricLine::parse(words, start, next.min(start + LINE_SECONDS_MAX), earlier)
         });
         Self { lines: lines.filter(|line| !line.words.is_empty()).collect() }
     }
@@ -187,9 +184,9 @@ fn seconds(text: &str) -> Option<f64> {
 }
 
 impl LyricLine {
-    /// Reads a line's text, which may contain times of words. The line is sung in the stretch `(start, end)` and is
+    /// Reads a line's text, which may contain times of words. The line is sung from `start` to `end` and is
     /// shown `earlier` seconds earlier.
-    fn parse(text: &str, (start, end): (f64, f64), earlier: f64) -> Self {
+    fn parse(text: &str, start: f64, end: f64, earlier: f64) -> Self {
         let mut words = String::with_capacity(text.len());
         // Numbers of bytes, and the times at which the words behind these bytes begin. Times increase.
         let mut known = vec![(0, start)];
@@ -290,7 +287,7 @@ mod tests {
     #[test]
     fn many_times_before_one_line_multiplied_its_words_to_gigabytes() {
         let lyrics = Lyrics::parse(&("[00:01]".repeat(70_000) + &"wörd ".repeat(80_000)));
-        assert!(lyrics.lines.len() == LIMITS.lyrics_lines_max && lyrics.lines[0].words.len() < 1_001);
+        assert!(lyrics.lines.len() == limits::LYRICS_LINES_MAX && lyrics.lines[0].words.len() < 1_001);
         // Each `<` looked for its `>` in the rest of the file.
         let lyrics = Lyrics::parse(&(String::from("[00:01]") + &"<".repeat(1 << 20)));
         assert!(lyrics.line(0).is_some_and(|line| line.words.starts_with("<<<")));
@@ -313,8 +310,8 @@ mod tests {
         std::fs::write(&beside, "[00:01.00]Grüße").unwrap();
         assert_eq!(heard(&Lyrics::of_song(&song).unwrap(), 1.5), Some("Grüße"));
         std::fs::write(&beside, "just words").unwrap();
-        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::NoTimes { .. })));
-        std::fs::write(&beside, vec![b' '; LIMITS.lyrics_bytes_max as usize + 1]).unwrap();
+        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::NoTimes(_))));
+        std::fs::write(&beside, vec![b' '; limits::LYRICS_BYTES_MAX as usize + 1]).unwrap();
         assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::TooLarge { .. })));
         assert!(matches!(Lyrics::read(folder.path()), Err(LyricsError::Read { .. })));
     }

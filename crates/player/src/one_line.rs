@@ -1,11 +1,11 @@
 //! Display of texts from files on one line.
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Replaces control characters and runs of spaces by single spaces, because a NUL in a title breaks window systems.
-/// Cuts the text at the limits' `name_letters_max` letters, because the layout of a title of a megabyte takes seconds.
+/// Cuts the text at [`limits::NAME_LETTERS_MAX`] letters, because the layout of a title of a megabyte takes seconds.
 pub fn one_line(text: &str) -> String {
-    let max = LIMITS.name_letters_max;
+    let max = limits::NAME_LETTERS_MAX;
     // Twice the maximum, because some of these characters may be spaces that are dropped.
     let plain: String = text.chars().take(2 * max).map(|c| if c.is_control() { ' ' } else { c }).collect();
     let line = plain.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -17,12 +17,11 @@ pub fn one_line(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::LIMITS;
-    use super::one_line;
+    use super::{limits, one_line};
 
     #[test]
     fn a_title_of_a_megabyte_is_cut() {
-        let max = LIMITS.name_letters_max;
+        let max = limits::NAME_LETTERS_MAX;
         assert_eq!(one_line(&"ü".repeat(max)), "ü".repeat(max));
         let long = one_line(&"ü".repeat(1 << 20));
         assert_eq!(long, format!("{}…", "ü".repeat(max)));

@@ -7,6 +7,30 @@
 //! the ring count as not played: a seek applies to the track that is heard, whose decoder is kept until its last frame
 //! was heard.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::time::{Duration, Instant};
+
+use mariana_music::{Gain, Sound, limits as music_limits};
+
+use super::audible_segments::SharedAudibleSegments;
+use super::device::Target;
+use super::device_list::ListedDevice;
+use super::error::PlayerError;
+use super::gain_switch::GainSwitch;
+use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
+use super::output::{Controls, Counters, OutputPort};
+use super::source::FrameSource;
+use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
+use crate::output::Supervisor;
+use crate::worker::Worker;
+use audible::AudibleMoment;
+use decoding::{Command, Decoding};
+use listing::{Request, SharedTrackErrors};
+use shape::Shapes;
+
 mod analysis;
 mod audible;
 mod decoding;
@@ -15,37 +39,13 @@ mod listing;
 mod missed_audio;
 mod position;
 mod shape;
-mod threads;
 
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use std::sync::mpsc::{channel, sync_channel};
-use std::time::Instant;
-
-use super::audible_segments::SharedAudibleSegments;
-use super::device::Target;
-use super::device_list::ListedDevice;
-use super::error::PlayerError;
-use super::gain_switch::GainSwitch;
-use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
-use super::output::{Controls, Counters, OutputRequest, Supervisor};
-use super::source::FrameSource;
-use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
-use super::worker::Worker;
-use audible::AudibleMoment;
 pub use audible::Moment;
-use decoding::{Command, Decoding};
 pub use listing::TrackErrors;
-use listing::{Request, SharedTrackErrors};
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
-use mariana_music::{Gain, Sound};
 pub use missed_audio::{MissedAudio, SilenceEnd};
 pub use position::Position;
 pub use shape::LoudnessShape;
-use shape::Shapes;
-use threads::Threads;
 
 const ANALYSIS_QUEUE: usize = 32;
 
@@ -155,7 +155,7 @@ impl Player {
         options: PlayerOptions,
     ) -> Result<Self, PlayerError> {
         let rate = first.source.sample_rate();
-        let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
+        let (min, max) = (music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX);
         if !(min..=max).contains(&rate) {
             return Err(PlayerError::SampleRate { rate, min, max });
         }
@@ -178,12 +178,13 @@ impl Player {
         let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &reported))?;
         let work = Decoding::new(first, to_list, audible_segments.clone(), to_analysis, track_errors.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
-        let request = OutputRequest { choice: options.output, target: options.target, silent_rate: rate };
         let outputs = commands.clone();
         // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
-        let supervisor = Supervisor::start(request, controls.clone(), counters.clone(), deliver)?;
-        let outputs = supervisor.watch();
+        let port = OutputPort::new(controls.clone(), counters.clone(), rate, deliver);
+        let target = (options.output == OutputChoice::Auto).then_some(options.target);
+        let supervisor = Supervisor::start(port, target)?;
+        let outputs = supervisor.notes();
         Ok(Self {
             controls,
             counters,
@@ -325,7 +326,7 @@ impl Player {
         let output = self.threads.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let place = self.position.current();
         self.track = place.track;
-        let (ended, next) = self.audible.end_and_next(output.history.as_ref());
+        let (ended, next) = self.audible.end_and_next(output.note.as_ref());
         self.find_place();
         PlayerStatus {
             track: self.track.clone(),
@@ -383,11 +384,47 @@ impl Player {
     }
 }
 
+// The threads of a player, and their shutdown.
+
+const END_LIMIT: Duration = Duration::from_secs(1);
+
+/// The threads that [`Player::start`](Player::start) starts. Dropping this value ends them, within a time limit.
+struct Threads {
+    commands: Sender<Command>,
+    /// Ends first when this value is dropped, and is `None` from then on.
+    supervisor: Option<Supervisor>,
+    decoding: Worker,
+    analysis: Worker,
+    /// This thread ends when the decoding thread ends.
+    list: Worker,
+}
+
+impl Threads {
+    fn send(&self, command: Command) {
+        // A failed send means that the decoding thread has ended.
+        let _ = self.commands.send(command);
+    }
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        self.supervisor = None;
+        let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
+        if !decoded || !self.list.join_within(END_LIMIT) {
+            tracing::warn!("the song's decoder does not stop and is abandoned");
+        }
+    }
+}
+
 #[cfg(test)]
 mod device_tests;
+
 #[cfg(test)]
 mod list_tests;
+
 #[cfg(test)]
 mod tests;
+
 #[cfg(test)]
 mod track_tests;

@@ -7,7 +7,7 @@
 //! resampler, whose delay is compensated to within half an output frame.
 
 use mariana_music::StereoFrame;
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 use mariana_transforms::{Indexing, InterleavedSlice, fourier_resampler, sinc_resampler};
 
 /// Target length of an FFT block, in input frames (23 ms at 44.1 kHz). It allows a narrow transition and fast seeks.
@@ -23,7 +23,11 @@ const SINC_LENGTH: usize = 256;
 #[derive(Debug, thiserror::Error)]
 pub enum ResampleError {
     /// A rate is out of range.
-    #[error("cannot convert from {from} Hz to {to} Hz: rates must be {} to {} Hz; choose another device rate or file", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max)]
+    #[error(
+        "cannot convert from {from} Hz to {to} Hz: rates must be {} to {} Hz; choose another device rate or file",
+        music_limits::SAMPLE_RATE_MIN,
+        music_limits::SAMPLE_RATE_MAX
+    )]
     Rate {
         /// The input's rate, in hertz.
         from: u32,
@@ -65,7 +69,7 @@ struct Engine {
 impl Resampler {
     /// Creates a converter between two rates in hertz, within the limits of [`mariana_music::limits`].
     pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
-        let allowed = MUSIC_LIMITS.sample_rate_min..=MUSIC_LIMITS.sample_rate_max;
+        let allowed = music_limits::SAMPLE_RATE_MIN..=music_limits::SAMPLE_RATE_MAX;
         if !allowed.contains(&from) || !allowed.contains(&to) {
             return Err(ResampleError::Rate { from, to });
         }
@@ -76,11 +80,6 @@ impl Resampler {
     /// The input's rate, in hertz.
     pub fn from_hz(&self) -> u32 {
         self.from
-    }
-
-    /// True if the rates are equal and frames pass through unchanged.
-    pub fn is_pass_through(&self) -> bool {
-        self.engine.is_none()
     }
 
     /// Converts `input` and appends the finished frames to `output`.
@@ -311,7 +310,7 @@ mod tests {
     fn equal_rates_pass_through() {
         let input = sine(440.0, 48_000, 5000);
         assert_eq!(convert(48_000, 48_000, &input), input);
-        assert!(Resampler::new(48_000, 48_000).unwrap().is_pass_through());
+        assert!(Resampler::new(48_000, 48_000).unwrap().engine.is_none());
     }
 
     #[test]
@@ -329,7 +328,7 @@ mod tests {
 
     #[test]
     fn rates_outside_the_limits_are_refused() {
-        for (from, to) in [(0, 48_000), (48_000, 0), (MUSIC_LIMITS.sample_rate_max + 1, 48_000)] {
+        for (from, to) in [(0, 48_000), (48_000, 0), (music_limits::SAMPLE_RATE_MAX + 1, 48_000)] {
             assert!(matches!(Resampler::new(from, to), Err(ResampleError::Rate { .. })));
         }
     }

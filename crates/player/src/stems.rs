@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use mariana_music::PART_NAMES;
 
 use crate::decode::{DecodeError, Decoder};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::playlist::AUDIO_EXTENSIONS;
 use crate::song::Song;
 
@@ -28,11 +28,8 @@ const TRACKS: [&str; 4] = ["drums", "bass", "other", "vocals"];
 #[derive(Debug, thiserror::Error)]
 pub enum StemsError {
     /// A folder of stems has no usable file.
-    #[error("{} has no stems: name its audio files drums, bass, vocals and other, for example drums.wav", folder.display())]
-    None {
-        /// The folder.
-        folder: PathBuf,
-    },
+    #[error("{} has no stems: name its audio files drums, bass, vocals and other, for example drums.wav", .0.display())]
+    None(PathBuf),
     /// A folder cannot be read.
     #[error("cannot read the stems in {}: check the folder's permissions", folder.display())]
     Folder {
@@ -101,7 +98,7 @@ pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<StemsError>) {
         let known = errors.len();
         match in_folder(&folder, folder_of(path), &mut errors) {
             Ok(stems) if stems.is_empty() && errors.len() > known => {}
-            Ok(stems) if stems.is_empty() => errors.push(StemsError::None { folder }),
+            Ok(stems) if stems.is_empty() => errors.push(StemsError::None(folder)),
             Ok(stems) => return (stems, errors),
             Err(source) => errors.push(StemsError::Folder { folder, source }),
         }
@@ -138,7 +135,7 @@ fn folders(song: &Path) -> Vec<PathBuf> {
     let mut folders = vec![song.with_extension(STEMS)];
     let name = song.file_stem().unwrap_or_default();
     let separated = song.with_file_name(SEPARATED);
-    let models = fs::read_dir(separated).into_iter().flatten().flatten().take(LIMITS.stem_files_max);
+    let models = fs::read_dir(separated).into_iter().flatten().flatten().take(limits::STEM_FILES_MAX);
     let mut models: Vec<PathBuf> = models.map(|model| model.path().join(name)).collect();
     models.sort();
     folders.append(&mut models);
@@ -154,7 +151,7 @@ fn folder_of(song: &Path) -> &Path {
 fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
     let root = of_song.canonicalize()?;
     let is_inside = |path: &&PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(&root));
-    let entries = fs::read_dir(folder)?.flatten().take(LIMITS.stem_files_max);
+    let entries = fs::read_dir(folder)?.flatten().take(limits::STEM_FILES_MAX);
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     files.sort();
     let mut stems: Vec<Stem> = Vec::new();

@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 
 use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry};
 use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
+use super::devices::monitor_id;
 use super::error::{DeviceError, Direction};
-use super::hosts::monitor_id;
 use super::server_connection::ServerConnection;
 use super::worker::Worker;
 
@@ -104,7 +104,7 @@ impl<P: Port> Supervisor<P> {
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 
 impl<N: Clone> NoteReader<N> {
-    pub(crate) fn describe(&self) -> N {
+    pub(crate) fn note(&self) -> N {
         lock(&self.0).note.clone()
     }
 }

@@ -4,12 +4,13 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use mariana_music::StereoFrame;
+
 use super::decode::Decoder;
 use super::listed::{Edit, Edited, SharedListing};
 use super::playlist::Cut;
 use super::song::{Song, display_name};
 use super::source::{FrameSource, SourceError};
-use mariana_music::StereoFrame;
 
 const SILENCE_RATE: u32 = 48_000;
 const SILENCE_BLOCK: usize = 1024;

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use mariana_control::SoundBinding;
-use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_player::limits as player_limits;
 use serde::{Deserialize, Serialize};
 
 use super::aside::aside;
@@ -273,7 +273,7 @@ fn read(path: &Path) -> Result<Found, SettingsError> {
     let table: toml::Table =
         toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
     let (mut settings, strange): (Settings, _) = understood(&table);
-    let range = -PLAYER_LIMITS.latency_ms_max..=PLAYER_LIMITS.latency_ms_max;
+    let range = -player_limits::LATENCY_MS_MAX..=player_limits::LATENCY_MS_MAX;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
     let snapshots = settings.snapshots.values_mut().flat_map(BTreeMap::values_mut);
     let (sliders, bindings): (Vec<_>, Vec<_>) =
@@ -482,7 +482,7 @@ mod tests {
         fn any_text_parses_within_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {
             let (_folder, path) = folder();
             let (file, _) = with_text(&path, text.as_bytes());
-            prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= PLAYER_LIMITS.latency_ms_max));
+            prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= player_limits::LATENCY_MS_MAX));
         }
     }
 }

@@ -12,7 +12,7 @@ use mariana_commands::input::{Key, NamedKey};
 use crate::clock;
 use crate::monitor::Monitor;
 use mariana_commands::{Command, Delay, SHIFT_STEP_MS, SetSetting};
-use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_player::limits as player_limits;
 use mariana_settings::{Choices, Setting, SettingGroup, SettingRow, Values};
 
 /// An output for songs.
@@ -233,7 +233,7 @@ fn fold(open: bool) -> SettingRow {
 
 /// Rounds `shift`, a delay set with the pointer, to whole steps within the limits, in milliseconds.
 pub fn whole_steps(shift: f64) -> f64 {
-    let limit = PLAYER_LIMITS.latency_ms_max;
+    let limit = player_limits::LATENCY_MS_MAX;
     ((shift / SHIFT_STEP_MS).round() * SHIFT_STEP_MS).clamp(-limit, limit)
 }
 

@@ -45,7 +45,7 @@ impl Activation {
 
     /// Processes the newest [`WINDOW_HOPS`] hops, every [`STEP_HOPS`] hops, and returns the log odds of a beat.
     pub(super) fn follow(&mut self, frames: &[StereoFrame]) -> f32 {
-        let numbers = self.input.follow(self.spectrum.measure(frames).power());
+        let numbers = self.input.follow(&self.spectrum.measure(frames).power);
         self.network.as_mut().map_or(0.0, |network| network.follow(Some(&numbers)))
     }
 

@@ -43,7 +43,7 @@ fn heard(track: &Track, mut see: impl FnMut(f64, &Drums)) {
         let mut time = None;
         analyzer.push(hop, &mut |moment| time = Some(moment.time));
         if let Some(time) = time {
-            see(time, &analyzer.sounds().drums);
+            see(time, &analyzer.sounds.drums);
         }
     }
 }

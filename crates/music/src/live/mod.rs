@@ -9,28 +9,26 @@
 //!
 //! Nothing here is known in silence, speech or noise: builds and drops need a tempo, the key needs pitches.
 
-mod bars;
-mod builds;
-mod drops;
-mod energy;
-mod harmony;
-mod novelty;
-mod song;
-
-pub(crate) use bars::{LiveBar, Strokes};
-pub use energy::LiveEnergy;
-pub use song::LiveSong;
-
+use crate::beat::Beat;
+use crate::rises::Rises;
+use crate::scale::{BAND_COUNT, NOTE_COUNT, SPECTRUM_POINTS};
+use crate::smoothing::Follower;
+use crate::song::{PITCH_CLASSES, Tonality};
 use bars::LiveBars;
 use builds::Builds;
 use drops::{Drops, Slot};
 use harmony::{CLASSES, Harmony, classes};
 use novelty::Novelty;
 
-use crate::beat::Beat;
-use crate::rises::Rises;
-use crate::scale::{BAND_COUNT, NOTE_COUNT, SPECTRUM_POINTS};
-use crate::smoothing::Follower;
+mod bars;
+mod builds;
+mod drops;
+mod energy;
+mod harmony;
+mod novelty;
+
+pub(crate) use bars::{LiveBar, Strokes};
+pub use energy::LiveEnergy;
 
 /// The approximate durations of a slot and of a step, in seconds.
 const SLOT_SECONDS: f64 = 0.04;
@@ -202,4 +200,28 @@ impl Live {
             self.times.since_build = 0.0;
         }
     }
+}
+
+// What live input tells about the song that plays.
+
+/// The harmony and the form of live input, heard without knowledge of the music to come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LiveSong {
+    /// Level of each pitch class, C first, relative to the strongest, 0..1. Noise has low levels.
+    pub chroma: [f32; PITCH_CLASSES.len()],
+    /// The key of about the last 30 s; `None` while unknown.
+    pub key: Option<Tonality>,
+    /// Progress of a build, 0..1: how far the high frequencies have risen while the low ones are withdrawn.
+    pub build: f32,
+    /// 1 at a drop, falling to 0 over two bars.
+    pub drop: f32,
+    /// How much the last 4 s differ from the 12 s before, in standard deviations, 0 and more. Above about 0.8 a new
+    /// section is likely.
+    pub novelty: f32,
+}
+
+impl LiveSong {
+    /// Nothing is known.
+    pub const UNKNOWN: Self =
+        Self { chroma: [0.0; PITCH_CLASSES.len()], key: None, build: 0.0, drop: 0.0, novelty: 0.0 };
 }

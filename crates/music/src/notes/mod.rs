@@ -43,7 +43,7 @@ pub(super) struct Notes {
     loudest: f32,
     kept: f32,
     follower: Follower,
-    levels: [f32; NOTE_COUNT],
+    pub(super) levels: [f32; NOTE_COUNT],
     chord: ChordFinder,
     melody: MelodyFinder,
 }
@@ -88,9 +88,5 @@ impl Notes {
         (harmony.melody, harmony.melody_certainty) =
             self.melody.follow(&targets, |semitone| self.peaks.fine(semitone));
         harmony
-    }
-
-    pub(super) fn levels(&self) -> &[f32; NOTE_COUNT] {
-        &self.levels
     }
 }

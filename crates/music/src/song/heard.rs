@@ -1,8 +1,7 @@
 //! The measurements of a song, stored until its structure is analysed.
 
-use std::ops::Range;
-
 use super::chroma::{FINE_BINS, Tuning};
+use std::ops::Range;
 
 /// The number of timbre bands, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const TIMBRE_BANDS: usize = 20;

@@ -1,19 +1,18 @@
 //! Measures a song's samples and stores compact measurements, from which the structure is analysed at the end.
 
+use ebur128::{EbuR128, Mode};
+
 use super::chroma::FineChroma;
 use super::heard::{Heard, Moment, SLOW_HOPS, SlowMoment, TIMBRE_BANDS};
 use super::structure::SongStructure;
-use crate::StereoFrame;
 use crate::activation::{Activation, STEP_HOPS, WINDOW_HOPS};
 use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
-use crate::limits::LIMITS;
 use crate::onset::{Flux, Onsets};
 use crate::rises::{LowAndHigh, Rises};
 use crate::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
-use crate::slow_window::SlowWindow;
-use crate::spectrum::Spectrum;
-use ebur128::{EbuR128, Mode};
+use crate::spectrum::{SlowWindow, Spectrum};
+use crate::{StereoFrame, limits};
 
 /// The lengths of the windows for onsets and for pitches (341 ms), in hops.
 const SHORT_HOPS: usize = 2;
@@ -86,19 +85,19 @@ impl Timbre {
 impl SongListener {
     /// Creates a listener for a song at `sample_rate`, clamped to the limits' `sample_rate_min..=sample_rate_max`.
     pub fn new(sample_rate: u32) -> Self {
-        let rate = f64::from(sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max));
+        let rate = f64::from(sample_rate.clamp(limits::SAMPLE_RATE_MIN, limits::SAMPLE_RATE_MAX));
         let hop = hop_at(rate);
         let (short, bin_hz) = (hop * SHORT_HOPS, rate / (hop * SHORT_HOPS) as f64);
         let decimator = Decimator::new(hop);
-        let long_length = LONG_HOPS * hop / decimator.step();
-        let long_rate = rate / decimator.step() as f64;
+        let long_length = LONG_HOPS * hop / decimator.step;
+        let long_rate = rate / decimator.step as f64;
         let gain = |index: usize, decimator: &Decimator| {
             let hz = index as f64 * long_rate / long_length as f64;
             // Limit the gain for frequencies that the filter hardly passes.
             decimator.power_gain(hz, rate).max(1e-2)
         };
         let hop_seconds = hop as f64 / rate;
-        let length = (WINDOW_HOPS * hop).max(hop + 4 * decimator.step());
+        let length = (WINDOW_HOPS * hop).max(hop + 4 * decimator.step);
         Self {
             rate,
             buffer: HopBuffer::new(length, hop, length - hop),
@@ -113,7 +112,7 @@ impl SongListener {
             meter: EbuR128::new(2, rate as u32, Mode::I).ok(),
             hops: 0,
             frames: 0,
-            frames_max: (LIMITS.song_seconds_max * rate) as u64,
+            frames_max: (limits::SONG_SECONDS_MAX * rate) as u64,
             heard: Heard {
                 hop_seconds,
                 // The chroma is late by half of the long window.
@@ -141,7 +140,7 @@ impl SongListener {
         self.heard.loudness =
             loudness.filter(|loudness| loudness.is_finite()).map(|loudness| loudness as f32);
         // Flush the windows with silence, up to the end of the last slow moment.
-        let silence = vec![[0.0; 2]; self.buffer.hop()];
+        let silence = vec![[0.0; 2]; self.buffer.hop];
         for _ in 0..LONG_HOPS / 2 + SLOW_HOPS {
             self.process(&silence);
         }
@@ -170,11 +169,11 @@ impl SongListener {
     }
 
     fn measure(&mut self) {
-        let hop = self.buffer.hop();
+        let hop = self.buffer.hop;
         let peak = self.buffer.newest(hop).iter().flatten().fold(0.0_f32, |peak, x| peak.max(x.abs()));
-        self.slow.follow(self.buffer.frames(), hop);
+        self.slow.follow(&self.buffer.frames, hop);
 
-        let bins = self.short.measure(self.buffer.newest(SHORT_HOPS * hop)).power();
+        let bins = &self.short.measure(self.buffer.newest(SHORT_HOPS * hop)).power;
         let rise = self.flux.follow(bins);
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         self.timbre.add(bins);
@@ -188,7 +187,7 @@ impl SongListener {
             self.heard.beat_odds.push(odds);
         }
         if self.hops.is_multiple_of(SLOW_HOPS) {
-            let chroma = self.pitches.chroma(self.slow.spectrum().power());
+            let chroma = self.pitches.chroma(&self.slow.spectrum().power);
             let timbre = self.timbre.process();
             self.heard.slow.push(SlowMoment { timbre, chroma });
         }
@@ -201,9 +200,9 @@ mod tests {
 
     #[test]
     fn a_song_beyond_the_limit_is_cut_short() {
-        let second = vec![[0.0; 2]; LIMITS.sample_rate_min as usize];
-        let mut listener = SongListener::new(LIMITS.sample_rate_min);
-        assert_eq!(listener.frames_max as f64, LIMITS.song_seconds_max * second.len() as f64);
+        let second = vec![[0.0; 2]; limits::SAMPLE_RATE_MIN as usize];
+        let mut listener = SongListener::new(limits::SAMPLE_RATE_MIN);
+        assert_eq!(listener.frames_max as f64, limits::SONG_SECONDS_MAX * second.len() as f64);
         listener.frames_max = 2 * second.len() as u64;
         for block in [&second[..], &second[..], &[[1.0; 2]]] {
             listener.push(block);

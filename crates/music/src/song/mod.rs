@@ -12,21 +12,16 @@
 /// that outdated cached structures are not used.
 pub const STRUCTURE_VERSION: u32 = 7;
 
-mod ahead;
 mod bars;
-mod beats;
 mod chroma;
 mod drops;
 mod energy;
 mod harmony;
 mod heard;
 mod key;
-mod levels;
 mod listener;
 mod moment;
-mod place;
 mod pulse;
-mod section_sound;
 mod sections;
 mod strengths;
 mod structure;
@@ -36,5 +31,5 @@ pub use bars::Meter;
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
 pub use moment::SongMoment;
-pub use section_sound::SectionSound;
+pub use sections::SectionSound;
 pub use structure::{Chord, PitchFractions, Section, SongBeat, SongStructure, Stretch};

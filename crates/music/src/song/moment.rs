@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use super::ahead::{NEVER, ahead, limited};
-use super::place::{Place, place};
-use super::structure::{Section, SongStructure};
+use super::structure::{Section, SongBeat, SongStructure};
 use super::{Mode, PITCH_CLASSES, Tonality};
 use crate::features::Features;
 
@@ -307,6 +305,78 @@ fn positive(value: f64) -> f64 {
 
 fn below_one(value: f64) -> f32 {
     unit(value as f32).min(1.0 - f32::EPSILON)
+}
+
+// The position of a moment among the beats of a song.
+
+/// A position among the beats. Before the first beat and after the last, beats continue at the tempo of that beat.
+pub(super) struct Place {
+    /// Beats since the start of a bar, with a fraction.
+    pub(super) beats: f64,
+    /// The time between beats here, in seconds.
+    pub(super) period: f64,
+    /// Beats per minute, 0 or more.
+    pub(super) tempo: f32,
+    /// The number of the next beat; `None` outside the beats.
+    pub(super) next: Option<usize>,
+}
+
+/// Returns the position at `time` in seconds; `None` if the song has no beats.
+pub(super) fn place(song: &SongStructure, time: f64) -> Option<Place> {
+    let after = song.beats.partition_point(|beat| beat.time <= time);
+    // Use the last beat at or before the time, or the first beat if the time is earlier.
+    let beat = song.beats.get(after.saturating_sub(1))?;
+    let next = song.beats.get(after).filter(|_| after > 0);
+    let period = next.map_or(60.0 / f64::from(beat.tempo), |next| next.time - beat.time);
+    // If two beats are extremely close, treat them as one second apart, so that the result stays finite.
+    let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
+    let beats = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
+    let tempo = if beat.tempo.is_finite() { beat.tempo.max(0.0) } else { 0.0 };
+    Some(Place { beats, period, tempo, next: next.map(|_| after) })
+}
+
+// The times until the next beat, bar, section and drop of a song, which is known in advance.
+
+/// The time in seconds until an event that does not follow or that is unknown. Longer times are limited to it.
+pub(super) const NEVER: f32 = 1_000.0;
+
+/// Times in seconds, 0..=[`NEVER`].
+pub(super) struct Ahead {
+    pub(super) beat: f32,
+    pub(super) bar: f32,
+    pub(super) section: f32,
+    pub(super) drop: f32,
+}
+
+/// Returns the times from `time` until the next events. An event at `time` has passed.
+pub(super) fn ahead(song: &SongStructure, time: f64) -> Ahead {
+    let after = |start: Option<f64>| start.map_or(NEVER, |start| limited(start - time));
+    let section = song.sections.partition_point(|section| section.start <= time);
+    let drop = song.drops.partition_point(|drop| *drop <= time);
+    let (beat, bar) = beat_and_bar(song, time).unwrap_or((NEVER, NEVER));
+    Ahead {
+        beat,
+        bar,
+        section: after(song.sections.get(section).map(|section| section.start)),
+        drop: after(song.drops.get(drop).copied()),
+    }
+}
+
+fn beat_and_bar(song: &SongStructure, time: f64) -> Option<(f32, f32)> {
+    let in_bar = song.meter?.beats();
+    let here = place(song, time)?;
+    let following = song.beats.get(here.next.unwrap_or(song.beats.len())..).unwrap_or_default();
+    let until = |beat: &SongBeat| beat.time - time;
+    let beat = following.first().map_or((1.0 - here.beats.rem_euclid(1.0)) * here.period, until);
+    let in_beats = in_bar as f64 - here.beats.rem_euclid(in_bar as f64);
+    let downbeat = following.iter().take(in_bar).find(|beat| beat.of_bar == 1);
+    let bar = downbeat.map_or(in_beats * here.period, until);
+    Some((limited(beat), limited(bar)))
+}
+
+/// Clamps to 0..=[`NEVER`]; NaN becomes [`NEVER`].
+pub(super) fn limited(seconds: f64) -> f32 {
+    if seconds < f64::from(NEVER) { seconds.max(0.0) as f32 } else { NEVER }
 }
 
 #[cfg(test)]

@@ -5,13 +5,12 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
-use super::beats::beats;
 use super::drops::{builds_and_drops, eves};
 use super::energy::{ENERGY_STEP, energy, peaks};
 use super::heard::Heard;
 use super::key::{Tonality, chords, key, pitches_of};
-use super::section_sound::{SectionSound, section_sound};
-use super::sections::sections;
+use super::pulse::beats;
+use super::sections::{SectionSound, section_sound, sections};
 use super::strengths::onset_strengths;
 use super::units::{Unit, units};
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use crate::signals::{analyze, cents, leveled, nearest, noise, signal};
 use assert_no_alloc::assert_no_alloc;
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 use mariana_music::{
     Alignment, Analyzer, BAND_COUNT, FeatureTrack, Features, Gain, LEVEL_FLOOR_DB, StereoFrame,
     TimedFeatures, band_edge,
@@ -80,10 +80,10 @@ fn a_tone_is_in_the_same_band_at_every_rate() {
 #[test]
 fn rates_beyond_the_limits_are_clamped() {
     for (asked, taken) in [
-        (0, MUSIC_LIMITS.sample_rate_min),
-        (MUSIC_LIMITS.sample_rate_min - 1, MUSIC_LIMITS.sample_rate_min),
-        (MUSIC_LIMITS.sample_rate_max + 1, MUSIC_LIMITS.sample_rate_max),
-        (u32::MAX, MUSIC_LIMITS.sample_rate_max),
+        (0, music_limits::SAMPLE_RATE_MIN),
+        (music_limits::SAMPLE_RATE_MIN - 1, music_limits::SAMPLE_RATE_MIN),
+        (music_limits::SAMPLE_RATE_MAX + 1, music_limits::SAMPLE_RATE_MAX),
+        (u32::MAX, music_limits::SAMPLE_RATE_MAX),
     ] {
         assert_eq!(Analyzer::new(asked, Alignment::Centred).sample_rate(), taken);
     }

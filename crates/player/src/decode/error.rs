@@ -6,35 +6,20 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum DecodeError {
     /// The path does not exist.
-    #[error("{} does not exist; check the spelling of the path", .path.display())]
-    NotFound {
-        /// The path as given.
-        path: PathBuf,
-    },
+    #[error("{} does not exist; check the spelling of the path", .0.display())]
+    NotFound(PathBuf),
     /// The path is a folder.
-    #[error("{} is a folder; name an audio file in it", .path.display())]
-    IsFolder {
-        /// The path as given.
-        path: PathBuf,
-    },
+    #[error("{} is a folder; name an audio file in it", .0.display())]
+    IsFolder(PathBuf),
     /// The path is a pipe, a socket or a device.
-    #[error("{} is not a regular file; save the sound to a file first", .path.display())]
-    NotAFile {
-        /// The path as given.
-        path: PathBuf,
-    },
+    #[error("{} is not a regular file; save the sound to a file first", .0.display())]
+    NotAFile(PathBuf),
     /// The user may not read the file.
-    #[error("{} cannot be read by this user; change its permissions", .path.display())]
-    NoPermission {
-        /// The path as given.
-        path: PathBuf,
-    },
+    #[error("{} cannot be read by this user; change its permissions", .0.display())]
+    NoPermission(PathBuf),
     /// The file is empty.
-    #[error("{name} is empty; fetch or export the file again")]
-    Empty {
-        /// The file's name.
-        name: String,
-    },
+    #[error("{0} is empty; fetch or export the file again")]
+    Empty(String),
     /// The disk or the network failed.
     #[error("{name} could not be read ({reason}); check the disk or the network share")]
     Read {
@@ -81,11 +66,8 @@ pub enum DecodeError {
         what: String,
     },
     /// The container has no audio track.
-    #[error("{name} has no audio track; choose a file with sound")]
-    NoAudioTrack {
-        /// The file's name.
-        name: String,
-    },
+    #[error("{0} has no audio track; choose a file with sound")]
+    NoAudioTrack(String),
     /// The container has no audio track with this number.
     #[error("{name} has no audio track {number}; export the file again with all its tracks")]
     NoTrack {
@@ -102,7 +84,7 @@ pub enum DecodeError {
         /// A description of the damage.
         what: String,
     },
-    /// The stream exceeds [`crate::limits::LIMITS`].
+    /// The stream exceeds [`crate::limits`].
     #[error(
         "{name} has {what}, but the limit is {limit}; convert the file so that it stays within the limit"
     )]
@@ -128,7 +110,7 @@ impl DecodeError {
     /// True if ffmpeg may decode the file.
     pub(super) fn is_for_ffmpeg(&self) -> bool {
         let is_misread = matches!(self, Self::Damaged { .. } | Self::CodecFailure { .. });
-        let is_unknown = matches!(self, Self::NotAudio { .. } | Self::NoAudioTrack { .. });
+        let is_unknown = matches!(self, Self::NotAudio { .. } | Self::NoAudioTrack(_));
         is_misread || is_unknown || self.is_unsupported()
     }
 

@@ -66,8 +66,8 @@ pub(super) fn is_disk_error(error: &io::Error) -> bool {
 
 fn path_error(path: &Path, source: io::Error) -> DecodeError {
     match source.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => DecodeError::NotFound { path: path.into() },
-        io::ErrorKind::PermissionDenied => DecodeError::NoPermission { path: path.into() },
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => DecodeError::NotFound(path.into()),
+        io::ErrorKind::PermissionDenied => DecodeError::NoPermission(path.into()),
         _ => DecodeError::Read { name: file_name(path), reason: source },
     }
 }
@@ -77,13 +77,13 @@ impl Input {
         let failed = |error| path_error(path, error);
         let metadata = std::fs::metadata(path).map_err(failed)?;
         if metadata.is_dir() {
-            return Err(DecodeError::IsFolder { path: path.into() });
+            return Err(DecodeError::IsFolder(path.into()));
         }
         if !metadata.is_file() {
-            return Err(DecodeError::NotAFile { path: path.into() });
+            return Err(DecodeError::NotAFile(path.into()));
         }
         if metadata.len() == 0 {
-            return Err(DecodeError::Empty { name: file_name(path) });
+            return Err(DecodeError::Empty(file_name(path)));
         }
         let file = Arc::new(File::open(path).map_err(failed)?);
         Ok(Self::File { path: path.to_path_buf(), file })
@@ -132,7 +132,7 @@ impl Input {
             .read_to_end(&mut head)
             .map_err(|e| self.read_error(e))?;
         if head.is_empty() {
-            return Err(DecodeError::Empty { name });
+            return Err(DecodeError::Empty(name));
         }
         if let Some(error) = sniff::foreign(&name, &head) {
             return Err(error);

@@ -3,10 +3,20 @@
 //! the rate of the file. [`native`] decodes common formats. Files that `native` refuses go to [`ffmpeg`], if it is
 //! installed.
 
+use std::path::Path;
+
+use mariana_music::StereoFrame;
+
+use crate::ffmpeg::Demuxer;
+use crate::song::Song;
+use crate::source::{FrameSource, SourceError};
+use ffmpeg::{FfmpegDecoder, Programs};
+use input::Input;
+use native::NativeDecoder;
+
 mod clock;
 mod codecs;
 mod containment;
-mod cover;
 mod downmix;
 mod error;
 mod ffmpeg;
@@ -20,22 +30,12 @@ mod packets;
 mod sniff;
 mod tags;
 
-use std::path::Path;
-
-use crate::ffmpeg::Demuxer;
-use crate::song::Song;
-use crate::source::{FrameSource, SourceError};
-use mariana_music::StereoFrame;
-
 use containment::contained;
 pub use containment::quiet_contained_panics;
-pub use cover::{Cover, CoverKind};
 pub(crate) use downmix::Downmix;
 pub use error::DecodeError;
-use ffmpeg::{FfmpegDecoder, Programs};
-use input::Input;
-use native::NativeDecoder;
-pub use tags::TrackTags;
+use tags::cover_of;
+pub use tags::{Cover, CoverKind, TrackTags, tags_of};
 
 /// Metadata of a stream.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,20 +64,12 @@ pub struct StreamInfo {
     pub scene_gain: f32,
 }
 
-/// Reads the tags and the length of a file from its headers, without decoding sound.
-///
-/// # Errors
-/// Fails if the file cannot be read, or if only ffmpeg can read it: starting ffmpeg for each file of a list is slow.
-pub fn tags_of(path: &Path) -> Result<TrackTags, DecodeError> {
-    tags::of(&Input::file(path)?)
-}
-
 /// Reads the cover image inside a song, without decoding sound. Returns `None` for a song without one.
 ///
 /// # Errors
 /// Fails if the song cannot be read, or if only ffmpeg can read it.
 pub fn embedded_cover(song: &Song) -> Result<Option<Cover>, DecodeError> {
-    cover::of(&match song {
+    cover_of(&match song {
         Song::File(path) => Input::file(path)?,
         Song::Embedded { name, bytes } => Input::Bytes { name: (*name).into(), bytes },
     })
@@ -137,8 +129,8 @@ impl Decoder {
     /// The stream's metadata.
     pub fn info(&self) -> &StreamInfo {
         match &self.0 {
-            By::Native(decoder) => decoder.info(),
-            By::Ffmpeg(decoder) => decoder.info(),
+            By::Native(decoder) => &decoder.info,
+            By::Ffmpeg(decoder) => &decoder.info,
         }
     }
 

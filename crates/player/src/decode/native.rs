@@ -11,13 +11,14 @@
 //! - Chained streams (Ogg) play in succession, resampled to the first rate.
 //! - No buffer is sized by a number from the file. A panic in a codec library becomes an error.
 
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::resample::Resampler;
 use mariana_music::StereoFrame;
 
 use super::input::Input;
 use super::packets::{Block, PacketReader};
-use super::{Cover, DecodeError, StreamInfo, cover, sniff};
+use super::tags::cover_of;
+use super::{Cover, DecodeError, StreamInfo, sniff};
 
 /// Gaps are filled with at most this many seconds of silence until the next seek. More would mean a broken clock.
 const HOLE_SECONDS_MAX: i64 = 10;
@@ -27,7 +28,7 @@ const NEAR_SECONDS: i64 = 1;
 pub(super) struct NativeDecoder {
     input: Input,
     reader: PacketReader,
-    info: StreamInfo,
+    pub(super) info: StreamInfo,
     /// Number of raw frames before the first audible frame.
     delay: i64,
     /// The number of audible frames, if the container states it exactly.
@@ -108,11 +109,7 @@ impl NativeDecoder {
     }
 
     pub(super) fn cover(&self) -> Result<Option<Cover>, DecodeError> {
-        cover::of(&self.input)
-    }
-
-    pub(super) fn info(&self) -> &StreamInfo {
-        &self.info
+        cover_of(&self.input)
     }
 
     pub(super) fn skipped_packets(&self) -> u64 {
@@ -273,7 +270,7 @@ impl NativeDecoder {
         let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.raw.filled;
         if (1..=room).contains(&frames) {
             self.raw.filled += frames;
-            let frames = (frames as usize).min(LIMITS.packet_frames_max);
+            let frames = (frames as usize).min(limits::PACKET_FRAMES_MAX);
             self.scratch.splice(..0, std::iter::repeat_n([0.0; 2], frames));
         }
     }

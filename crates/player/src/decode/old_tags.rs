@@ -10,7 +10,7 @@ use encoding_rs::{Encoding, UTF_8, UTF_16BE};
 
 use super::mended::chunks;
 use crate::encoding::{encoding_of, utf16_encoding_of};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Maximum size of a tag that is undone from unsynchronisation, in bytes.
 const UNSYNCHRONISED_MAX: u64 = 1 << 20;
@@ -104,8 +104,8 @@ fn frames(tag: &mut impl BufRead, version: u8, flags: u8, stored: &mut Vec<Store
         };
         let mut body = Vec::new();
         let size = u64::from(size);
-        tag.take(size.min(LIMITS.lyrics_bytes_max)).read_to_end(&mut body)?;
-        skip(tag, size.saturating_sub(LIMITS.lyrics_bytes_max))?;
+        tag.take(size.min(limits::LYRICS_BYTES_MAX)).read_to_end(&mut body)?;
+        skip(tag, size.saturating_sub(limits::LYRICS_BYTES_MAX))?;
         // Compressed, encrypted and grouped frames are left to the demuxer.
         let (packed, is_unsynchronised) = if version == 4 { (0x4c, flags & 2 != 0) } else { (0xe0, false) };
         if is_unsynchronised {
@@ -142,7 +142,7 @@ fn info_list(source: &mut (impl Read + Seek), stored: &mut Vec<Stored>) -> io::R
     for list in chunks(source).iter().filter(|chunk| chunk.id == *b"LIST") {
         let mut bytes = Vec::new();
         source.seek(SeekFrom::Start(list.body))?;
-        source.by_ref().take(LIMITS.lyrics_bytes_max.min(list.size.into())).read_to_end(&mut bytes)?;
+        source.by_ref().take(limits::LYRICS_BYTES_MAX.min(list.size.into())).read_to_end(&mut bytes)?;
         let mut rest = bytes.strip_prefix(b"INFO").unwrap_or_default();
         while let Some((id, after)) = rest.split_first_chunk::<4>()
             && let Some((size, after)) = after.split_first_chunk::<4>()

@@ -19,7 +19,7 @@ use symphonia::core::units::{Duration, Timestamp};
 
 use crate::encoding::decode;
 use crate::ffmpeg::Demuxer;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::one_line::one_line;
 use mariana_music::StereoFrame;
 
@@ -151,10 +151,10 @@ impl PacketReader {
                 }
                 _ => {
                     self.empty_in_a_row += 1;
-                    if self.empty_in_a_row > LIMITS.bad_packets_in_a_row {
+                    if self.empty_in_a_row > limits::BAD_PACKETS_IN_A_ROW {
                         return Err(self.damaged(&format!(
                             "{} packets in a row could not be decoded",
-                            LIMITS.bad_packets_in_a_row
+                            limits::BAD_PACKETS_IN_A_ROW
                         )));
                     }
                 }
@@ -197,7 +197,7 @@ impl PacketReader {
                 }
                 Err(Error::ResetRequired) => {
                     self.links += 1;
-                    if self.links > LIMITS.bad_packets_in_a_row || !self.begin_link()? {
+                    if self.links > limits::BAD_PACKETS_IN_A_ROW || !self.begin_link()? {
                         return Ok(None);
                     }
                 }
@@ -350,7 +350,7 @@ impl PacketReader {
             let frames = self.input.size()? as f64 / self.stream.bytes_per_frame?;
             Some(frames / f64::from(rate))
         });
-        (exact, claimed.filter(|s| *s > 0.0 && *s <= LIMITS.claimed_duration_max))
+        (exact, claimed.filter(|s| *s > 0.0 && *s <= limits::CLAIMED_DURATION_MAX))
     }
 
     pub(super) fn tags(&mut self) -> Tags {
@@ -367,7 +367,7 @@ impl PacketReader {
                 match &tag.std {
                     Some(StandardTag::TrackTitle(title)) => tags.title = Some(text(title)),
                     Some(StandardTag::Artist(artist)) => tags.artist = Some(text(artist)),
-                    Some(StandardTag::Lyrics(text)) if text.len() as u64 <= LIMITS.lyrics_bytes_max => {
+                    Some(StandardTag::Lyrics(text)) if text.len() as u64 <= limits::LYRICS_BYTES_MAX => {
                         tags.lyrics = Some(text.to_string());
                     }
                     Some(StandardTag::ReplayGainTrackGain(text)) => tags.loudness.replay_gain(false, text),
@@ -474,11 +474,11 @@ impl Mixer {
         out: &mut Vec<StereoFrame>,
     ) -> Result<(), DecodeError> {
         let (spec, frames) = (buffer.spec(), buffer.frames());
-        if frames > LIMITS.packet_frames_max {
+        if frames > limits::PACKET_FRAMES_MAX {
             return Err(DecodeError::OverLimit {
                 name: name.into(),
                 what: format!("a packet of {frames} frames"),
-                limit: format!("{} frames", LIMITS.packet_frames_max),
+                limit: format!("{} frames", limits::PACKET_FRAMES_MAX),
             });
         }
         if !self.downmix.as_ref().is_some_and(|(channels, _)| channels == spec.channels()) {
@@ -542,6 +542,6 @@ impl Stream {
                 Err(error) => refusal = refusal.or(Some(error)),
             }
         }
-        Err(refusal.unwrap_or(DecodeError::NoAudioTrack { name: name.into() }))
+        Err(refusal.unwrap_or(DecodeError::NoAudioTrack(name.into())))
     }
 }

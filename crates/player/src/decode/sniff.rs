@@ -1,8 +1,8 @@
 //! Recognition of files that the demuxers reject, so that the error can name their format.
 
-use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::limits as music_limits;
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 use super::error::DecodeError;
 
@@ -89,13 +89,13 @@ pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
 
 pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), DecodeError> {
     let over = |what: String, limit: String| DecodeError::OverLimit { name: name.into(), what, limit };
-    if channels > usize::from(LIMITS.channels_max) {
-        return Err(over(format!("{channels} channels"), format!("{} channels", LIMITS.channels_max)));
+    if channels > usize::from(limits::CHANNELS_MAX) {
+        return Err(over(format!("{channels} channels"), format!("{} channels", limits::CHANNELS_MAX)));
     }
-    if !(MUSIC_LIMITS.sample_rate_min..=MUSIC_LIMITS.sample_rate_max).contains(&rate) {
+    if !(music_limits::SAMPLE_RATE_MIN..=music_limits::SAMPLE_RATE_MAX).contains(&rate) {
         return Err(over(
             format!("a sample rate of {rate} Hz"),
-            format!("{} to {} Hz", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max),
+            format!("{} to {} Hz", music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX),
         ));
     }
     Ok(())

@@ -11,7 +11,6 @@ mod input_callback;
 mod listener;
 mod live;
 mod port;
-mod probe;
 
 pub use input_callback::{InputCallback, InputCallbackLink, InputCounters};
 pub use live::{Live, LiveOptions, LiveStatus};

@@ -15,8 +15,8 @@ use crate::device::{
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
 use crate::device_list::FoundDevice;
+use crate::devices::hush_sound_library;
 use crate::error::{DeviceError, Direction};
-use crate::hosts::hush_sound_library;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not
 /// reduce the delay, because features are computed once per hop, and each buffer costs the PulseAudio client about 0.1

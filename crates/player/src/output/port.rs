@@ -2,22 +2,23 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, ErrorKind, FromSample, SizedSample, StreamConfig};
 
-use super::null_output::NullOutput;
 use super::output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink};
 use crate::clock::SpanHistory;
 use crate::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
-use crate::device_list::{FoundDevice, ListedDevice};
+use crate::device_list::FoundDevice;
+use crate::devices::{for_playback, hush_sound_library};
 use crate::error::{DeviceError, Direction};
-use crate::hosts::{for_playback, hush_sound_library};
-use crate::supervisor::{NoteReader, StreamStatus, Supervisor as Watching};
+use crate::supervisor::NoteReader;
+use crate::worker::Worker;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
@@ -32,90 +33,32 @@ pub enum OutputChoice {
     Silent,
 }
 
-/// The settings of a [`Supervisor`].
-pub struct OutputRequest {
-    /// The kind of output.
-    pub choice: OutputChoice,
-    /// The device.
-    pub target: Target,
-    /// The silent clock's frames per second.
-    pub silent_rate: u32,
-}
+/// The supervisor of the output. Its note is the history of audible frames; `None` before the first output is open.
+pub(crate) type Supervisor = crate::supervisor::Supervisor<OutputPort>;
 
-/// The current output.
-#[derive(Clone, Default)]
-pub struct OutputStatus {
-    /// A description of the output.
-    pub description: String,
-    /// The device; `None` on the silent clock.
-    pub device: Option<ListedDevice>,
-    /// The reason for the silence; `None` if there is sound.
-    pub silent: Option<String>,
-    /// The reason why the chosen device could not be opened, while the previous device continues.
-    pub refused: Option<String>,
-    /// The history of audible frames; `None` before the first output is open.
-    pub history: Option<Arc<SpanHistory>>,
-    /// The number of times that a device was opened.
-    pub openings: u64,
-}
+/// Reads the history of the current output.
+pub(crate) type OutputWatch = NoteReader<Option<Arc<SpanHistory>>>;
 
-/// Opens and monitors the output. Dropping the supervisor closes the output.
-pub struct Supervisor(Watching<OutputPort>);
-
-impl Supervisor {
-    /// Starts the supervisor. Each new output is passed to `deliver`. The previous output is then closed.
-    ///
-    /// # Errors
-    /// Fails if a thread cannot be started.
-    pub fn start(
-        request: OutputRequest,
-        controls: Arc<Controls>,
-        counters: Arc<Counters>,
-        deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
-    ) -> io::Result<Self> {
-        let target = (request.choice == OutputChoice::Auto).then_some(request.target);
-        let port = OutputPort {
-            controls,
-            counters,
-            silent_rate: request.silent_rate,
-            deliver: Box::new(deliver),
-            waiting: None,
-        };
-        Watching::start(port, target).map(Self)
-    }
-
-    /// Switches to another device. The current device continues until the new device is open.
-    pub fn choose(&self, target: Target) {
-        self.0.choose(target);
-    }
-
-    /// The current output.
-    pub fn status(&self) -> OutputStatus {
-        let StreamStatus { description, device, silent, refused, note: history, openings } = self.0.status();
-        OutputStatus { description, device, silent, refused, history, openings }
-    }
-
-    pub(crate) fn watch(&self) -> OutputWatch {
-        OutputWatch(self.0.notes())
-    }
-}
-
-#[derive(Clone)]
-pub(crate) struct OutputWatch(NoteReader<Option<Arc<SpanHistory>>>);
-
-impl OutputWatch {
-    pub(crate) fn history(&self) -> Option<Arc<SpanHistory>> {
-        self.0.describe()
-    }
-}
-
-struct OutputPort {
+pub(crate) struct OutputPort {
     controls: Arc<Controls>,
     counters: Arc<Counters>,
     silent_rate: u32,
     deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
     /// The silent clock's link, kept here until the clock's status is published.
     waiting: Option<OutputCallbackLink>,
+}
+
+impl OutputPort {
+    /// Creates a port. Each new output is passed to `deliver`, then the previous output is closed. `silent_rate` is the
+    /// silent clock's frames per second.
+    pub(crate) fn new(
+        controls: Arc<Controls>,
+        counters: Arc<Counters>,
+        silent_rate: u32,
+        deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
+    ) -> Self {
+        Self { controls, counters, silent_rate, deliver: Box::new(deliver), waiting: None }
+    }
 }
 
 impl Port for OutputPort {
@@ -233,4 +176,54 @@ fn build<T: SizedSample + FromSample<f32>>(
         output_callback.serve(data, channels, latency);
     });
     device.build_output_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
+}
+
+// The silent clock takes frames in real time like a device and discards them. If no device is usable, or if a device
+// is lost, a thread calls the same `OutputCallback`, so that the song continues. Frames are stamped with their due
+// time, so that the song's pace does not depend on the thread's scheduling.
+
+const PERIOD: Duration = Duration::from_millis(10);
+
+/// After a gap longer than this (the process was suspended) the clock restarts, because the ring may lack frames.
+const GAP_MAX: Duration = Duration::from_millis(250);
+
+pub(crate) struct NullOutput {
+    stop: Arc<AtomicBool>,
+    worker: Worker,
+}
+
+impl NullOutput {
+    pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let worker = Worker::spawn("silent clock", move || {
+            let mut buffer = Vec::new();
+            let mut start = Instant::now();
+            let mut taken = 0_u64;
+            while !stopped.load(Ordering::Relaxed) {
+                let passed = start.elapsed();
+                // Count from the start, so that the errors of each sleep do not add up.
+                let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
+                let frames = due.saturating_sub(taken);
+                if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {
+                    (start, taken) = (Instant::now(), 0);
+                    continue;
+                }
+                buffer.resize(2 * frames as usize, 0.0_f32);
+                let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
+                output_callback.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
+                taken = due;
+                let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
+                std::thread::sleep(next.saturating_sub(start.elapsed()));
+            }
+        })?;
+        Ok(Self { stop, worker })
+    }
+}
+
+impl Drop for NullOutput {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.worker.join_within(Duration::from_millis(500));
+    }
 }

@@ -7,7 +7,7 @@ use mariana_music::{Features, SongMoment, Sound};
 
 use crate::audible_segments::{SharedAudibleSegments, SongPlace};
 use crate::clock::{Audible, Clock, SpanHistory};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
 
@@ -47,10 +47,10 @@ impl AudibleMoment {
     }
 
     pub(super) fn now(&mut self, latency_shift: f64) -> Moment {
-        let limit = LIMITS.latency_ms_max / 1000.0;
+        let limit = limits::LATENCY_MS_MAX / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
         self.shift = shift.max(0.0);
-        let history = self.outputs.history();
+        let history = self.outputs.note();
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         if let Some(audible) = self.clock.at(history.as_ref(), Instant::now(), self.shift, carry)

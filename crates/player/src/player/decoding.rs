@@ -8,27 +8,28 @@
 //! - A new output also makes a new segment, but the song does not wait for it. The segment is due at the moment at
 //!   which the output opened, so the part of the song before the segment's first audible frame is missed.
 
-mod command;
-mod passages;
-mod place;
-mod segment;
-mod track_queue;
-
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
+use mariana_music::StereoFrame;
+
 use super::analysis::AnalysisInput;
 use super::listing::{Request, SharedTrackErrors};
 use crate::audible_segments::SharedAudibleSegments;
+use crate::listed::{Edit, Edited};
+use crate::output::OutputCallbackLink;
 use crate::resample::Resampler;
 use crate::source::SourceError;
-use crate::track::{Track, TrackInfo};
-pub(crate) use command::Command;
-use mariana_music::StereoFrame;
-use place::{Goal, Place};
+use crate::track::{Found, Repeat, Track, TrackInfo};
+use passages::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
 use track_queue::{Following, TrackQueue};
+
+mod passages;
+mod segment;
+mod track_queue;
 
 /// Seconds that the analysis processes before a seek's target. They fill the history. Only the beat and the bass drive
 /// have a longer memory. Near the song's start there are fewer seconds.
@@ -119,7 +120,7 @@ impl Decoding {
         let next = self.queue.opened_ahead();
         if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
             self.reported_next = next.cloned();
-            self.segment.audible_segments().lock().set_next(next.cloned());
+            self.segment.audible_segments.lock().set_next(next.cloned());
         }
     }
 
@@ -145,7 +146,7 @@ impl Decoding {
                     self.segment.set_output(link);
                 }
                 Command::Skip { forward: false }
-                    if !self.queue.is_skipping() && self.time_after(goal) > STEP_BACK_WITHIN =>
+                    if self.queue.skipping.is_none() && self.time_after(goal) > STEP_BACK_WITHIN =>
                 {
                     goal = Some(Goal::seek(0.0));
                 }
@@ -245,7 +246,7 @@ impl Decoding {
         if !self.segment.push() {
             return Step::Wait;
         }
-        let has_decoded = self.segment.filling().is_some_and(|filling| !filling.decoded.is_empty());
+        let has_decoded = self.segment.filling.as_mut().is_some_and(|filling| !filling.decoded.is_empty());
         if has_decoded { self.convert() } else { self.decode() }
     }
 
@@ -261,14 +262,14 @@ impl Decoding {
         if decoded == 0 {
             return self.end_of_track();
         }
-        let Some(filling) = self.segment.filling() else { return Step::Wait };
+        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
         filling.since_jump += self.scratch.len() as u64;
         filling.decoded.extend(self.scratch.drain(..));
         Step::GoOn
     }
 
     fn convert(&mut self) -> Step {
-        let Some(filling) = self.segment.filling() else { return Step::Wait };
+        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
         let count = filling.decoded.len().min(CHUNK);
         let frames: Vec<StereoFrame> = filling.decoded.drain(..count).collect();
         if let Err(error) = filling.feed(&frames, &mut self.scratch) {
@@ -281,7 +282,7 @@ impl Decoding {
     fn end_of_track(&mut self) -> Step {
         let (passage, rate) = (self.queue.passages.current(), self.queue.passages.source().sample_rate());
         self.segment.start_at_end(passage, rate);
-        let Some(filling) = self.segment.filling() else { return Step::Wait };
+        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
         let empty = filling.from_start && filling.since_jump == 0;
         match self.queue.following(empty) {
             Following::Unknown => return Step::Wait,
@@ -305,7 +306,7 @@ impl Decoding {
     }
 
     fn end(&mut self) {
-        let Some(filling) = self.segment.filling() else { return };
+        let Some(filling) = self.segment.filling.as_mut() else { return };
         filling.exhausted = true;
         if let Err(error) = filling.flush(&mut self.scratch) {
             self.report(&error);
@@ -328,4 +329,34 @@ impl Decoding {
     fn report(&self, error: &dyn std::fmt::Display) {
         self.track_errors.report(error.to_string());
     }
+}
+
+// Commands to the decoding thread.
+
+pub(crate) enum Command {
+    /// Plays on this output from the moment `at` on.
+    Output {
+        link: OutputCallbackLink,
+        at: Instant,
+    },
+    /// Seeks to a time of the track, in seconds.
+    SeekTo(f64),
+    /// Seeks by seconds, forward or back.
+    SeekBy(f64),
+    Skip {
+        forward: bool,
+    },
+    Files(Vec<PathBuf>),
+    PlayEntry(usize),
+    Edit(Edit),
+    Edited(Edited),
+    Order(Repeat, bool),
+    Found {
+        id: u64,
+        found: Found,
+    },
+    /// Answers when the thread begins to wait, because its ring is full or the song has ended.
+    #[cfg(test)]
+    AnswerWhenIdle(std::sync::mpsc::Sender<()>),
+    Quit,
 }

@@ -18,7 +18,7 @@ pub(super) struct Filling {
     pub(super) end: Arc<AtomicU64>,
     /// The callback's half of the segment, until this half is handed over.
     pub(super) waiting: Option<Segment>,
-    conversion: Conversion,
+    pub(super) conversion: Conversion,
     /// The number of source frames before the target. Only the analysis uses these frames.
     pub(super) skip: u64,
     /// The number of device frames that are or were in the ring.
@@ -33,8 +33,8 @@ pub(super) struct Filling {
     pub(super) finished: bool,
 }
 
-struct Conversion {
-    resampler: Resampler,
+pub(super) struct Conversion {
+    pub(super) resampler: Resampler,
     /// The segment time at which the conversion began, in seconds.
     base: f64,
     /// The number of source frames since `base`, without the skipped frames.
@@ -104,13 +104,9 @@ impl Filling {
         resampled
     }
 
-    pub(super) fn source_hz(&self) -> u32 {
-        self.conversion.resampler.from_hz()
-    }
-
     /// The segment time of the source's next frame, in seconds.
     pub(super) fn next_time(&self) -> f64 {
-        self.conversion.base + self.conversion.fed as f64 / f64::from(self.source_hz())
+        self.conversion.base + self.conversion.fed as f64 / f64::from(self.conversion.resampler.from_hz())
     }
 
     pub(super) fn change_resampler(

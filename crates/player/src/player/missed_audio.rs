@@ -55,7 +55,7 @@ pub(super) struct MissedAudioWatch {
     /// Seconds of the song since the last sound; `None` before the first sound.
     pending: Option<f64>,
     device: Option<String>,
-    reported: MissedAudio,
+    pub(super) reported: MissedAudio,
 }
 
 impl MissedAudioWatch {
@@ -87,10 +87,6 @@ impl MissedAudioWatch {
             self.reported = MissedAudio { count: self.reported.count + 1, seconds, after };
         }
     }
-
-    pub(super) fn reported(&self) -> MissedAudio {
-        self.reported
-    }
 }
 
 #[cfg(test)]
@@ -119,14 +115,11 @@ mod tests {
         second.set_device("headphones");
         watch.update(&first, together);
         watch.update(&silent, together);
-        assert_eq!(watch.reported().count, 0);
+        assert_eq!(watch.reported.count, 0);
         watch.update(&second, together);
         watch.update(&second, together);
-        assert_eq!(watch.reported().count, 1);
-        assert_eq!(
-            watch.reported().to_string(),
-            "1.3 s of the song were not heard: the sound device changed"
-        );
+        assert_eq!(watch.reported.count, 1);
+        assert_eq!(watch.reported.to_string(), "1.3 s of the song were not heard: the sound device changed");
         // A change without a gap, during a pause or with a seek loses no frame.
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
@@ -134,7 +127,7 @@ mod tests {
         watch.update(&third, together);
         watch.update(&fourth, together);
         watch.update(&fifth, |_, _| None);
-        assert_eq!(watch.reported().count, 1);
+        assert_eq!(watch.reported.count, 1);
     }
 
     #[test]
@@ -145,7 +138,7 @@ mod tests {
         let (_first, first) = output(2, 1500, 1000, true);
         watch.update(&silent, together);
         watch.update(&first, together);
-        assert_eq!(watch.reported(), MissedAudio::default());
+        assert_eq!(watch.reported, MissedAudio::default());
     }
 
     #[test]
@@ -161,7 +154,7 @@ mod tests {
         watch.update(&silent, together);
         watch.update(&second, together);
         assert_eq!(
-            watch.reported().to_string(),
+            watch.reported.to_string(),
             "3.2 s of the song were not heard: the sound device had stopped and was opened again"
         );
     }

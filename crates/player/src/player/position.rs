@@ -53,7 +53,7 @@ impl Position {
 
 impl State {
     fn current(&mut self) -> Place {
-        let history: Option<Arc<SpanHistory>> = self.outputs.history();
+        let history: Option<Arc<SpanHistory>> = self.outputs.note();
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         let audible = self.clock.at(history.as_ref(), Instant::now(), 0.0, carry);
@@ -68,7 +68,7 @@ impl State {
                 self.place.track = track;
             }
         }
-        self.place.missed_audio = self.missed_audio.reported();
+        self.place.missed_audio = self.missed_audio.reported;
         self.place.clone()
     }
 }

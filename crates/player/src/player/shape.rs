@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::source::FrameSource;
 use crate::track::TrackInfo;
 use crate::worker::Worker;
@@ -124,7 +124,7 @@ fn measure(
     inbox: &Receiver<Arc<TrackInfo>>,
     shared: &SharedShapes,
 ) -> Option<Arc<TrackInfo>> {
-    let duration = source.duration().filter(|duration| *duration <= LIMITS.shape_seconds_max)?;
+    let duration = source.duration().filter(|duration| *duration <= limits::SHAPE_SECONDS_MAX)?;
     let mut sums = Sums::new(duration * f64::from(source.sample_rate()))?;
     let (mut block, mut reported, mut revision) = (Vec::new(), 0, 0);
     let mut tell = |sums: &Sums| {

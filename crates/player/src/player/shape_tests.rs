@@ -104,7 +104,7 @@ fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
 #[test]
 fn unmeasurable_tracks_have_no_shape_and_a_new_request_is_served_at_once() {
     let shapes = Shapes::default();
-    let limit = LIMITS.shape_seconds_max;
+    let limit = limits::SHAPE_SECONDS_MAX;
     for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
         assert_eq!(shapes.of(&endless(id as u64, duration)), None);
     }

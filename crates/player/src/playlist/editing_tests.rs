@@ -164,7 +164,7 @@ proptest! {
 
 #[test]
 fn appending_stops_at_the_limit() {
-    let limit = LIMITS.playlist_tracks_max;
+    let limit = limits::PLAYLIST_TRACKS_MAX;
     let mut list = Playlist::new(gather(&files(0, limit - 1)).entries);
     let mut reported = Vec::new();
     let edited = list.edit(&Edit::Append(files(0, 3)), 0, &mut |trouble| reported.push(trouble));

@@ -16,11 +16,8 @@ pub enum PlaylistError {
         source: std::io::Error,
     },
     /// The path of a list leads to a pipe, a socket or a device.
-    #[error("{} is not a regular file; save the list to a file first", .path.display())]
-    NotAFile {
-        /// The path of the list.
-        path: PathBuf,
-    },
+    #[error("{} is not a regular file; save the list to a file first", .0.display())]
+    NotAFile(PathBuf),
     /// The file's content is not a list.
     #[error("{name} is not a playlist: {what}; export it again as m3u, m3u8, pls or cue")]
     NotAList {
@@ -30,19 +27,13 @@ pub enum PlaylistError {
         what: String,
     },
     /// The list or folder is empty.
-    #[error("{name} holds no tracks; choose files, or a folder or list with tracks")]
-    Empty {
-        /// The list's or folder's name.
-        name: String,
-    },
+    #[error("{0} holds no tracks; choose files, or a folder or list with tracks")]
+    Empty(String),
     /// The list describes the segments of a network stream.
     #[error(
-        "{name} is the list of a network stream (HLS), which is not supported; save the stream to a file first"
+        "{0} is the list of a network stream (HLS), which is not supported; save the stream to a file first"
     )]
-    Stream {
-        /// The list's name.
-        name: String,
-    },
+    Stream(String),
     /// An entry is a network address.
     #[error("{address} in {list} is a network address, which is not supported; download it to a file first")]
     Address {
@@ -52,11 +43,8 @@ pub enum PlaylistError {
         list: String,
     },
     /// A list contains itself, directly or through other lists.
-    #[error("{name} contains itself, so this entry was left out; remove the entry")]
-    Circular {
-        /// The list's name.
-        name: String,
-    },
+    #[error("{0} contains itself, so this entry was left out; remove the entry")]
+    Circular(String),
     /// A list is larger than the limit.
     #[error("{name} is too large for a list (more than {limit} bytes); split the list")]
     TooLarge {

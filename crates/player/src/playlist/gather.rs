@@ -1,16 +1,18 @@
 //! Expansion of files, folders and lists to the entries of one list.
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::Read;
+use std::iter::Peekable;
 use std::path::{Path, PathBuf};
+use std::str::Chars;
 
 use super::error::{PlaylistError, name_of};
 use super::lists::{Cut, Item, Kind};
-use super::natural;
 use super::text::Reference;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::listed::ListedTrack;
 use crate::one_line::one_line;
 use crate::song::{Song, track_name};
@@ -100,7 +102,7 @@ impl Gathered {
 
     /// True if the list has room for more entries. Adds an error when the limit is reached for the first time.
     fn has_room(&mut self) -> bool {
-        let (tracks, looks) = (LIMITS.playlist_tracks_max, LIMITS.playlist_looks_max);
+        let (tracks, looks) = (limits::PLAYLIST_TRACKS_MAX, limits::PLAYLIST_LOOKS_MAX);
         let over = if self.entries.len() >= tracks {
             Some(("tracks", tracks))
         } else {
@@ -138,10 +140,10 @@ impl Gathered {
 
     /// Marks the list or folder at `path` as being read. Returns false if reading it would never end.
     fn enter(&mut self, path: &Path) -> bool {
-        let limit = LIMITS.playlist_depth_max;
+        let limit = limits::PLAYLIST_DEPTH_MAX;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&real) {
-            self.report(PlaylistError::Circular { name: name_of(path) });
+            self.report(PlaylistError::Circular(name_of(path)));
             return false;
         }
         if self.open.len() >= limit {
@@ -153,7 +155,7 @@ impl Gathered {
     }
 
     fn add_list(&mut self, path: &Path, kind: Kind) {
-        let limit = LIMITS.playlist_lists_max;
+        let limit = limits::PLAYLIST_LISTS_MAX;
         if self.lists >= limit {
             return self.report(PlaylistError::TooMany { what: "lists", limit });
         }
@@ -203,13 +205,13 @@ impl Gathered {
                         found.push((child.file_name().to_string_lossy().into_owned(), path));
                     }
                 }
-                found.sort_by(|(a, x), (b, y)| natural::compare(a, b).then_with(|| x.cmp(y)));
+                found.sort_by(|(a, x), (b, y)| compare(a, b).then_with(|| x.cmp(y)));
                 found.iter().for_each(|(_, path)| self.add(path, None));
             }
         }
         self.open.pop();
         if self.open.is_empty() && self.entries.len() == before && self.track_errors.is_empty() {
-            self.report(PlaylistError::Empty { name: name_of(path) });
+            self.report(PlaylistError::Empty(name_of(path)));
         }
     }
 }
@@ -223,9 +225,9 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
     // Check the kind before opening, because opening a pipe waits for its writer.
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(PlaylistError::NotAFile { path: path.to_owned() });
+        return Err(PlaylistError::NotAFile(path.to_owned()));
     }
-    let limit = LIMITS.playlist_bytes_max;
+    let limit = limits::PLAYLIST_BYTES_MAX;
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
     if bytes.len() as u64 > limit {
@@ -234,6 +236,72 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     Ok(bytes)
 }
 
+// Natural order: "track 2" before "track 10".
+
+/// Compares digits as numbers, and letters without case. If two names are then equal, compares them by characters.
+pub fn compare(a: &str, b: &str) -> Ordering {
+    let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
+    loop {
+        let (Some(x), Some(y)) = (left.peek().copied(), right.peek().copied()) else {
+            let lengths = left.peek().is_some().cmp(&right.peek().is_some());
+            return lengths.then_with(|| a.cmp(b));
+        };
+        let order = if x.is_ascii_digit() && y.is_ascii_digit() {
+            let (x, y) = (number(&mut left), number(&mut right));
+            // Without leading zeros, the number with more digits is larger.
+            x.len().cmp(&y.len()).then_with(|| x.cmp(&y))
+        } else {
+            left.next();
+            right.next();
+            x.to_lowercase().cmp(y.to_lowercase())
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+    }
+}
+
+fn number(characters: &mut Peekable<Chars<'_>>) -> String {
+    let mut digits = String::new();
+    while let Some(digit) = characters.next_if(char::is_ascii_digit) {
+        if digit != '0' || !digits.is_empty() {
+            digits.push(digit);
+        }
+    }
+    digits
+}
+
 #[cfg(test)]
 #[path = "gather_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+mod natural_tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn numbers_are_compared_by_value() {
+        let wanted = ["1 a", "1 B", "2", "10", "010b", "A1", "a2", "a10", "a10x", "b", "é"];
+        let mut names = wanted;
+        names.reverse();
+        names.sort_by(|a, b| compare(a, b));
+        assert_eq!(names, wanted);
+        let long = format!("{}1", "9".repeat(500));
+        assert_eq!(compare(&long, &format!("{}2", "9".repeat(500))), Ordering::Less);
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_a_total_order(names in prop::collection::vec("[aB0-2 é.]{0,6}", 3)) {
+            let order = |x: usize, y: usize| compare(&names[x], &names[y]);
+            for (x, y, z) in [(0, 1, 2), (1, 2, 0), (2, 0, 1), (1, 0, 2), (0, 2, 1), (2, 1, 0)] {
+                prop_assert_eq!(order(x, y), order(y, x).reverse());
+                prop_assert_eq!(order(x, y) == Ordering::Equal, names[x] == names[y]);
+                if order(x, y) != Ordering::Greater && order(y, z) != Ordering::Greater {
+                    prop_assert_ne!(order(x, z), Ordering::Greater);
+                }
+            }
+        }
+    }
+}

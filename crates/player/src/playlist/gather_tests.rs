@@ -85,27 +85,27 @@ fn links_in_circles_end() {
 
 #[test]
 fn nesting_is_bounded() {
-    let deep: Vec<(String, String)> = (0..LIMITS.playlist_depth_max + 2)
+    let deep: Vec<(String, String)> = (0..limits::PLAYLIST_DEPTH_MAX + 2)
         .map(|n| (format!("{n}.m3u"), format!("{n}.mp3\n{}.m3u", n + 1)))
         .collect();
     let files: Vec<(&str, &str)> = deep.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     let folder = folder_of(&files);
     let (names, track_errors) = gathered(folder.path(), &["0.m3u"]);
-    assert_eq!(names.len(), LIMITS.playlist_depth_max);
-    let limit = LIMITS.playlist_depth_max.to_string();
+    assert_eq!(names.len(), limits::PLAYLIST_DEPTH_MAX);
+    let limit = limits::PLAYLIST_DEPTH_MAX.to_string();
     assert!(track_errors.len() == 1 && track_errors[0].contains(&limit), "{track_errors:?}");
 }
 
 #[test]
 fn excessive_sizes_are_bounded_and_reported() {
-    let tracks = LIMITS.playlist_tracks_max;
+    let tracks = limits::PLAYLIST_TRACKS_MAX;
     let folder = folder_of(&[
         ("long.m3u", &"x.mp3\n".repeat(tracks + 5)),
-        ("wide.m3u", &"long.m3u\n".repeat(LIMITS.playlist_lists_max + 9)),
+        ("wide.m3u", &"long.m3u\n".repeat(limits::PLAYLIST_LISTS_MAX + 9)),
         ("addresses.m3u", &"http://x\n".repeat(1000)),
-        ("many.m3u", &"none.m3u\n".repeat(LIMITS.playlist_lists_max + 9)),
+        ("many.m3u", &"none.m3u\n".repeat(limits::PLAYLIST_LISTS_MAX + 9)),
         ("none.m3u", "# nothing\n"),
-        ("large.m3u", &"#".repeat(LIMITS.playlist_bytes_max as usize + 1)),
+        ("large.m3u", &"#".repeat(limits::PLAYLIST_BYTES_MAX as usize + 1)),
     ]);
     for list in ["long.m3u", "wide.m3u"] {
         let (names, track_errors) = gathered(folder.path(), &[list]);
@@ -113,13 +113,13 @@ fn excessive_sizes_are_bounded_and_reported() {
         assert!(track_errors[0].contains(&format!("more than {tracks} tracks")), "{track_errors:?}");
     }
     assert_eq!(gathered(folder.path(), &["addresses.m3u"]).1.len(), TRACK_ERRORS_KEPT);
-    let limit = LIMITS.playlist_lists_max;
+    let limit = limits::PLAYLIST_LISTS_MAX;
     let mut many = gather(&[folder.path().join("many.m3u")]);
     assert_eq!(many.lists, limit);
     assert!(many.entries.is_empty() && many.track_errors.pop().is_some());
     let (names, track_errors) = gathered(folder.path(), &["large.m3u"]);
     assert!(
-        names.is_empty() && track_errors[0].contains(&LIMITS.playlist_bytes_max.to_string()),
+        names.is_empty() && track_errors[0].contains(&limits::PLAYLIST_BYTES_MAX.to_string()),
         "{track_errors:?}"
     );
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::cue::{self, DISC_FRAMES};
 use super::error::{PlaylistError, name_of};
 use super::text::{Lines, Reference};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A part of a file, in compact disc frames (75 per second).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,13 +83,13 @@ impl Kind {
         let base = path.parent().unwrap_or(Path::new(""));
         let items = match self {
             Self::M3u if text.lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
-                return Err(PlaylistError::Stream { name: name() });
+                return Err(PlaylistError::Stream(name()));
             }
             Self::M3u => m3u(base, &text),
             Self::Pls => pls(base, &text).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
             Self::Cue => cue::read(base, &text).ok_or_else(|| malformed("it has no line 'FILE'"))?,
         };
-        if items.is_empty() { Err(PlaylistError::Empty { name: name() }) } else { Ok(items) }
+        if items.is_empty() { Err(PlaylistError::Empty(name())) } else { Ok(items) }
     }
 }
 
@@ -107,7 +107,7 @@ fn m3u(base: &Path, text: &Lines) -> Vec<Item> {
                 // Some programs write attributes after the seconds.
                 let seconds =
                     seconds.split_whitespace().next().and_then(|seconds| seconds.parse::<f64>().ok());
-                let believed = |seconds: &f64| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max;
+                let believed = |seconds: &f64| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX;
                 item.duration = seconds.filter(believed);
                 item.title = Some(title.trim().to_owned()).filter(|title| !title.is_empty());
             }

@@ -2,13 +2,11 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`gather`](mod@gather) | expands files, folders and lists to entries, within the limits |
+//! | [`gather`](mod@gather) | expands files, folders and lists to entries, within the limits; compares names |
 //! | [`lists`], [`cue`], [`text`] | parse the formats and encodings of lists |
-//! | [`natural`] | compares names |
 //! | [`excerpt`] | plays a part of a file as a track |
 //! | [`order`] | orders entries: shuffle and repeat |
-//! | [`editing`] | moves, removes and appends entries while the list plays |
-//! | [`history`] | keeps earlier states of the list for undo |
+//! | [`editing`] | moves, removes and appends entries while the list plays; keeps earlier states for undo |
 //!
 //! **Unplayable entries never stop the show.** Every failure becomes a message (`TrackErrors`), and the list thread
 //! continues with the next playable track. If no track is playable, or after 64 tracks without a frame, silence plays.
@@ -19,9 +17,7 @@ mod editing;
 mod error;
 mod excerpt;
 mod gather;
-mod history;
 mod lists;
-mod natural;
 mod order;
 pub(crate) mod text;
 
@@ -29,13 +25,12 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use editing::History;
 pub use error::PlaylistError;
 use excerpt::Excerpt;
-pub use gather::AUDIO_EXTENSIONS;
+pub use gather::{AUDIO_EXTENSIONS, compare as compare_names};
 use gather::{Entry, gather, is_many};
-use history::History;
 pub use lists::{Cut, Item, Kind};
-pub use natural::compare as compare_names;
 use order::Order;
 pub use text::Reference;
 
@@ -48,6 +43,7 @@ use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A list of entries and their order.
+#[derive(Default)]
 pub struct Playlist {
     slots: Vec<Arc<Slot>>,
     places: HashMap<u64, usize>,
@@ -114,7 +110,7 @@ impl Playlist {
         list.arrange(repeat, shuffled, wanted);
         let Some(first) = wanted.or_else(|| list.order.first()) else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
-            return Err(gathered.track_errors.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
+            return Err(gathered.track_errors.into_iter().next().unwrap_or(PlaylistError::Empty(name)));
         };
         Ok(list.opened(first, track_errors, repeat, shuffled))
     }
@@ -147,16 +143,7 @@ impl Playlist {
     }
 
     fn new(entries: Vec<Entry>) -> Self {
-        let mut list = Self {
-            slots: Vec::new(),
-            places: HashMap::new(),
-            next_id: 0,
-            order: Order::new(std::iter::empty()),
-            reported: HashMap::new(),
-            listing: SharedListing::default(),
-            history: History::default(),
-            resume_with: None,
-        };
+        let mut list = Self::default();
         list.append_entries(entries);
         list.order = Order::new(list.ids());
         list
@@ -196,7 +183,7 @@ impl Playlist {
         open: Option<u64>,
         tell: &mut dyn FnMut(String),
     ) -> Found {
-        let around = self.order.repeat() != Repeat::Off;
+        let around = self.order.repeat != Repeat::Off;
         let count = self.slots.len();
         let mut next = Some(first);
         let mut failed = Vec::new();
@@ -226,7 +213,7 @@ impl Playlist {
 
     /// Returns the entry `steps` after `from` (`from` may be removed); `None` if no step is possible without repeat.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
-        let around = self.order.repeat() != Repeat::Off;
+        let around = self.order.repeat != Repeat::Off;
         let forward = steps > 0;
         // Leave out whole rounds of the list, but always make the first step away from a removed entry.
         let away = u32::from(self.index(from).is_none());
@@ -266,9 +253,9 @@ impl Entry {
 impl TrackList for Playlist {
     fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found {
         match *wanted {
-            Wanted::Following { anew: false, .. } if self.order.repeat() == Repeat::One => Found::Again,
+            Wanted::Following { anew: false, .. } if self.order.repeat == Repeat::One => Found::Again,
             Wanted::Following { after, anew } => {
-                let first = match self.order.repeat() {
+                let first = match self.order.repeat {
                     Repeat::One if self.index(after).is_some() => Some(after),
                     Repeat::One => self.order.beside(after, true, true),
                     repeat => self.order.beside(after, true, repeat == Repeat::All),
@@ -286,7 +273,7 @@ impl TrackList for Playlist {
                 entry.map_or(Found::Nothing, |entry| self.search(entry, true, None, tell))
             }
             Wanted::InPlaceOf(removed) => {
-                let around = self.order.repeat() != Repeat::Off;
+                let around = self.order.repeat != Repeat::Off;
                 let resumed = self.resume_with.take().filter(|id| self.index(*id).is_some());
                 let next = resumed.or_else(|| self.order.beside(removed, true, around));
                 match next.map_or(Found::End, |next| self.search(next, true, None, tell)) {

@@ -6,14 +6,14 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 use crate::track::Repeat;
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Order {
     /// Every entry once, and the holes.
     sequence: Vec<u64>,
     places: HashMap<u64, usize>,
     holes: HashSet<u64>,
     shuffled: bool,
-    repeat: Repeat,
+    pub(super) repeat: Repeat,
     random: u64,
 }
 
@@ -50,11 +50,7 @@ impl Order {
 
     /// Restores an order from [`Self::sequence`]. If the random order was turned on or off since then, the entries of
     /// `list` get a new order.
-    pub(super) fn restore(
-        &mut self,
-        (sequence, shuffled): (Vec<u64>, bool),
-        list: impl Iterator<Item = u64>,
-    ) {
+    pub(super) fn restore(&mut self, sequence: Vec<u64>, shuffled: bool, list: impl Iterator<Item = u64>) {
         let as_before = shuffled == self.shuffled;
         *self = if as_before {
             Self { shuffled, repeat: self.repeat, ..Self::new(sequence.into_iter()) }
@@ -65,10 +61,6 @@ impl Order {
 
     pub(super) fn first(&self) -> Option<u64> {
         self.sequence.iter().copied().find(|id| !self.holes.contains(id))
-    }
-
-    pub(super) fn repeat(&self) -> Repeat {
-        self.repeat
     }
 
     /// Sets the order and the repeat mode. A new random order begins with `first` and stays the same in each round.

@@ -8,7 +8,7 @@ use percent_encoding::percent_decode;
 use unicode_normalization::UnicodeNormalization;
 
 use crate::encoding::{encoding_of, utf16_encoding_of};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The target of a list's entry: an address, or a path as written in the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Lines {
         };
         let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
         let lines = lines.map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
-        let lines = lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect();
+        let lines = lines.take(limits::PLAYLIST_LOOKS_MAX).map(<[u8]>::to_vec).collect();
         Some(Self { lines, encoding: encoding_of(&bytes) })
     }
 

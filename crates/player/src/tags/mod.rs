@@ -6,20 +6,20 @@
 //!
 //! Every method returns at once. The thread calls `wake` when new tags can be shown, at most ten times a second.
 
-mod cache;
-mod reader;
-
 use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, UNIX_EPOCH};
 
-use cache::TagCache;
+use mariana_files::atomic_file::AtomicFile;
 
-use super::decode::TrackTags;
-use super::limits::LIMITS;
 use super::listed::{ListedTrack, ListedTracks};
+use crate::decode::{TrackTags, tags_of};
+use crate::one_line::one_line;
+use crate::{limits, worker};
 
 /// The tags that are known so far, and the requests for more. Clones share everything; the thread ends with the last
 /// clone.
@@ -88,7 +88,7 @@ impl TagLibrary {
     pub fn start(cache: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let library = Self::default();
         let (shared, cache) = (library.0.shared.clone(), cache.map(TagCache::at));
-        let work = move || reader::run(&shared, cache.as_ref(), &wake);
+        let work = move || read_all(&shared, cache.as_ref(), &wake);
         std::thread::Builder::new().name("tags".into()).spawn(work)?;
         Ok(library)
     }
@@ -119,7 +119,7 @@ impl TagLibrary {
     /// Reads these files of a folder before the files of the list, and looks whether they have changed. Replaces the
     /// files of the last call.
     pub fn request_folder(&self, files: impl IntoIterator<Item = PathBuf>) {
-        self.lock().folder = files.into_iter().take(LIMITS.folder_tags_max).collect();
+        self.lock().folder = files.into_iter().take(limits::FOLDER_TAGS_MAX).collect();
         self.0.shared.changed.notify_one();
     }
 
@@ -161,6 +161,64 @@ impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    fn next(&self) -> Next {
+        self.lock().next()
+    }
+
+    fn wait(&self) {
+        let state = self.changed.wait_while(self.lock(), |state| !state.has_work());
+        drop(state.unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Examines a file, and reads it unless it is unchanged. Returns true if the cache file must change.
+    fn examine(&self, file: &Path) -> bool {
+        let stamp = stamp_of(file);
+        let mut state = self.lock();
+        let uses = state.uses + 1;
+        if let Some(known) = state.known.get_mut(&*key(file)).filter(|known| Some(known.stamp) == stamp) {
+            (known.is_current, known.used) = (true, uses);
+            state.uses = uses;
+            return false;
+        }
+        drop(state);
+        let tags = match stamp {
+            Some(_) => tags_of(file).unwrap_or_else(|error| {
+                tracing::debug!("the tags of {} are not known: {error}", file.display());
+                TrackTags::default()
+            }),
+            None => TrackTags::default(),
+        };
+        self.lock().insert(file, stamp.unwrap_or_default(), Arc::new(tags), true);
+        stamp.is_some()
+    }
+
+    /// Computes the totals of the list and makes all results visible.
+    fn publish(&self) {
+        let list = self.lock().list.clone();
+        let mut totals = Totals::default();
+        for part in list.entries.chunks(ENTRIES_AT_ONCE) {
+            let state = self.lock();
+            for track in part {
+                let whole = track.file.as_deref().filter(|_| track.start.is_none());
+                let known = whole.and_then(|file| state.current(file));
+                match merged(track, known.map(|known| &*known.tags)).duration {
+                    Some(seconds) => totals.seconds += seconds,
+                    None => totals.unknown += 1,
+                }
+            }
+        }
+        let mut state = self.lock();
+        (state.totals, state.totals_of) = (totals, Some(list.revision));
+        state.revision += 1;
+    }
+
+    fn save(&self, cache: &TagCache) {
+        let mut known: Vec<(Arc<Path>, Known)> =
+            self.lock().known.iter().map(|(file, known)| (file.clone(), known.clone())).collect();
+        known.sort_by_key(|(_, known)| known.used);
+        cache.save(known.iter().map(|(file, known)| (&**file, known.stamp, &*known.tags)));
+    }
 }
 
 impl State {
@@ -176,7 +234,7 @@ impl State {
     /// Adds tags. At the limit, a quarter of all tags is forgotten, the least recently used first.
     fn insert(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
         let file = &*key(file);
-        if self.known.len() >= LIMITS.tags_kept_max && !self.known.contains_key(file) {
+        if self.known.len() >= limits::TAGS_KEPT_MAX && !self.known.contains_key(file) {
             let mut uses: Vec<u64> = self.known.values().map(|known| known.used).collect();
             uses.sort_unstable();
             let least = uses.get(uses.len() / 4).copied().unwrap_or_default();
@@ -184,6 +242,43 @@ impl State {
         }
         self.uses += 1;
         self.known.insert(file.into(), Known { stamp, tags, used: self.uses, is_current });
+    }
+
+    /// Returns the next file to read.
+    fn next(&mut self) -> Next {
+        if self.over {
+            return Next::Over;
+        }
+        while let Some(file) = self.urgent.pop_front() {
+            if !self.is_current(&file) {
+                return Next::File(file);
+            }
+        }
+        if let Some(file) = self.folder.pop_front() {
+            return Next::File(file);
+        }
+        let list = self.list.clone();
+        for track in list.entries.iter().skip(self.list_at).take(ENTRIES_AT_ONCE) {
+            self.list_at += 1;
+            let whole = track.file.as_ref().filter(|_| track.start.is_none());
+            if let Some(file) = whole.filter(|file| !self.is_current(file)) {
+                return Next::File(file.clone());
+            }
+        }
+        if self.list_at < list.entries.len() { Next::Again } else { Next::Idle }
+    }
+
+    fn has_work(&self) -> bool {
+        self.over
+            || !self.urgent.is_empty()
+            || !self.folder.is_empty()
+            || self.list_at < self.list.entries.len()
+            || self.has_new_list()
+    }
+
+    /// True if the totals belong to an earlier list.
+    fn has_new_list(&self) -> bool {
+        self.totals_of != Some(self.list.revision)
     }
 }
 
@@ -203,6 +298,147 @@ fn merged(track: &ListedTrack, tags: Option<&TrackTags>) -> TrackTags {
         Some(tags) => TrackTags { duration: tags.duration.or(of_list.duration), ..of_list },
         None => of_list,
     }
+}
+
+// The cache file of tags. After a first line, each line is a JSON array: path, size, modification time, title, artist
+// and length. Lines that cannot be understood are left out. The file may be deleted at any time. If two windows write
+// it, the last one wins, and the next run reads the other tags again.
+
+/// The first line. The number changes when a new version reads other tags from the same file.
+const FIRST_LINE: &str = "Mariana's tags, version 2";
+
+#[derive(Debug)]
+struct TagCache(PathBuf);
+
+type Line<Text> = (Text, u64, u64, Option<Text>, Option<Text>, Option<f64>);
+
+impl TagCache {
+    fn at(path: PathBuf) -> Self {
+        Self(path)
+    }
+
+    /// Reads the file, the least recently used entry first. A missing or damaged file has no entries.
+    fn load(&self) -> Vec<(PathBuf, Stamp, TrackTags)> {
+        let is_file = fs::symlink_metadata(&self.0).is_ok_and(|about| about.is_file());
+        let Some(file) = is_file.then(|| File::open(&self.0).ok()).flatten() else { return Vec::new() };
+        let mut bytes = Vec::new();
+        if let Err(error) = file.take(limits::TAG_CACHE_BYTES_MAX).read_to_end(&mut bytes) {
+            tracing::debug!("the cache of tags cannot be read: {error}");
+            return Vec::new();
+        }
+        let mut lines = bytes.split(|byte| *byte == b'\n');
+        if lines.next() != Some(FIRST_LINE.as_bytes()) {
+            return Vec::new();
+        }
+        lines.filter_map(understood).take(limits::TAGS_KEPT_MAX).collect()
+    }
+
+    /// Replaces the file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags again.
+    fn save<'a>(&self, entries: impl Iterator<Item = (&'a Path, Stamp, &'a TrackTags)>) {
+        let mut text = FIRST_LINE.as_bytes().to_vec();
+        for (file, stamp, tags) in entries.filter(|(_, stamp, _)| *stamp != Stamp::default()) {
+            let Some(file) = file.to_str() else { continue };
+            let (title, artist) = (tags.title.as_deref(), tags.artist.as_deref());
+            let line: Line<&str> = (file, stamp.size, stamp.modified, title, artist, tags.duration);
+            if let Ok(line) = serde_json::to_vec(&line) {
+                text.push(b'\n');
+                text.extend(line);
+            }
+        }
+        let folder = self.0.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
+        let written = folder.and_then(|()| {
+            AtomicFile::create(&self.0).and_then(|file| file.write(&text)).map_err(|error| error.to_string())
+        });
+        if let Err(reason) = written {
+            tracing::debug!("the tags are not kept for the next run: {reason}");
+        }
+    }
+}
+
+fn understood(line: &[u8]) -> Option<(PathBuf, Stamp, TrackTags)> {
+    let (file, size, modified, title, artist, duration): Line<String> = serde_json::from_slice(line).ok()?;
+    let believed = |seconds: &f64| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX;
+    let text = |text: Option<String>| text.map(|text| one_line(&text)).filter(|text| !text.is_empty());
+    let tags = TrackTags { title: text(title), artist: text(artist), duration: duration.filter(believed) };
+    Some((file.into(), Stamp { size, modified }, tags))
+}
+
+// The thread that reads tags.
+
+/// Minimum interval between two publications. Each one makes the window lay out its lists again.
+const PUBLISH_EVERY: Duration = Duration::from_millis(100);
+/// Interval at which new tags are saved while the thread is busy. An idle thread saves at once.
+const SAVE_EVERY: Duration = Duration::from_secs(20);
+/// Maximum number of entries that are examined under one lock, because the drawing thread takes the lock too.
+const ENTRIES_AT_ONCE: usize = 256;
+/// The work is short, and a user may wait for it: next to a software renderer, a higher niceness would starve it.
+const NICENESS: i32 = 5;
+
+enum Next {
+    /// Reads this file.
+    File(PathBuf),
+    /// Looks for more files: the lock was released between two parts of the list.
+    Again,
+    Idle,
+    Over,
+}
+
+/// Results that are not published or not saved, with the time of the last publication and save.
+struct Waiting {
+    unpublished: bool,
+    unsaved: bool,
+    published: Instant,
+    saved: Instant,
+}
+
+fn read_all(shared: &Shared, cache: Option<&TagCache>, wake: &dyn Fn()) {
+    worker::lower_priority(NICENESS);
+    if let Some(cache) = cache {
+        let kept = cache.load();
+        let mut state = shared.lock();
+        for (file, stamp, tags) in kept {
+            state.insert(&file, stamp, Arc::new(tags), false);
+        }
+    }
+    let begun = Instant::now();
+    let mut waiting = Waiting { unpublished: false, unsaved: false, published: begun, saved: begun };
+    loop {
+        let next = shared.next();
+        match &next {
+            Next::File(file) => {
+                waiting.unsaved |= shared.examine(file);
+                waiting.unpublished = true;
+            }
+            Next::Again | Next::Idle | Next::Over => {}
+        }
+        let is_idle = matches!(next, Next::Idle);
+        let publishes = is_idle || waiting.published.elapsed() >= PUBLISH_EVERY;
+        if waiting.unpublished && publishes || is_idle && shared.lock().has_new_list() {
+            shared.publish();
+            wake();
+            (waiting.unpublished, waiting.published) = (false, Instant::now());
+        }
+        let saves = !matches!(next, Next::File(_) | Next::Again) || waiting.saved.elapsed() >= SAVE_EVERY;
+        if waiting.unsaved && saves {
+            if let Some(cache) = cache {
+                shared.save(cache);
+            }
+            (waiting.unsaved, waiting.saved) = (false, Instant::now());
+        }
+        match next {
+            Next::Over => return,
+            Next::Idle => shared.wait(),
+            Next::File(_) | Next::Again => {}
+        }
+    }
+}
+
+/// Returns the stamp of a regular file.
+fn stamp_of(file: &Path) -> Option<Stamp> {
+    let about = std::fs::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
+    let modified = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+    let modified = modified.and_then(|time| u64::try_from(time.as_nanos()).ok()).unwrap_or_default();
+    Some(Stamp { size: about.len(), modified })
 }
 
 #[cfg(test)]

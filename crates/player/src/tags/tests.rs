@@ -115,24 +115,24 @@ fn visible_rows_come_before_the_folder_and_the_folder_before_the_list() {
     let mut order = Vec::new();
     loop {
         let next = library.lock().next();
-        let reader::Next::File(file) = next else { break };
+        let Next::File(file) = next else { break };
         library.lock().insert(&file, Stamp::default(), Arc::default(), true);
         order.push(file);
     }
     assert_eq!(order, [&[path("row"), path("folder")], &list[..]].concat());
     library.request([path("row").as_path()]);
-    assert!(matches!(library.lock().next(), reader::Next::Idle), "a known file is not read again");
+    assert!(matches!(library.lock().next(), Next::Idle), "a known file is not read again");
 }
 
 #[test]
 fn at_the_limit_the_least_recently_used_tags_are_forgotten() {
     let mut state = State::default();
     let path = |n: usize| PathBuf::from(format!("/nowhere/{n}"));
-    for n in 0..=LIMITS.tags_kept_max {
+    for n in 0..=limits::TAGS_KEPT_MAX {
         state.insert(&path(n), Stamp::default(), Arc::default(), true);
     }
-    assert!(state.known.len() <= LIMITS.tags_kept_max);
-    assert!(!state.is_current(&path(0)) && state.is_current(&path(LIMITS.tags_kept_max)));
+    assert!(state.known.len() <= limits::TAGS_KEPT_MAX);
+    assert!(!state.is_current(&path(0)) && state.is_current(&path(limits::TAGS_KEPT_MAX)));
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn tags_of_a_megabyte_and_damaged_files_do_no_harm() {
     library.request(files.iter().map(PathBuf::as_path));
     wait_for(&library, &woken, "all tags", |library| files.iter().all(|file| library.get(file).is_some()));
     let letters = title(&library, &huge).flatten().map_or(0, |title| title.chars().count());
-    assert!(letters <= LIMITS.name_letters_max + 1, "{letters}");
+    assert!(letters <= limits::NAME_LETTERS_MAX + 1, "{letters}");
 }
 
 /// With `MARIANA_FIGURES` set, prints the time and the memory for the tags of 10,000 files.

@@ -25,7 +25,7 @@ impl Camera {
     /// Fails if there is no such camera, or ffmpeg is missing.
     pub fn numbered(number: usize) -> Result<Self, VideoError> {
         let device = number.checked_sub(1).and_then(|at| cameras(Path::new(DEVICES)).into_iter().nth(at));
-        let device = device.ok_or(VideoError::NoCamera { number })?;
+        let device = device.ok_or(VideoError::NoCamera(number))?;
         Self::open(&device, &if number == 1 { "the camera".to_owned() } else { format!("camera {number}") })
     }
 
@@ -88,6 +88,6 @@ mod tests {
         fs::create_dir(folder.path().join("video4")).unwrap();
         assert_eq!(cameras(folder.path()), ["/dev/video2", "/dev/video10"].map(PathBuf::from));
         assert!(cameras(Path::new("/nowhere")).is_empty());
-        assert!(matches!(Camera::numbered(0), Err(VideoError::NoCamera { number: 0 })));
+        assert!(matches!(Camera::numbered(0), Err(VideoError::NoCamera(0))));
     }
 }

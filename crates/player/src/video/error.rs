@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::ffmpeg::process::Failure;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A reason for which a video or a camera gives no frames. `name` is the name in messages.
 #[derive(Debug, thiserror::Error)]
@@ -17,11 +17,8 @@ pub enum VideoError {
         reason: io::Error,
     },
     /// ffmpeg or ffprobe is not installed.
-    #[error("{name} needs ffmpeg, which is not installed: install ffmpeg")]
-    NeedsFfmpeg {
-        /// The video or camera.
-        name: String,
-    },
+    #[error("{0} needs ffmpeg, which is not installed: install ffmpeg")]
+    NeedsFfmpeg(String),
     /// The file has no video stream, or no frames.
     #[error("{name} has no moving picture ({what}): choose a video")]
     NoVideo {
@@ -51,11 +48,8 @@ pub enum VideoError {
         what: String,
     },
     /// No camera has this number.
-    #[error("there is no camera {number}: check that it is plugged in")]
-    NoCamera {
-        /// The number, from 1.
-        number: usize,
-    },
+    #[error("there is no camera {0}: check that it is plugged in")]
+    NoCamera(usize),
     /// The camera gives no frames.
     #[error("{name} gives no picture ({what}): check its cable, and that no other program uses it")]
     Camera {
@@ -70,10 +64,10 @@ impl VideoError {
     pub(super) fn of(name: &str, failure: Failure) -> Self {
         let name = name.to_owned();
         match failure {
-            Failure::Missing => Self::NeedsFfmpeg { name },
+            Failure::Missing => Self::NeedsFfmpeg(name),
             Failure::Start(reason) => Self::Unreadable { name, reason },
             Failure::Stalled => {
-                let what = format!("ffmpeg returned no data for {} s", LIMITS.ffmpeg_wait_seconds);
+                let what = format!("ffmpeg returned no data for {} s", limits::FFMPEG_WAIT_SECONDS);
                 Self::Damaged { name, what }
             }
         }

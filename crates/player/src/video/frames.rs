@@ -3,7 +3,7 @@
 use super::VideoFrame;
 use crate::ffmpeg::CommandLine;
 use crate::ffmpeg::process::{Failure, Process};
-use crate::limits::LIMITS;
+use crate::limits;
 
 const END: &[u8] = b"ENDHDR\n";
 /// Maximum size of a frame's header in bytes. ffmpeg writes about 70.
@@ -18,7 +18,7 @@ pub(super) struct Frames {
 impl Frames {
     /// Starts ffmpeg with the inputs of `line`. `filters` come before the frames are scaled; they may be empty.
     pub(super) fn start(line: CommandLine, filters: &str) -> Result<Self, Failure> {
-        let (width, height) = LIMITS.video_size_max;
+        let (width, height) = limits::VIDEO_SIZE_MAX;
         // Pixels may not be square.
         let scale = format!("min(1,min({width}/(iw*sar),{height}/ih))");
         let comma = if filters.is_empty() { "" } else { "," };
@@ -33,7 +33,7 @@ impl Frames {
             "image2pipe",
             "pipe:1",
         ]);
-        let patience = std::time::Duration::from_secs_f64(LIMITS.ffmpeg_wait_seconds);
+        let patience = std::time::Duration::from_secs_f64(limits::FFMPEG_WAIT_SECONDS);
         Ok(Self { process: Process::start(line, patience)?, rest: Vec::new() })
     }
 
@@ -87,7 +87,7 @@ fn header(bytes: &[u8]) -> Header {
         line.and_then(|number| number.trim().parse::<u32>().ok())
     };
     let (width, height) = (number("WIDTH").unwrap_or(0), number("HEIGHT").unwrap_or(0));
-    let max = LIMITS.video_size_max;
+    let max = limits::VIDEO_SIZE_MAX;
     let fits = (1..=max.0).contains(&width) && (1..=max.1).contains(&height);
     match fits && number("DEPTH") == Some(4) && number("MAXVAL") == Some(255) {
         true => Header::Whole { size: (width, height), length: at + END.len() },

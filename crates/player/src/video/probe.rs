@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::error::VideoError;
 use crate::ffmpeg::process::Process;
 use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Maximum size of an answer of `ffprobe`, in bytes.
 const ANSWER_MAX: usize = 1 << 18;
@@ -95,7 +95,7 @@ pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), Vid
     let demuxer = Demuxer::of_video(&answer.format.format_name);
     let demuxer = demuxer.ok_or_else(|| no_video("ffmpeg finds no video format in it"))?;
     let stream = answer.streams.first().ok_or_else(|| no_video("it has no video stream"))?;
-    let (width, height, max) = (stream.width, stream.height, LIMITS.video_side_max);
+    let (width, height, max) = (stream.width, stream.height, limits::VIDEO_SIDE_MAX);
     if width == 0 || height == 0 || stream.codec_name.is_none() {
         return Err(no_video("its video stream cannot be decoded"));
     }
@@ -117,7 +117,7 @@ fn run_ffprobe(path: &Path, name: &str, options: &[&str]) -> Result<Answer, Vide
         .options(options.iter().copied())
         .input(Source::File(path), ReadBy::AnyVideoDemuxer, [""; 0]);
     let failed = |failure| VideoError::of(name, failure);
-    let patience = Duration::from_secs_f64(LIMITS.ffmpeg_wait_seconds);
+    let patience = Duration::from_secs_f64(limits::FFMPEG_WAIT_SECONDS);
     let mut process = Process::start(line, patience).map_err(failed)?;
     let answer = process.all(ANSWER_MAX).map_err(failed)?;
     if !process.succeeded() {
@@ -137,7 +137,7 @@ impl Answer {
         let named = [&stream.duration, &self.format.duration].into_iter().flatten().filter_map(number);
         let tagged = stream.tags.get("DURATION").and_then(|text| clock_seconds(text));
         let mut all = named.chain(tagged);
-        all.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
+        all.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
     }
 }
 
@@ -156,7 +156,7 @@ fn rate_of(average: &str, highest: &str) -> (u32, u32) {
     let value = |(above, below): (u32, u32)| f64::from(above) / f64::from(below);
     let known = [fraction(average), fraction(highest)].into_iter().flatten();
     let (above, below) = known.max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or((25, 1));
-    let (max, rate) = (LIMITS.video_rate_max, value((above, below)));
+    let (max, rate) = (limits::VIDEO_RATE_MAX, value((above, below)));
     if rate > f64::from(max) {
         return (max, 1);
     }

@@ -371,7 +371,7 @@ fn a_file_in_memory_decodes_as_on_disk() {
     assert_eq!(decoder.info().name, "demo.ogg");
     assert_eq!(decode_all(&mut decoder).unwrap(), decode_file(&path));
     let empty = Decoder::from_bytes("nothing", &[]);
-    assert!(matches!(empty, Err(DecodeError::Empty { .. })));
+    assert!(matches!(empty, Err(DecodeError::Empty(_))));
 }
 
 #[test]

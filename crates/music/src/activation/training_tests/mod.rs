@@ -44,7 +44,7 @@ fn example(seed: u64, seconds: f32) -> Example {
     for samples in piece.sound.chunks_exact(step) {
         window.copy_within(step.., 0);
         window[length - step..].iter_mut().zip(samples).for_each(|(frame, sample)| *frame = [*sample; 2]);
-        input.extend(measured.follow(spectrum.measure(&window).power()));
+        input.extend(measured.follow(&spectrum.measure(&window).power));
     }
     let mut targets = vec![[0.0_f32; OUT]; input.len() / NUMBERS];
     for (beat, is_downbeat) in piece.beats {

@@ -17,7 +17,7 @@ use super::downmix::Downmix;
 use super::{DecodeError, StreamInfo, sniff};
 use crate::ffmpeg::process::{Failure, Process};
 use crate::ffmpeg::{CommandLine, ReadBy, Source, file_address};
-use crate::limits::LIMITS;
+use crate::limits;
 use probe::{Answer, Stream};
 
 /// Maximum size of an answer of `ffprobe`, in bytes. The answer contains no cover images.
@@ -35,7 +35,7 @@ pub(super) struct Programs {
 
 impl Default for Programs {
     fn default() -> Self {
-        let patience = Duration::from_secs_f64(LIMITS.ffmpeg_wait_seconds);
+        let patience = Duration::from_secs_f64(limits::FFMPEG_WAIT_SECONDS);
         Self { ffprobe: "ffprobe".into(), ffmpeg: "ffmpeg".into(), patience }
     }
 }
@@ -44,7 +44,7 @@ pub(super) struct FfmpegDecoder {
     programs: Programs,
     path: PathBuf,
     stream: u32,
-    info: StreamInfo,
+    pub(super) info: StreamInfo,
     downmix: Downmix,
     process: Process,
     rest: Vec<u8>,
@@ -66,7 +66,7 @@ impl FfmpegDecoder {
         let path = std::path::absolute(path)
             .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
         let answer = reader.probe(programs, &path)?;
-        let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack { name: name.to_owned() })?;
+        let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack(name.to_owned()))?;
         if !stream.is_known() {
             return Err(DecodeError::UnsupportedCodec {
                 name: name.to_owned(),
@@ -117,10 +117,6 @@ impl FfmpegDecoder {
         Ok(decoder)
     }
 
-    pub(super) fn info(&self) -> &StreamInfo {
-        &self.info
-    }
-
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         self.advance()?;
         let count = self.pending.len();
@@ -132,7 +128,7 @@ impl FfmpegDecoder {
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
         // NaN becomes the start. A little sound may follow the claimed end, to which seeks are limited.
-        let latest = self.info.duration.unwrap_or(LIMITS.claimed_duration_max);
+        let latest = self.info.duration.unwrap_or(limits::CLAIMED_DURATION_MAX);
         let target = (seconds.clamp(0.0, latest) * rate).round() as u64;
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
         if self.ended || !(self.position..=self.position + near).contains(&target) {
@@ -248,7 +244,7 @@ impl Reader<'_> {
             Failure::Missing => DecodeError::NeedsFfmpeg { name, what: self.refusal.clone() },
             Failure::Start(reason) => DecodeError::Read { name, reason },
             Failure::Stalled => {
-                let limit = LIMITS.ffmpeg_wait_seconds;
+                let limit = limits::FFMPEG_WAIT_SECONDS;
                 DecodeError::Damaged { name, what: format!("ffmpeg returned no data for {limit} s") }
             }
         }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::decode::loudness::Loudness;
 use crate::ffmpeg::Demuxer;
-use crate::limits::LIMITS;
+use crate::limits;
 
 pub(super) const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
     stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
@@ -56,7 +56,7 @@ impl Answer {
     pub(super) fn duration(&self, stream: &Stream) -> Option<f64> {
         let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
         let mut reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
-        reported.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
+        reported.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
     }
 
     pub(super) fn tag(&self, stream: &Stream, name: &str) -> Option<String> {

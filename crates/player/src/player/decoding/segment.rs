@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use super::place::Goal;
+use super::passages::Goal;
 use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Audible, Course};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::output::OutputCallbackLink;
 use crate::player::filling::Filling;
 use crate::resample::{ResampleError, Resampler};
@@ -33,14 +33,15 @@ pub(super) struct SegmentStart {
 }
 
 /// The segment being filled and its output. `filling` is `None` before the first output or after a failed start.
+#[derive(Default)]
 pub(super) struct CurrentSegment {
-    audible_segments: SharedAudibleSegments,
+    pub(super) audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
-    filling: Option<Filling>,
+    pub(super) filling: Option<Filling>,
     last_id: u64,
     /// A number that grows with each seek and each skip.
     run: u64,
-    due: Option<Instant>,
+    pub(super) due: Option<Instant>,
     /// The number of callback calls at the time when the process was last suspended.
     stood_still: Option<u64>,
     /// The track time at which the next segment starts once an output is open, in seconds.
@@ -49,16 +50,7 @@ pub(super) struct CurrentSegment {
 
 impl CurrentSegment {
     pub(super) fn new(audible_segments: SharedAudibleSegments) -> Self {
-        Self {
-            audible_segments,
-            link: None,
-            filling: None,
-            last_id: 0,
-            run: 0,
-            due: None,
-            stood_still: None,
-            start: 0.0,
-        }
+        Self { audible_segments, ..Self::default() }
     }
 
     pub(super) fn set_output(&mut self, link: OutputCallbackLink) {
@@ -86,24 +78,8 @@ impl CurrentSegment {
         calls.is_some() && self.stood_still == calls
     }
 
-    pub(super) fn is_filling(&self) -> bool {
-        self.filling.is_some()
-    }
-
     pub(super) fn is_finished(&self) -> bool {
         self.filling.as_ref().is_some_and(|filling| filling.exhausted)
-    }
-
-    pub(super) fn filling(&mut self) -> Option<&mut Filling> {
-        self.filling.as_mut()
-    }
-
-    pub(super) fn audible_segments(&self) -> &SharedAudibleSegments {
-        &self.audible_segments
-    }
-
-    pub(super) fn due(&self) -> Option<Instant> {
-        self.due
     }
 
     pub(super) fn start(&self) -> f64 {
@@ -199,7 +175,7 @@ impl CurrentSegment {
         scratch: &mut Vec<StereoFrame>,
     ) -> Result<(), ResampleError> {
         let Some((link, filling)) = self.link.as_ref().zip(self.filling.as_mut()) else { return Ok(()) };
-        if rate == filling.source_hz() {
+        if rate == filling.conversion.resampler.from_hz() {
             return Ok(());
         }
         filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)
@@ -209,7 +185,7 @@ impl CurrentSegment {
     fn played(&self) -> f64 {
         let rate = self.output_rate().unwrap_or(1);
         let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));
-        audible - LIMITS.latency_ms_max / 1000.0
+        audible - limits::LATENCY_MS_MAX / 1000.0
     }
 }
 

@@ -28,7 +28,7 @@ fn begin(segment: &mut CurrentSegment, target: f64) {
 
 fn feed(segment: &mut CurrentSegment, seconds: f64) {
     let frames = vec![[0.5; 2]; (seconds * f64::from(RATE)) as usize];
-    let filling = segment.filling().expect("there is a segment");
+    let filling = segment.filling.as_mut().expect("there is a segment");
     filling.feed(&frames, &mut Vec::new()).expect("equal rates need no conversion");
 }
 
@@ -37,7 +37,7 @@ fn the_first_audible_frames_have_features() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, PREFILL + 0.01);
     assert!(segment.push() && !callback.is_offered());
-    segment.audible_segments().lock().push_features(1, &TimedFeatures::new(2.01, 0, Features::SILENCE));
+    segment.audible_segments.lock().push_features(1, &TimedFeatures::new(2.01, 0, Features::SILENCE));
     assert!(segment.push() && callback.is_offered());
 }
 
@@ -52,7 +52,7 @@ fn a_full_ring_does_not_wait_for_features() {
 fn a_short_end_is_played() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, 0.01);
-    segment.filling().expect("there is a segment").exhausted = true;
+    segment.filling.as_mut().expect("there is a segment").exhausted = true;
     assert!(!segment.push() && callback.is_offered() && segment.is_finished());
 }
 

@@ -32,7 +32,7 @@ pub(super) struct TrackQueue {
     pub(super) passages: Passages,
     next: Next,
     /// The id of the pending request for a skip.
-    skipping: Option<u64>,
+    pub(super) skipping: Option<u64>,
     /// The number of skips since this request, which are requested next; negative for skips back.
     steps: i32,
     empty_tracks: u32,
@@ -60,10 +60,6 @@ impl TrackQueue {
             Next::Track(track) => Some(&track.info),
             _ => None,
         }
-    }
-
-    pub(super) fn is_skipping(&self) -> bool {
-        self.skipping.is_some()
     }
 
     pub(super) fn skip(&mut self, forward: bool) {
@@ -345,7 +341,7 @@ mod tests {
         queue.skip(true);
         queue.request_skips(0);
         assert!(!queue.receive(asked(&requests).0, Found::End, false));
-        assert!(!queue.is_skipping());
+        assert!(queue.skipping.is_none());
         assert!(queue.track_errors.get().last.expect("an error").contains("ends here"));
     }
 
