@@ -43,7 +43,7 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     }
     let room = if random.below(4) == 0 { 17_000 } else { 1 << 16 };
     let tree = plan.build(inputs, &RegionOptions { texels_max: room, ..RegionOptions::default() });
-    assert!(tree.texels.len() <= room.max(plan.whole_texels()), "{:?}", tree.stats);
+    assert!(tree.texels.len() <= room.max(plan.whole_texels), "{:?}", tree.stats);
     let (mut whole, mut whole_object) =
         (PointEvaluator::new(&distance, inputs), PointEvaluator::new(&object, inputs));
     for number in 0..POINTS {

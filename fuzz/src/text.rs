@@ -76,7 +76,7 @@ pub(crate) fn world(data: &[u8]) -> Option<World> {
     check(&compiled.diagnostics, &compiled.sources);
     match World::new("fuzz", compiled.scene?, Vec::new()) {
         Ok(world) => Some(world),
-        Err(error @ (WorldError::Refused { .. } | WorldError::Text { .. })) => panic!("{error}"),
+        Err(error @ (WorldError::Refused { .. } | WorldError::Text(_))) => panic!("{error}"),
         // The scene exceeds a limit.
         Err(WorldError::Graph { .. } | WorldError::Tape { .. }) => None,
     }

@@ -141,7 +141,7 @@ const RAYS: (usize, usize) = (48, 27);
 fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
     texts.extend(world.feedback_warning());
     if RegionPlan::new(world).runs() {
-        texts.extend(ray_faults(world, 0.0, RAYS).warnings(world));
+        texts.extend(ray_faults(world, 0.0, RAYS.0, RAYS.1).warnings(world));
     }
     texts
 }

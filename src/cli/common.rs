@@ -17,7 +17,7 @@ use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_message;
 use crate::frame::held_inputs::Setting;
-use crate::gpu::cell_use::CellUse;
+use crate::gpu::mode::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;

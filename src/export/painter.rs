@@ -13,11 +13,11 @@ use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
 use crate::frame::projection::Projection;
 use crate::frame::{Frame, FrameOptions};
-use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
+use crate::gpu::mode::CellUse;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{

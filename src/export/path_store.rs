@@ -20,7 +20,7 @@ use super::print::print_message;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
-use crate::gpu::kept_paths::{KeptPaths, PIXEL_BYTES_MAX};
+use crate::gpu::path_state::{KeptPaths, PIXEL_BYTES_MAX};
 use crate::gpu::renderer::PathOrder;
 use mariana_player::song::Song;
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::path_store::SharedStore;
 use crate::config::Choice;
 use crate::frame::Frame;
-use crate::gpu::kept_paths::KeptPaths;
+use crate::gpu::path_state::KeptPaths;
 use crate::gpu::renderer::{PathOrder, PathProgress, PathSampling, PathWatcher};
 
 /// How the light of an image is computed.

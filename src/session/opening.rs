@@ -338,7 +338,7 @@ pub(super) fn renewed(
     drop(playback.preview);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
-        return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
+        return Err(GpuError::ContextLost("preparing the first scene").into());
     };
     let screen = screen.renew()?;
     let of_scenes = waker.clone();

@@ -173,8 +173,8 @@ impl Run {
 /// The operation during which the driver lost the context; `None` for other errors.
 fn doing_at_loss(error: &SessionError) -> Option<&'static str> {
     match error {
-        SessionError::Gpu(GpuError::ContextLost { doing })
-        | SessionError::Ui(UiError::Gpu(GpuError::ContextLost { doing })) => Some(doing),
+        SessionError::Gpu(GpuError::ContextLost(doing))
+        | SessionError::Ui(UiError::Gpu(GpuError::ContextLost(doing))) => Some(doing),
         _ => None,
     }
 }
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_context_lost_in_the_panels_is_recognized() {
-        let lost = || GpuError::ContextLost { doing: "drawing" };
+        let lost = || GpuError::ContextLost("drawing");
         assert_eq!(doing_at_loss(&SessionError::Gpu(lost())), Some("drawing"));
         assert_eq!(doing_at_loss(&SessionError::Ui(UiError::Gpu(lost()))), Some("drawing"));
         assert_eq!(doing_at_loss(&SessionError::NoMonitor), None);

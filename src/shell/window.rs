@@ -205,7 +205,7 @@ impl GlWindowContext {
     pub(crate) fn swap(&self) -> Result<(), SessionError> {
         self.window.pre_present_notify();
         self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
-            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
             _ => SessionError::Window { doing: "to show a frame", reason: error.to_string() },
         })
     }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
-use mariana::scenes::limits::LIMITS;
+use mariana::scenes::limits;
 use mariana::scenes::{SceneSource, TextureCache};
 use mariana_field::lang::{Compiled, Diagnostic, Fault, render_all};
 use tempfile::TempDir;
@@ -170,7 +170,7 @@ fn every_refusal_has_its_own_message() {
     place.write("half.jpg", &jpeg(64, 64)[..200]);
     place.write("empty.png", "");
     let file = fs::File::create(place.path("bytes.png")).unwrap();
-    file.set_len(LIMITS.texture_bytes_max as u64 + 1).unwrap();
+    file.set_len(limits::TEXTURE_BYTES_MAX as u64 + 1).unwrap();
 
     let reported = |name: &str| place.refused(name);
     let none = |name: &str| {
@@ -200,7 +200,7 @@ fn every_refusal_has_its_own_message() {
 #[test]
 fn a_too_large_texture_is_refused_by_its_header() {
     let place = Place::new();
-    let side = LIMITS.texture_side_max;
+    let side = limits::TEXTURE_SIDE_MAX;
     place.write("side.png", png(side, 1));
     assert_eq!(place.textures(&["side.png"]).unwrap()[0].dimensions(), (side, 1));
     let too_wide = png(side + 1, 1);
@@ -212,7 +212,7 @@ fn a_too_large_texture_is_refused_by_its_header() {
         assert_eq!(message, format!("the image `wide.png` is too large: {} x 1 pixels", side + 1));
         assert!(hint.contains(&side.to_string()), "{hint}");
     }
-    let rows = u32::try_from(LIMITS.texture_pixels_max / u64::from(side)).unwrap() + 1;
+    let rows = u32::try_from(limits::TEXTURE_PIXELS_MAX / u64::from(side)).unwrap() + 1;
     assert!(rows < side);
     place.write("pixels.png", png(side, rows));
     assert_eq!(place.refused("pixels.png").0, Fault::OverLimit);

@@ -187,7 +187,7 @@ fn level(list: LevelList, index: Span, frame: &FrameInputs) -> Span {
 /// Bounds of a text's or a picture's distance. Its slope is at most 1 per unit of the coordinates of the shape.
 fn shape(column: Span, row: Span, frame: &FrameInputs) -> Span {
     let middle = |of: Span| 0.5 * (of.0 + of.1);
-    let coarsest = frame.shapes.shapes().map(|shape| f64::from(shape.grid.points_per_unit()));
+    let coarsest = frame.shapes.shapes().map(|shape| f64::from(shape.grid.points_per_unit));
     let slope = f64::from(SHAPE_STEP) / coarsest.fold(f64::INFINITY, f64::min);
     let away = slope * (0.5 * (column.1 - column.0)).hypot(0.5 * (row.1 - row.0));
     let value = f64::from(frame.shapes.at(middle(column) as f32, middle(row) as f32));
@@ -337,8 +337,7 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
             Some(cell) if world.non_lipschitz => {
                 let slope = gradient::slope_towards(cell.slopes, ray.direction);
                 let radius = SPREAD as f32 * t.max(rays::NON_LIPSCHITZ_NEAR);
-                rays::non_lipschitz_step(step, (value, slope), ray.exit_of(&cell) - t, (t, end), radius)
-                    .max(1e-5)
+                rays::non_lipschitz_step(step, value, slope, ray.exit_of(&cell) - t, t..end, radius).max(1e-5)
             }
             _ => value,
         };

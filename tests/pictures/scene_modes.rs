@@ -10,9 +10,9 @@ use crate::support::test_renderer::{
 use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
-use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
+use mariana::gpu::mode::CellUse;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::{Interpreter, Mode, compiled_variant, compiled_variant_of, without_cells};

@@ -20,8 +20,7 @@
 use std::io::Write;
 use std::process::Command;
 
-use mariana::gpu::program::{TEXTURE_UNITS, UNIFORM_BLOCKS, scene_texture};
-use mariana_field::limits::LIMITS as FIELD_LIMITS;
+use mariana::gpu::program::{TEXTURE_UNITS, UNIFORM_BLOCKS, numbered_textures};
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -164,9 +163,8 @@ fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
 }
 
 fn unit_of(name: &str) -> Result<u32, String> {
-    let of_scene =
-        (0..FIELD_LIMITS.scene_textures_max).zip(0..).find(|(index, _)| scene_texture(*index) == name);
-    of_scene.map_or_else(|| place_of(&TEXTURE_UNITS, name), |(_, unit)| Ok(unit))
+    let numbered = numbered_textures().find(|(known, _)| known == name);
+    numbered.map_or_else(|| place_of(&TEXTURE_UNITS, name), |(_, unit)| Ok(unit))
 }
 
 /// Splits a line into identifiers (or numbers) and the text between them.

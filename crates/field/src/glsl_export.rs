@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Result};
 use crate::lang::{Material, Scene};
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 
@@ -68,8 +68,8 @@ pub fn left_out(scene: &Scene) -> Vec<&'static str> {
 /// the nearest object. With `main_image`, a `mainImage` that draws both follows.
 ///
 /// # Errors
-/// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String, GraphError> {
+/// [`crate::graph::GraphError::TooManyNodes`] if the graph has reached its limit.
+pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
     let mut graph = scene.graph.clone();
     let mut color = [graph.constant(0.8); 3];
     let mut nearest: Option<NodeId> = None;
@@ -138,12 +138,7 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String, GraphError> 
 }
 
 /// Replaces the names of inputs in the body by `iTime`, constants and numbers. Returns the body and the constants.
-fn with_names(
-    scene: &Scene,
-    graph: &Graph,
-    used: &[NodeId],
-    mut body: String,
-) -> Result<(String, String), GraphError> {
+fn with_names(scene: &Scene, graph: &Graph, used: &[NodeId], mut body: String) -> Result<(String, String)> {
     let frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()

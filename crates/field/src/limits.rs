@@ -1,60 +1,70 @@
 //! All limits of this crate. Errors name the limit that was exceeded. Tests pass smaller limits to exceed them.
 
-/// Upper limits on the text of a scene and on everything built from it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+/// Declares the limits: each with its type and its value in the program.
+macro_rules! limits {
+    ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $value:expr;)+) => {
+        /// Upper limits on the text of a scene and on everything built from it.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct Limits { $($(#[doc = $doc])+ pub $name: $type,)+ }
+
+        /// The limits of the program.
+        pub const LIMITS: Limits = Limits { $($name: $value,)+ };
+    };
+}
+
+limits! {
     /// Maximum nesting of includes, in scenes and in shaders.
-    pub include_depth_max: usize,
+    include_depth_max: usize = 16;
     /// Maximum number of distinct nodes in an expression graph (32 bytes each).
-    pub graph_nodes_max: usize,
+    graph_nodes_max: usize = 1 << 21;
     /// Maximum number of clauses in a tape (each takes four bytes, or 40 while the tape is built).
-    pub tape_clauses_max: usize,
+    tape_clauses_max: usize = 1 << 21;
     /// Maximum number of outputs of a tape. Each output keeps its slot until the end of the tape.
-    pub tape_outputs_max: usize,
+    tape_outputs_max: usize = 16;
     /// Maximum number of memory slots to which the values of one tape are spilled.
-    pub tape_memory_max: usize,
+    tape_memory_max: usize = 1 << 16;
     /// Maximum number of bytes in a scene's text and its included files together.
-    pub scene_bytes_max: usize,
+    scene_bytes_max: usize = 1 << 20;
     /// Maximum number of tokens in a scene's text and its included files together.
-    pub scene_tokens_max: usize,
+    scene_tokens_max: usize = 400_000;
     /// Maximum nesting of expressions in a scene's text.
-    pub scene_nesting_max: usize,
+    scene_nesting_max: usize = 256;
     /// Maximum nesting of expressions after function calls have been expanded.
-    pub scene_depth_max: usize,
+    scene_depth_max: usize = 400;
     /// Maximum number of operations after functions and loops have been expanded, before equal operations are merged.
-    pub scene_expansion_max: usize,
+    scene_expansion_max: usize = 1 << 22;
     /// Maximum number of iterations of one loop.
-    pub scene_loop_max: usize,
+    scene_loop_max: usize = 4_096;
     /// Maximum number of mistakes reported at once.
-    pub scene_diagnostics_max: usize,
+    scene_diagnostics_max: usize = 20;
     /// Maximum number of files that a scene includes, each counted once. `include_depth_max` limits the nesting.
-    pub scene_includes_max: usize,
+    scene_includes_max: usize = 64;
     /// Maximum number of parameters of a scene.
-    pub scene_params_max: usize,
+    scene_params_max: usize = 64;
     /// Maximum number of textures of a scene. OpenGL 3.3 guarantees that a fragment shader can use 16.
-    pub scene_textures_max: usize,
+    scene_textures_max: usize = 12;
     /// Maximum number of textures of a scene with media, which occupy two texture units.
-    pub scene_textures_beside_media_max: usize,
+    scene_textures_beside_media_max: usize = 10;
     /// Maximum number of different texts and pictures that the shapes of a scene read.
-    pub scene_shapes_max: usize,
+    scene_shapes_max: usize = 16;
     /// Maximum number of letters in a text that is a shape.
-    pub shape_letters_max: usize,
+    shape_letters_max: usize = 200;
     /// Maximum number of objects of a scene.
-    pub scene_objects_max: usize,
+    scene_objects_max: usize = 256;
     /// Maximum number of materials of a scene.
-    pub scene_materials_max: usize,
+    scene_materials_max: usize = 64;
     /// Maximum number of lights of a scene.
-    pub scene_lights_max: usize,
+    scene_lights_max: usize = 16;
     /// Maximum number of media of a scene, such as fog and clouds.
-    pub scene_media_max: usize,
+    scene_media_max: usize = 8;
     /// Maximum number of swarms of a scene.
-    pub scene_swarms_max: usize,
+    scene_swarms_max: usize = 8;
     /// Maximum number of points in all swarms of a scene.
-    pub scene_swarm_points_max: usize,
+    scene_swarm_points_max: usize = 1 << 16;
     /// Maximum number of named cameras of a scene.
-    pub scene_cameras_max: usize,
+    scene_cameras_max: usize = 16;
     /// Maximum number of values that are computed once per frame. Further values are computed at every point.
-    pub hoisted_max: usize,
+    hoisted_max: usize = 256;
 }
 
 /// Frames a second at which light is fed back, in the time of the song.
@@ -73,33 +83,3 @@ pub const GLSL_NESTING_MAX: usize = 192;
 pub const GLSL_STRUCT_VALUES_MAX: usize = 1 << 12;
 /// Maximum number of parameters of a macro in GLSL.
 pub const GLSL_MACRO_PARAMETERS_MAX: usize = 64;
-
-/// The limits of the program.
-pub const LIMITS: Limits = Limits {
-    include_depth_max: 16,
-    graph_nodes_max: 1 << 21,
-    tape_clauses_max: 1 << 21,
-    tape_outputs_max: 16,
-    tape_memory_max: 1 << 16,
-    scene_bytes_max: 1 << 20,
-    scene_tokens_max: 400_000,
-    scene_nesting_max: 256,
-    scene_depth_max: 400,
-    scene_expansion_max: 1 << 22,
-    scene_loop_max: 4_096,
-    scene_diagnostics_max: 20,
-    scene_includes_max: 64,
-    scene_params_max: 64,
-    scene_textures_max: 12,
-    scene_textures_beside_media_max: 10,
-    scene_shapes_max: 16,
-    shape_letters_max: 200,
-    scene_objects_max: 256,
-    scene_materials_max: 64,
-    scene_lights_max: 16,
-    scene_media_max: 8,
-    scene_swarms_max: 8,
-    scene_swarm_points_max: 1 << 16,
-    scene_cameras_max: 16,
-    hoisted_max: 256,
-};

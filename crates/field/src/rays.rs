@@ -1,5 +1,7 @@
 //! Constants of ray tracing, shared by the shaders (as defines) and by tests that trace the same rays on the CPU.
 
+use std::ops::Range;
+
 macro_rules! rays {
     ($($(#[doc = $doc:literal])+ $name:ident: $kind:ty = $value:literal;)+) => {
         $($(#[doc = $doc])+ pub const $name: $kind = $value;)+
@@ -95,11 +97,13 @@ pub fn hit_fraction(step: u32) -> f32 {
 /// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows so that the remaining steps reach the end.
 pub fn non_lipschitz_step(
     step: u32,
-    (value, slope): (f32, f32),
+    value: f32,
+    slope: f32,
     leaves: f32,
-    (t, end): (f32, f32),
+    along: Range<f32>,
     radius: f32,
 ) -> f32 {
+    let (t, end) = (along.start, along.end);
     let left = NON_LIPSCHITZ_STEPS_MAX.saturating_sub(step).max(1);
     let from = t.max(NON_LIPSCHITZ_NEAR);
     let even = from * ((end / from).powf(1.0 / left as f32) - 1.0);

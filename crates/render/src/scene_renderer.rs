@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::gpu::cell_use::CellUse;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
+use crate::gpu::mode::CellUse;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{Mode, drawing_variant_of, link_scene};
@@ -28,7 +28,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// Fails if the world exceeds its limits, or with an error of the driver.
-    pub fn new(gl: &Gl, world: World) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, world: World) -> Result<Self> {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world);
         let (buffers, plan) = (Arc::new(world.tape_buffers()?), Arc::new(RegionPlan::new(&world)));
@@ -44,7 +44,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// Fails if the size exceeds the driver's limit, or with an error of the driver.
-    pub fn draw(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Result<(), GpuError> {
+    pub fn draw(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Result<()> {
         let frame = Frame::new(self.resources.world(), time, sound, size);
         self.draw_frame(&frame)
     }
@@ -53,7 +53,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// Same errors as [`SceneRenderer::draw`].
-    pub fn draw_frame(&mut self, frame: &Frame) -> Result<(), GpuError> {
+    pub fn draw_frame(&mut self, frame: &Frame) -> Result<()> {
         self.renderer.draw(frame, &self.resources, &self.program)
     }
 
@@ -61,7 +61,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// Fails with an error of the driver.
-    pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
+    pub fn show(&self, window: (u32, u32)) -> Result<()> {
         self.renderer.show(window)
     }
 

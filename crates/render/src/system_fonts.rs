@@ -14,7 +14,7 @@ use fontdb::{Database, FaceInfo, ID, Source, Stretch, Style};
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider};
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Largest distance of a letter's outline from its origin, in font sizes.
 const LETTER_REACH_MAX: f32 = 8.0;
@@ -68,7 +68,7 @@ impl SystemFonts {
             database: None,
             writing: None,
             taken: Vec::new(),
-            bytes_left: LIMITS.system_fonts_bytes_max,
+            bytes_left: limits::SYSTEM_FONTS_BYTES_MAX,
         }
     }
 
@@ -87,7 +87,7 @@ impl SystemFonts {
             .collect();
         let mut missing = letters.clone();
         let mut found = Vec::new();
-        while !missing.is_empty() && self.taken.len() < LIMITS.system_fonts_max {
+        while !missing.is_empty() && self.taken.len() < limits::SYSTEM_FONTS_MAX {
             for candidate in &mut candidates {
                 candidate.has.retain(|letter| missing.contains(letter));
             }
@@ -130,7 +130,7 @@ impl SystemFonts {
         let full = database.faces().find(|face| plain(&face.post_script_name) == wanted);
         let face = full.or_else(|| database.faces().filter(of_family).max_by_key(|face| rank(face, None)))?;
         let index = face.index;
-        let (font, _) = insert(face, LIMITS.system_fonts_bytes_max)?;
+        let (font, _) = insert(face, limits::SYSTEM_FONTS_BYTES_MAX)?;
         Some(((*font.data.font).as_ref().to_vec(), index))
     }
 

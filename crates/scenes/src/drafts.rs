@@ -1,13 +1,13 @@
 //! Unsaved texts from the editor, which the loader uses instead of the files. The loader returns its [`Findings`] on
 //! the same channel.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use mariana_field::lang::{Diagnostic, Sources, Turning};
+use mariana_field::lang::{self, Diagnostic, Sources, Turning};
 
-use super::draft_texts::DraftTexts;
 use super::folder::Folder;
 use super::world::ReadyScene;
 use super::{FoundMistakes, SceneError, SceneSource};
@@ -159,6 +159,61 @@ fn placed(one: &Diagnostic, sources: &Sources) -> Option<Mistake> {
     Some(Mistake { text, range, message, hint: one.hint.clone().unwrap_or_default() })
 }
 
+/// Snapshot of the unsaved texts in the editor.
+#[derive(Debug, Clone, Default)]
+pub struct DraftTexts {
+    pub(super) texts: Arc<BTreeMap<PathBuf, Arc<[u8]>>>,
+    /// Increases with every change.
+    pub(super) version: u64,
+    /// The file whose numbers are being turned, and those numbers.
+    pub(super) turning: Option<(Arc<Path>, Arc<[Turning]>)>,
+}
+
+impl DraftTexts {
+    /// Returns the unsaved text of a file, if there is one.
+    pub fn of(&self, file: &Path) -> Option<&Arc<[u8]>> {
+        self.texts.get(file)
+    }
+
+    pub(super) fn turning(&self, file: &Path) -> &[Turning] {
+        self.turning.as_ref().filter(|(of, _)| **of == *file).map_or(&[], |(_, turning)| turning)
+    }
+}
+
+// Finds the numbers in a scene's text that are being edited, by comparing versions of the text.
+//
+// A program compiled with [`lang::compile_while_changing`] reads these numbers as inputs. The first edit of a number
+// compiles a new program; further edits need no compilation. When the same text is loaded twice, editing has ended
+// and the numbers become constants again, because drivers optimize constants better than inputs.
+
+/// The last version of a text, and the indices of the numbers that differ between versions.
+#[derive(Debug, Default)]
+pub struct NumberEdits {
+    last: Option<(SceneSource, String)>,
+    changing: BTreeSet<usize>,
+    pub(super) settled: bool,
+}
+
+impl NumberEdits {
+    /// Compares `text` with the previous version and returns the indices of the numbers being edited. An unchanged text
+    /// ends the edit, unless `is_turned` says that the user is turning one of the numbers.
+    pub(super) fn follow(&mut self, source: &SceneSource, text: &str, is_turned: bool) -> &BTreeSet<usize> {
+        let before = self.last.take().filter(|(of, _)| of == source).map(|(_, text)| text);
+        let is_as_it_was = before.as_deref() == Some(text);
+        self.settled = is_as_it_was && !self.changing.is_empty() && !is_turned;
+        if is_as_it_was && is_turned {
+            self.last = before.map(|text| (source.clone(), text));
+            return &self.changing;
+        }
+        match before.filter(|_| !is_as_it_was).and_then(|before| lang::changed_numbers(&before, text)) {
+            Some(changed) => self.changing.extend(changed),
+            None => self.changing.clear(),
+        }
+        self.last = Some((source.clone(), text.to_owned()));
+        &self.changing
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,5 +281,31 @@ mod tests {
         assert!(!result.unwrap().settles);
         drafts.turn(None);
         assert!(load(&source, &drafts).1.numbers.is_empty());
+    }
+}
+
+#[cfg(test)]
+mod number_edits_tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_inputs_until_the_text_repeats_or_changes_otherwise() {
+        let (one, other) = (SceneSource::Formula("one".into()), SceneSource::Formula("other".into()));
+        let mut edits = NumberEdits::default();
+        let mut follow = |source: &SceneSource, text: &str| {
+            let changing: Vec<usize> = edits.follow(source, text, false).iter().copied().collect();
+            (changing, edits.settled)
+        };
+        assert_eq!(follow(&one, "sphere(p, 1) - 0.5"), (vec![], false));
+        assert_eq!(follow(&one, "sphere(p, 2) - 0.5"), (vec![0], false));
+        assert_eq!(follow(&one, "sphere(p, 2) - 0.25"), (vec![0, 1], false));
+        // An edited comment changes no number and does not end the edit.
+        assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![0, 1], false));
+        assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![], true));
+        assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![], false));
+        assert_eq!(follow(&one, "sphere(p, 3) - 0.25"), (vec![0], false));
+        assert_eq!(follow(&one, "sphere(p, 3) + 0.25"), (vec![], false));
+        assert_eq!(follow(&one, "sphere(p, 3) + 0.5"), (vec![1], false));
+        assert_eq!(follow(&other, "sphere(p, 3) + 0.75"), (vec![], false));
     }
 }

@@ -44,11 +44,8 @@ pub enum SceneError {
         reason: String,
     },
     /// The path is a folder, a pipe or a device.
-    #[error("the scene {} is not a regular file: save it to a file first", .path.display())]
-    NoFile {
-        /// The path that is not a regular file.
-        path: PathBuf,
-    },
+    #[error("the scene {} is not a regular file: save it to a file first", .0.display())]
+    NoFile(PathBuf),
     /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
     #[error("the scene {} is larger than {max} bytes: split it, or use functions and loops", .path.display())]
     TooLarge {

@@ -14,22 +14,16 @@
 //! A scene can read only its own folder. Includes and textures come from that folder, and shipped textures replace
 //! missing textures. Links are resolved first, so that a link cannot lead out of the folder.
 
-mod blend;
-mod content;
-mod debounce;
-mod draft_texts;
 mod drafts;
 mod error;
 mod folder;
 pub mod limits;
 mod loader;
-mod number_edits;
 mod order;
 pub mod probing;
 mod shader_import;
 mod shapes;
 mod sources;
-mod textures;
 pub mod thumbnails;
 mod watch;
 mod world;
@@ -40,19 +34,15 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use blend::{SceneBlend, SeenScene, camera_number};
-pub use draft_texts::DraftTexts;
-pub use drafts::{Drafts, Findings, Mistake};
+pub use drafts::{DraftTexts, Drafts, Findings, Mistake, NumberEdits};
 pub use error::{FoundMistakes, SceneError};
 pub use loader::{Loaded, Loader};
-pub use number_edits::NumberEdits;
 pub use order::SceneList;
 pub use shader_import::{
     ImportedShader, ShaderError, import_shader, is_shader_file, read_shader, scene_of_shader, text_around,
 };
 pub use sources::{TextureSource, VIDEO_ENDINGS};
-pub use textures::{NEUTRAL, TextureCache};
-pub use world::ReadyScene;
+pub use world::{NEUTRAL, ReadyScene, SceneBlend, SeenScene, TextureCache, camera_number};
 
 use folder::{ENDING, Folder};
 use mariana_assets::SCENES;
@@ -272,7 +262,7 @@ fn read(path: &Path) -> Result<String, SceneError> {
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
     // Check before opening: opening a pipe blocks until another program writes to it.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(SceneError::NoFile { path: path.to_owned() });
+        return Err(SceneError::NoFile(path.to_owned()));
     }
     let max = FIELD_LIMITS.scene_bytes_max;
     let bytes = read_at_most(path, max).map_err(unreadable)?;

@@ -1,13 +1,25 @@
 //! Prepares a scene for drawing: reads, compiles and checks it.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::textures::TextureCache;
-use super::{DraftTexts, FoundMistakes, NumberEdits, SceneError, SceneSource};
-use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImage};
+use mariana_assets::TEXTURES;
+use mariana_field::graph::FrameInputs;
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Span, TextureRef, nearest, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
+
+use super::folder::{Folder, Refusal};
+use super::shapes::{ShapeCache, ShapeFiles};
+use super::sources::{TextureSource, find_videos, is_video};
+use super::{DraftTexts, FoundMistakes, NumberEdits, SceneError, SceneSource};
+use crate::limits::{self, TEXTURE_PIXELS_MAX, TEXTURE_SIDE_MAX};
 
 /// A compiled scene with its tape programs.
 #[derive(Debug, Clone)]
@@ -132,4 +144,347 @@ impl SceneSource {
         let found = Box::new(FoundMistakes { diagnostics, sources: compiled.sources });
         SceneError::Mistakes { name: self.name(), plain, colored, found }
     }
+
+    /// Notes the files of moving textures in the scene. [`SceneSource::textures`] reports missing files.
+    pub fn find_videos(&self, scene: &mut Scene) {
+        find_videos(self.file().map(Folder::of).as_ref(), scene);
+    }
+
+    /// Bakes the texts and pictures that shapes read into the scene's atlas.
+    ///
+    /// # Errors
+    /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
+    pub fn bake_shapes(&self, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+        ShapeCache::default().load(self, scene)
+    }
+
+    /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
+    ///
+    /// # Errors
+    /// Fails with a diagnostic for each image that cannot be read. The diagnostic has the image's position in the
+    /// text.
+    pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
+        TextureCache::default().load(self, scene)
+    }
+}
+
+// Loads blends of two scenes.
+
+/// A scene and the camera that shows it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SeenScene {
+    /// The scene.
+    pub source: SceneSource,
+    /// Name of a camera. `None` or an unknown name selects the scene's default camera.
+    pub camera: Option<String>,
+}
+
+/// A transition from one scene to another.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneBlend {
+    /// The outgoing scene.
+    pub from: SeenScene,
+    /// The incoming scene.
+    pub to: SeenScene,
+    /// The kind of the blend.
+    pub kind: BlendKind,
+    /// The time at which both cameras are aligned, in milliseconds of the song.
+    pub aligned_at: u64,
+}
+
+impl SeenScene {
+    fn seen(&self, ready: ReadyScene) -> Result<ReadyScene, SceneError> {
+        Ok(match camera_number(&ready.world, self.camera.as_deref()) {
+            Some(camera) => ReadyScene { world: Arc::new(ready.world.seen_by(camera)?), ..ready },
+            None => ready,
+        })
+    }
+}
+
+impl SceneBlend {
+    /// Blends the two loaded scenes. The last parameter of the blended scene is the fraction of the second scene.
+    ///
+    /// # Errors
+    /// Fails if the two scenes together exceed a limit.
+    pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
+        let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
+        // Use the cameras' values in silence, because values in music depend on where playback began.
+        let camera = |scene: &ReadyScene| {
+            let params = scene.world.scene.params.iter().map(|param| param.default).collect();
+            let time = self.aligned_at as f32 / 1000.0;
+            scene.world.frame_tape.values(&FrameInputs { time, params, ..FrameInputs::default() }).camera
+        };
+        let alignment = Alignment::of(&camera(&from), &camera(&to));
+        Ok(from.blended(&to, self.kind, &alignment, 0.0)?)
+    }
+
+    /// Loads and blends both scenes. Also returns the files that the blend depends on.
+    pub(super) fn ready_with(
+        &self,
+        textures: &mut TextureCache,
+        drafts: &DraftTexts,
+    ) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
+        let mut read =
+            |seen: &SeenScene| seen.source.ready_with(textures, &mut NumberEdits::default(), drafts);
+        let ((from, mut files), (to, others)) = (read(&self.from), read(&self.to));
+        files.extend(others);
+        (from.and_then(|from| self.of(from, to?)), files)
+    }
+}
+
+/// Returns the index of the camera with that name in a world.
+pub fn camera_number(world: &World, camera: Option<&str>) -> Option<usize> {
+    let wanted = camera?;
+    world.scene.cameras.iter().position(|(name, _)| name == wanted)
+}
+
+// Textures of scenes.
+//
+// A scene file can use images (PNG and JPEG) and videos only from its own folder. If the folder has no image of that name, the
+// shipped image is used, so that a copy of a shipped scene works anywhere. Shipped scenes and formulas can use only
+// shipped images.
+//
+// A texture whose picture changes during the song ([`TextureSource`]) is loaded as a grey image, which stays until the
+// first picture comes.
+
+const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// The color of a moving texture without a picture: a grey that reflects 18 % of the light.
+pub const NEUTRAL: Rgba<u8> = Rgba([118, 118, 118, 255]);
+/// Drivers may compile other programs for sides that are powers of two, which sides of videos rarely are.
+const NEUTRAL_SIDE: u32 = 6;
+
+/// Loads textures and caches the decoded ones of the last scene. Loading a scene again decodes only changed images
+/// and returns the same [`Arc`] for unchanged images.
+#[derive(Debug, Default)]
+pub struct TextureCache {
+    pictures: HashMap<u64, Arc<RgbaImage>>,
+    shapes: ShapeCache,
+}
+
+impl TextureCache {
+    /// Loads textures like [`SceneSource::textures`], with the cache. Images that this scene does not use are
+    /// dropped.
+    ///
+    /// # Errors
+    /// Fails like [`SceneSource::textures`]. The cache keeps the readable images.
+    pub fn load(
+        &mut self,
+        source: &SceneSource,
+        scene: &Scene,
+    ) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
+        let mut kept = HashMap::new();
+        let (mut pictures, mut wrong) = (Vec::new(), Vec::new());
+        for texture in &scene.textures {
+            match self.picture(source, texture, &mut kept) {
+                Ok(picture) => pictures.push(picture),
+                Err(diagnostic) => wrong.push(*diagnostic),
+            }
+        }
+        self.pictures = kept;
+        if wrong.is_empty() {
+            return Ok(pictures);
+        }
+        wrong.sort_by_key(|diagnostic| diagnostic.span);
+        Err(wrong)
+    }
+
+    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache.
+    ///
+    /// # Errors
+    /// Fails like [`SceneSource::bake_shapes`].
+    pub fn load_shapes(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+        self.shapes.load(source, scene)
+    }
+
+    fn picture(
+        &mut self,
+        source: &SceneSource,
+        texture: &TextureRef,
+        kept: &mut HashMap<u64, Arc<RgbaImage>>,
+    ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
+        let mut hasher = DefaultHasher::new();
+        if texture.is_last_frame() {
+            // The renderer replaces it by its own texture.
+            return Ok(Arc::new(RgbaImage::new(NEUTRAL_SIDE, NEUTRAL_SIDE)));
+        }
+        if let Some(of) = TextureSource::of(texture) {
+            if of.is_file() {
+                let file = source.file().ok_or(Refusal::Missing);
+                let found = file.and_then(|file| Folder::of(file).file(&texture.name));
+                found.map_err(|refusal| refused(source, texture, &refusal))?;
+            }
+            // Each source has its own image, because textures of equal images are shared.
+            of.hash(&mut hasher);
+            let made = || Arc::new(RgbaImage::from_pixel(NEUTRAL_SIDE, NEUTRAL_SIDE, NEUTRAL));
+            let key = hasher.finish();
+            let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
+            return Ok(kept.entry(key).or_insert_with(|| known.unwrap_or_else(made)).clone());
+        }
+        let bytes = match (own_bytes(source, &texture.name), shipped(&texture.name)) {
+            (Some(Ok(bytes)), _) => {
+                bytes.hash(&mut hasher);
+                Cow::Owned(bytes)
+            }
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
+                // Shipped images never change, so hash only the name.
+                texture.name.hash(&mut hasher);
+                Cow::Borrowed(bytes)
+            }
+            (None, None) => return Err(Box::new(missing(source, texture))),
+            (Some(Err(refusal)), _) => return Err(Box::new(refused(source, texture, &refusal))),
+        };
+        let key = hasher.finish();
+        let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
+        let picture = match known {
+            Some(picture) => picture,
+            None => Arc::new(decode(texture, &bytes)?),
+        };
+        kept.insert(key, Arc::clone(&picture));
+        Ok(picture)
+    }
+}
+
+impl ShapeFiles for SceneSource {
+    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
+        Some(Folder::of(self.file()?).bytes(name, limits::FONT_BYTES_MAX))
+    }
+
+    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+        if is_video(name) {
+            let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
+            let wrong = Diagnostic::unsupported(span, message);
+            return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+        }
+        let texture = TextureRef { name: name.to_owned(), span, moves: None };
+        match (own_bytes(self, name), shipped(name)) {
+            (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
+            (None, None) => Err(Box::new(missing(self, &texture))),
+            (Some(Err(refusal)), _) => Err(Box::new(refused(self, &texture, &refusal))),
+        }
+    }
+
+    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
+        decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes)
+    }
+}
+
+/// Reads a file from the scene's folder; `None` if the scene has no folder.
+fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
+    Some(Folder::of(source.file()?).bytes(name, limits::TEXTURE_BYTES_MAX))
+}
+
+fn shipped(name: &str) -> Option<&'static [u8]> {
+    TEXTURES.get_file(name).map(|file| file.contents())
+}
+
+fn shipped_names() -> Vec<String> {
+    let mut names: Vec<String> =
+        TEXTURES.files().filter_map(|file| Some(file.path().to_str()?.to_owned())).collect();
+    names.sort();
+    names
+}
+
+fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
+    let name = &texture.name;
+    if let SceneSource::Blend(blend) = source {
+        return missing(&blend.to.source, texture);
+    }
+    if is_video(name) {
+        return missing_video(source, texture);
+    }
+    let shipped = shipped_names();
+    let (message, advice) = match source {
+        SceneSource::File(_) => (
+            format!("there is no image `{name}` in the scene's folder"),
+            format!("put it there, or use a shipped image: {}", shipped.join(", ")),
+        ),
+        SceneSource::Shipped(_) | SceneSource::Formula(_) | SceneSource::Blend(_) => (
+            format!("there is no shipped image `{name}`"),
+            format!("use one of {}, or save the scene as a file next to your images", shipped.join(", ")),
+        ),
+    };
+    let mut names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
+    names.retain(|name| {
+        name.rsplit_once('.')
+            .is_some_and(|(_, end)| ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
+    });
+    names.sort();
+    let similar = nearest(name, names.iter().chain(&shipped).map(String::as_str));
+    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
+}
+
+fn missing_video(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
+    let name = &texture.name;
+    let names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
+    let similar = nearest(name, names.iter().map(String::as_str).filter(|name| is_video(name)));
+    let (message, advice) = match source {
+        SceneSource::File(_) => {
+            (format!("there is no video `{name}` in the scene's folder"), "put the video there")
+        }
+        _ => (
+            format!("`{name}` is a video, and only a scene in a file can use videos"),
+            "save the scene as a file next to the video",
+        ),
+    };
+    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
+}
+
+fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Diagnostic {
+    if *refusal == Refusal::Missing {
+        return missing(source, texture);
+    }
+    let is_video = is_video(&texture.name);
+    let what = if is_video { "video" } else { "image" };
+    let message = format!("the {what} `{}` cannot be read: {refusal}", texture.name);
+    let (over_limit, hint) = match refusal {
+        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing if is_video => {
+            (false, "copy the video into the scene's folder")
+        }
+        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing => {
+            (false, "copy the image into the scene's folder")
+        }
+        Refusal::NoFile if is_video => (false, "name a video file"),
+        Refusal::NoFile => (false, "name a PNG or JPEG file"),
+        Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check the file's permissions"),
+        Refusal::TooLarge(_) => (true, "scale it down, or save it with stronger compression"),
+    };
+    let kind = if over_limit { Diagnostic::over_limit } else { Diagnostic::new };
+    kind(texture.span, message).hint(hint)
+}
+
+/// Decodes a PNG or JPEG after checking the size in its header.
+fn decode(texture: &TextureRef, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
+    let TextureRef { name, span, .. } = texture;
+    let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
+        Box::new(kind(*span, message).hint(hint))
+    };
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        Ok(other) => {
+            let message = format!("`{name}` is an image in the unsupported format {other:?}");
+            return Err(diagnostic(Diagnostic::unsupported, message, "save it as PNG or JPEG"));
+        }
+        Err(_) => {
+            let message = format!("`{name}` is not an image in a known format");
+            return Err(diagnostic(Diagnostic::new, message, "name a PNG or JPEG file"));
+        }
+    };
+    let damaged = |error: image::ImageError| {
+        diagnostic(Diagnostic::new, format!("the image `{name}` is damaged: {error}"), "save it again")
+    };
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let (side, pixels) = (TEXTURE_SIDE_MAX, TEXTURE_PIXELS_MAX);
+    if width > side || height > side || u64::from(width) * u64::from(height) > pixels {
+        let message = format!("the image `{name}` is too large: {width} x {height} pixels");
+        let hint = format!("scale it down to at most {side} pixels a side and {pixels} in total");
+        return Err(diagnostic(Diagnostic::over_limit, message, &hint));
+    }
+    // Apply the orientation from the metadata.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    picture.apply_orientation(orientation);
+    Ok(picture.into_rgba8())
 }

@@ -7,7 +7,7 @@ use super::library::SceneLoader;
 use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
-use crate::gpu::cell_use::CellUse;
+use crate::gpu::mode::CellUse;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;

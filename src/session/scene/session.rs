@@ -26,9 +26,9 @@ use super::tree_trials::TreeTrials;
 use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::{Sources, WorkerContext};
-use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::gpu::mode::CellUse;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
@@ -66,7 +66,7 @@ impl SceneSession {
         first: LoadedScene,
         wake: impl Fn() + Send + Sync + Clone + 'static,
     ) -> Result<Self, GpuError> {
-        let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
+        let no_worker = |error: std::io::Error| GpuError::NoWorker(error.to_string());
         let regions = SceneRegions::start(wake.clone()).map_err(no_worker)?;
         let next_picture = NextPicture::start(wake.clone()).map_err(no_worker)?;
         let LoadedScene { source, scene } = first;

@@ -16,10 +16,10 @@ use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, W
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
 use crate::gpu::background::Sources;
-use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
+use crate::gpu::mode::CellUse;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::SceneSource;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::region_builder::{RegionBuilder, TreeJob};
 use super::regions::longest_wait;
 use crate::frame::Frame;
-use crate::gpu::cell_use::CellUse;
+use crate::gpu::mode::CellUse;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use mariana_music::Features;

@@ -131,7 +131,7 @@ impl GlWindowContext {
         draw: impl FnOnce() -> Result<T, SessionError>,
     ) -> Result<T, SessionError> {
         let failed = |error: glutin::error::Error| match error.error_kind() {
-            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
             _ => SessionError::Window { doing: "to show a frame on the output", reason: error.to_string() },
         };
         self.context.make_current(&second.surface).map_err(failed)?;

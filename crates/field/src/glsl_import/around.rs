@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::calls::{Budget, Session};
-use super::candidate::{candidate, is_distance_for_sure};
+use super::outside::{candidate, is_distance_for_sure};
 use super::parse::{GlslFile, GlslFunction, GlslType};
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point};
 use crate::limits::LIMITS;
 
@@ -45,7 +45,7 @@ const COLORS: [&str; 6] = [
 /// # Errors
 /// A file that neither has a function of a point that returns a distance nor draws a picture, or a mistake in that
 /// function.
-pub fn scene_around(text: &str) -> Result<SceneAround, Problem> {
+pub fn scene_around(text: &str) -> Result<SceneAround> {
     let file = GlslFile::parse(text, &LIMITS)?;
     let shape = candidate(&file);
     // A name such as `f` may be anything, if the file also draws a picture.
@@ -94,7 +94,7 @@ fn uniforms(file: &GlslFile) -> String {
 }
 
 /// A scene of sky alone. A shader computes colours of the screen, but a sky is light.
-fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around, Problem> {
+fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
     executed(&mut graph, Session::of_picture(), file, picture, pixel)?;
@@ -107,7 +107,7 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around, P
     Ok(Around { body: scene, is_picture: true })
 }
 
-fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around, Problem> {
+fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {
     let sampled = Sampled::of(file, function)?;
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
@@ -144,7 +144,7 @@ fn left_out(file: &GlslFile, text: &str, is_picture: bool) -> Vec<String> {
     if file.draws() && !is_picture {
         left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
     }
-    let unset = file.unset_globals();
+    let unset = &file.unset;
     if !unset.is_empty() && file.draws() && !is_picture {
         let names: Vec<String> = unset.iter().take(6).map(|name| format!("`{name}`")).collect();
         left_out.push(format!(
@@ -216,7 +216,7 @@ fn executed(
     file: &GlslFile,
     function: &GlslFunction,
     argument: Vec<NodeId>,
-) -> Result<Vec<NodeId>, Problem> {
+) -> Result<Vec<NodeId>> {
     let mut budget = Budget {
         steps: LIMITS.scene_expansion_max,
         rounds_max: LIMITS.scene_loop_max,
@@ -231,7 +231,7 @@ fn executed(
 }
 
 impl Sampled {
-    fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self, Problem> {
+    fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self> {
         let mut graph = Graph::new();
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
         let nodes = executed(&mut graph, Session::default(), file, function, point)?;

@@ -4,15 +4,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-use naga::{Expression, Function, Handle, ScalarKind, Statement};
+use naga::{Arena, Expression, Function, Handle, ScalarKind, Statement, Type};
 
 use super::execute::Exits;
 use super::items::Origin;
-use super::layout::{Info, PARTS_MAX, Part, infos, size};
-use super::memory::Memory;
+use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside;
 use super::parse::{GlslFile, GlslFunction, Special, range};
-use super::problem::{Problem, ProblemKind};
+use super::problem::{Problem, ProblemKind, Result};
 use crate::graph::{Graph, NodeId};
 
 /// Limits of execution, shared with the scene that calls GLSL.
@@ -87,6 +86,26 @@ pub(super) struct Frame<'m> {
     pub counts: Counts,
 }
 
+impl<'m> Frame<'m> {
+    /// A call without arguments and slots. `outer` is where it is live in its caller.
+    fn new(function: &'m Function, outer: NodeId) -> Self {
+        Self {
+            function,
+            infos: Rc::from([]),
+            slots: Vec::new(),
+            parts: Vec::new(),
+            pointers: Vec::new(),
+            arguments: Vec::new(),
+            base: 0,
+            outer,
+            targets: Vec::new(),
+            returns: Exits::new(0),
+            result: Vec::new(),
+            counts: Counts::default(),
+        }
+    }
+}
+
 /// How many statements of a kind have been executed.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Counts {
@@ -138,7 +157,7 @@ impl Session {
         graph: &mut Graph,
         budget: &mut Budget,
         given: &[(String, Vec<NodeId>)],
-    ) -> Result<Vec<NodeId>, Problem> {
+    ) -> Result<Vec<NodeId>> {
         let place = function.place.clone();
         let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
@@ -153,18 +172,14 @@ impl Session {
         let mut passed = Vec::with_capacity(arguments.len());
         for (parts, argument) in arguments.iter().zip(&called.arguments) {
             let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
-            let mut converted = Vec::with_capacity(parts.len());
-            for &node in parts {
-                let kind = kind.unwrap_or(ScalarKind::Float);
-                let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
-                converted.push(executor.convert(from, kind, Part::Node(node), &place)?);
-            }
-            passed.push(Argument::Parts(converted));
+            let kind = kind.unwrap_or(ScalarKind::Float);
+            let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
+            let parts = parts.iter().map(|&node| executor.convert(from, kind, Part::Node(node), &place));
+            passed.push(Argument::Parts(parts.collect::<Result<_>>()?));
         }
         let result = executor.call(function.handle, passed, place.clone());
-        let result = result.and_then(|parts| {
-            parts.into_iter().map(|part| executor.node(part, &place)).collect::<Result<Vec<_>, _>>()
-        });
+        let result =
+            result.and_then(|parts| parts.into_iter().map(|part| executor.node(part, &place)).collect());
         self.globals = Some(globals);
         result
     }
@@ -179,26 +194,13 @@ impl<'m, 'g> Executor<'m, 'g> {
         infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
     ) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-        let frame = Frame {
-            function,
-            infos: Rc::from([]),
-            slots: Vec::new(),
-            parts: Vec::new(),
-            pointers: Vec::new(),
-            arguments: Vec::new(),
-            base: 0,
-            outer: one,
-            targets: Vec::new(),
-            returns: Exits::new(0),
-            result: Vec::new(),
-            counts: Counts::default(),
-        };
+        let frame = Frame::new(function, one);
         let (memory, open) = (Memory::default(), Vec::new());
         Self { file, graph, memory, live: one, zero, one, frame, budget, in_picture: false, infos, open }
     }
 
     /// Gives the globals their values.
-    fn start(&mut self, given: &[(String, Vec<NodeId>)]) -> Result<(), Problem> {
+    fn start(&mut self, given: &[(String, Vec<NodeId>)]) -> Result<()> {
         let file = self.file;
         let mut kept = Vec::new();
         for (handle, global) in file.module.global_variables.iter() {
@@ -258,36 +260,23 @@ impl<'m, 'g> Executor<'m, 'g> {
         Ok(())
     }
 
-    /// Index in memory of a global's first part.
-    pub(super) fn global(&self, wanted: Handle<naga::GlobalVariable>) -> Option<Pointer> {
-        let module = &self.file.module;
-        let mut start = 0;
-        for (handle, global) in module.global_variables.iter() {
-            let len = size(module, global.ty).unwrap_or(1);
-            if handle == wanted {
-                return Some(Pointer { start, len, indices: Vec::new() });
-            }
-            start += len;
-        }
-        None
-    }
-
-    /// Index in memory of a local variable's first part.
-    pub(super) fn local(&self, wanted: Handle<naga::LocalVariable>) -> Option<Pointer> {
-        let module = &self.file.module;
-        let mut start = self.frame.base as u32;
-        for (handle, local) in self.frame.function.local_variables.iter() {
-            let len = size(module, local.ty)?;
-            if handle == wanted {
-                return Some(Pointer { start, len, indices: Vec::new() });
-            }
-            start += len;
-        }
-        None
+    /// Returns the place of a variable in memory. The variables lie there in order, from part `start` on.
+    pub(super) fn pointer_to<T>(
+        &self,
+        variables: &Arena<T>,
+        wanted: Handle<T>,
+        start: u32,
+        type_of: impl Fn(&T) -> Handle<Type>,
+    ) -> Pointer {
+        let size = |variable| size(&self.file.module, type_of(variable)).unwrap_or(1);
+        let before = variables.iter().take_while(|(handle, _)| *handle != wanted);
+        let start = start + before.map(|(_, variable)| size(variable)).sum::<u32>();
+        let len = variables.try_get(wanted).map_or(0, size);
+        Pointer { start, len, indices: Vec::new() }
     }
 
     /// Counts `count` operations. The error points to `place`.
-    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Range<u32>) -> Result<(), Problem> {
+    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Range<u32>) -> Result<()> {
         match self.budget.steps.checked_sub(count.max(1)) {
             Some(left) => {
                 self.budget.steps = left;
@@ -312,7 +301,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         handle: Handle<Function>,
         arguments: Vec<Argument>,
         place: Range<u32>,
-    ) -> Result<Vec<Part>, Problem> {
+    ) -> Result<Vec<Part>> {
         let file = self.file;
         let Ok(function) = file.module.functions.try_get(handle) else { return Ok(Vec::new()) };
         let name = function.name.as_deref().unwrap_or("");
@@ -339,28 +328,16 @@ impl<'m, 'g> Executor<'m, 'g> {
             return Err(Problem::malformed(place, message).hint("add the function to this file"));
         }
         self.step(1, || place.clone())?;
-        let infos = match self.infos.get(&handle) {
-            Some(known) => known.clone(),
-            None => {
-                let found: Rc<[Option<Info>]> = Rc::from(infos(&file.module, function));
-                self.infos.insert(handle, found.clone());
-                found
-            }
-        };
+        let known = self.infos.entry(handle);
+        let infos = known.or_insert_with(|| Rc::from(infos(&file.module, function))).clone();
         let mark = self.memory.mark();
         let frame = Frame {
-            function,
             infos,
-            slots: vec![Slot::Empty; function.expressions.len()],
-            parts: Vec::new(),
-            pointers: Vec::new(),
             arguments,
+            slots: vec![Slot::Empty; function.expressions.len()],
             base: self.memory.parts.len(),
-            outer: self.one,
-            targets: Vec::new(),
             returns: Exits::new(mark),
-            result: Vec::new(),
-            counts: Counts::default(),
+            ..Frame::new(function, self.one)
         };
         let outside = (std::mem::replace(&mut self.frame, frame), self.live);
         self.live = self.one;
@@ -379,7 +356,7 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// Runs the body of the current frame's function.
-    fn run(&mut self, function: &'m Function, place: &Range<u32>) -> Result<(), Problem> {
+    fn run(&mut self, function: &'m Function, place: &Range<u32>) -> Result<()> {
         for (_, local) in function.local_variables.iter() {
             match local.init {
                 Some(init) => self.local_constant(init, place)?,

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, SwizzleComponent, Type, TypeInner};
+use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeInner};
 
 use super::calls::{Argument, Executor, Pointer, Slot};
 use super::layout::{Info, Part, member, size};
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use crate::graph::{Graph, Input, Node, NodeId, Op, Order};
 
 impl Executor<'_, '_> {
@@ -15,7 +15,7 @@ impl Executor<'_, '_> {
         self.frame.slots.get(of.index()).copied().unwrap_or(Slot::Empty)
     }
 
-    pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info, Problem> {
+    pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info> {
         self.frame.infos.get(of.index()).copied().flatten().ok_or_else(|| {
             Problem::unsupported(self.place(of), "this value has a type that a formula does not have")
                 .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
@@ -23,7 +23,7 @@ impl Executor<'_, '_> {
     }
 
     /// Evaluates an expression that no statement evaluates.
-    pub(super) fn ready(&mut self, of: Handle<Expression>) -> Result<(), Problem> {
+    pub(super) fn ready(&mut self, of: Handle<Expression>) -> Result<()> {
         match self.slot(of) {
             Slot::Empty => self.evaluate(of),
             _ => Ok(()),
@@ -31,7 +31,7 @@ impl Executor<'_, '_> {
     }
 
     /// Returns one part of an expression's value. Every part of a scalar is the scalar itself.
-    pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part, Problem> {
+    pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part> {
         self.ready(of)?;
         let Slot::Parts(start) = self.slot(of) else {
             return Err(Problem::unsupported(self.place(of), "this is no value"));
@@ -40,7 +40,7 @@ impl Executor<'_, '_> {
         Ok(self.frame.parts.get(start as usize + index).copied().unwrap_or(Part::Node(self.zero)))
     }
 
-    pub(super) fn parts_of(&mut self, of: Handle<Expression>) -> Result<Vec<Part>, Problem> {
+    pub(super) fn parts_of(&mut self, of: Handle<Expression>) -> Result<Vec<Part>> {
         self.ready(of)?;
         let len = self.info(of)?.len as usize;
         match self.slot(of) {
@@ -56,13 +56,13 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>, Problem> {
+    pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>> {
         let place = self.place(of);
         let parts = self.parts_of(of)?;
         parts.into_iter().map(|part| self.node(part, &place)).collect()
     }
 
-    pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer, Problem> {
+    pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer> {
         self.ready(of)?;
         match self.slot(of) {
             Slot::Pointer(index) => Ok(self.frame.pointers.get(index as usize).cloned().unwrap_or_default()),
@@ -99,7 +99,7 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a part as a node of the graph.
-    pub(super) fn node(&mut self, part: Part, place: &Range<u32>) -> Result<NodeId, Problem> {
+    pub(super) fn node(&mut self, part: Part, place: &Range<u32>) -> Result<NodeId> {
         Ok(match part {
             Part::Node(node) => node,
             Part::Int(value) => self.graph.constant(value as f32),
@@ -118,17 +118,19 @@ impl Executor<'_, '_> {
         ))
     }
 
-    pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<(), Problem> {
+    pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<()> {
         let function = self.frame.function;
         let Ok(expression) = function.expressions.try_get(of) else { return Ok(()) };
         match expression {
             Expression::LocalVariable(variable) => {
-                let pointer = self.local(*variable).unwrap_or_default();
+                let (locals, start) = (&function.local_variables, self.frame.base as u32);
+                let pointer = self.pointer_to(locals, *variable, start, |local| local.ty);
                 self.put_pointer(of, pointer);
                 return Ok(());
             }
             Expression::GlobalVariable(variable) => {
-                let pointer = self.global(*variable).unwrap_or_default();
+                let globals = &self.file.module.global_variables;
+                let pointer = self.pointer_to(globals, *variable, 0, |global| global.ty);
                 self.put_pointer(of, pointer);
                 return Ok(());
             }
@@ -162,7 +164,7 @@ impl Executor<'_, '_> {
         Ok(())
     }
 
-    fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>, Problem> {
+    fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>> {
         let place = self.place(of);
         Ok(match expression {
             Expression::Literal(literal) => vec![self.literal(*literal, &place)?],
@@ -184,30 +186,18 @@ impl Executor<'_, '_> {
             }
             Expression::Splat { size, value } => vec![self.part(*value, 0)?; *size as usize],
             Expression::Swizzle { size, vector, pattern } => {
-                let mut parts = Vec::new();
-                for component in pattern.iter().take(*size as usize) {
-                    let index = match component {
-                        SwizzleComponent::X => 0,
-                        SwizzleComponent::Y => 1,
-                        SwizzleComponent::Z => 2,
-                        SwizzleComponent::W => 3,
-                    };
-                    parts.push(self.part(*vector, index)?);
-                }
-                parts
+                let components = pattern.iter().take(*size as usize);
+                let parts = components.map(|component| self.part(*vector, *component as usize));
+                parts.collect::<Result<_>>()?
             }
             Expression::Load { pointer } => {
                 let pointer = self.pointer_of(*pointer)?;
                 self.load(&pointer, || place.start..place.end)?
             }
             Expression::Unary { op, expr } => {
-                let info = self.info(*expr)?;
+                let kind = self.info(*expr)?.kind;
                 let parts = self.parts_of(*expr)?;
-                let mut result = Vec::with_capacity(parts.len());
-                for part in parts {
-                    result.push(self.unary(*op, info.kind, part, &place)?);
-                }
-                result
+                parts.into_iter().map(|part| self.unary(*op, kind, part, &place)).collect::<Result<_>>()?
             }
             Expression::Binary { op, left, right } => self.binary(*op, *left, *right, &place)?,
             Expression::Select { condition, accept, reject } => {
@@ -248,7 +238,7 @@ impl Executor<'_, '_> {
         axis: DerivativeAxis,
         nodes: &[NodeId],
         place: &Range<u32>,
-    ) -> Result<Vec<Part>, Problem> {
+    ) -> Result<Vec<Part>> {
         let (along_x, along_y) =
             (axis != DerivativeAxis::Y, matches!(axis, DerivativeAxis::Y | DerivativeAxis::Width));
         let mut sums = vec![self.zero; nodes.len()];
@@ -278,16 +268,15 @@ impl Executor<'_, '_> {
         accept: Handle<Expression>,
         reject: Handle<Expression>,
         place: &Range<u32>,
-    ) -> Result<Vec<Part>, Problem> {
+    ) -> Result<Vec<Part>> {
         let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
-        let mut result = Vec::with_capacity(len);
-        for index in 0..len {
+        let choose = |index| {
             let part = self.part(condition, index)?;
             let condition = self.node(part, place)?;
             let (then, otherwise) = (self.part(accept, index)?, self.part(reject, index)?);
-            result.push(self.select(condition, then, otherwise)?);
-        }
-        Ok(result)
+            self.select(condition, then, otherwise)
+        };
+        (0..len).map(choose).collect()
     }
 
     fn converted(
@@ -296,27 +285,18 @@ impl Executor<'_, '_> {
         kind: ScalarKind,
         converts: bool,
         place: &Range<u32>,
-    ) -> Result<Vec<Part>, Problem> {
+    ) -> Result<Vec<Part>> {
         let from = self.info(of)?.kind;
-        let parts = self.parts_of(of)?;
-        let mut result = Vec::with_capacity(parts.len());
-        for part in parts {
-            result.push(if converts {
-                self.convert(from, kind, part, place)?
-            } else {
-                self.reinterpret(kind, part, place)?
-            });
-        }
-        Ok(result)
+        let parts = self.parts_of(of)?.into_iter();
+        let converted = parts.map(|part| match converts {
+            true => self.convert(from, kind, part, place),
+            false => self.reinterpret(kind, part, place),
+        });
+        converted.collect()
     }
 
     /// Selects an element with a known index.
-    fn access(
-        &mut self,
-        of: Handle<Expression>,
-        base: Handle<Expression>,
-        index: u32,
-    ) -> Result<(), Problem> {
+    fn access(&mut self, of: Handle<Expression>, base: Handle<Expression>, index: u32) -> Result<()> {
         self.ready(base)?;
         let info = self.info(base)?;
         let (offset, len) = if info.count > 0 {
@@ -356,7 +336,7 @@ impl Executor<'_, '_> {
         of: Handle<Expression>,
         base: Handle<Expression>,
         index: NodeId,
-    ) -> Result<(), Problem> {
+    ) -> Result<()> {
         self.ready(base)?;
         let info = self.info(base)?;
         if info.count == 0 {
@@ -384,7 +364,7 @@ impl Executor<'_, '_> {
         Ok(())
     }
 
-    pub(super) fn literal(&mut self, literal: Literal, place: &Range<u32>) -> Result<Part, Problem> {
+    pub(super) fn literal(&mut self, literal: Literal, place: &Range<u32>) -> Result<Part> {
         let value = match literal {
             Literal::F32(value) => f64::from(value),
             Literal::F64(value) | Literal::AbstractFloat(value) => value,
@@ -407,13 +387,13 @@ impl Executor<'_, '_> {
         Ok(Part::Node(self.graph.constant(value as f32)))
     }
 
-    fn zero_parts(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>, Problem> {
+    fn zero_parts(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>> {
         let mut parts = Vec::new();
         self.add_zeros(of, place, &mut parts)?;
         Ok(parts)
     }
 
-    fn add_zeros(&self, of: Handle<Type>, place: &Range<u32>, parts: &mut Vec<Part>) -> Result<(), Problem> {
+    fn add_zeros(&self, of: Handle<Type>, place: &Range<u32>, parts: &mut Vec<Part>) -> Result<()> {
         let module = &self.file.module;
         let wrong = || {
             Problem::unsupported(place.clone(), "this variable has a type that a formula does not have")
@@ -448,7 +428,7 @@ impl Executor<'_, '_> {
     }
 
     /// Adds a variable with the value 0 to memory.
-    pub(super) fn zeros(&mut self, of: Handle<Type>, place: &Range<u32>) -> Result<(), Problem> {
+    pub(super) fn zeros(&mut self, of: Handle<Type>, place: &Range<u32>) -> Result<()> {
         let parts = self.zero_parts(of, place)?;
         self.step(parts.len(), || place.clone())?;
         self.memory.parts.extend(parts);
@@ -456,7 +436,7 @@ impl Executor<'_, '_> {
     }
 
     /// Adds a variable with a constant value of the module to memory.
-    pub(super) fn constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<(), Problem> {
+    pub(super) fn constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<()> {
         let mut parts = Vec::new();
         self.global_value(init, &mut parts, place)?;
         self.memory.parts.extend(parts);
@@ -464,11 +444,7 @@ impl Executor<'_, '_> {
     }
 
     /// Adds a variable with a constant value of the current function to memory.
-    pub(super) fn local_constant(
-        &mut self,
-        init: Handle<Expression>,
-        place: &Range<u32>,
-    ) -> Result<(), Problem> {
+    pub(super) fn local_constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<()> {
         let parts = self.parts_of(init)?;
         self.step(parts.len(), || place.clone())?;
         self.memory.parts.extend(parts);
@@ -480,7 +456,7 @@ impl Executor<'_, '_> {
         of: Handle<Expression>,
         parts: &mut Vec<Part>,
         place: &Range<u32>,
-    ) -> Result<(), Problem> {
+    ) -> Result<()> {
         self.step(1, || place.clone())?;
         let module = &self.file.module;
         let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(()) };

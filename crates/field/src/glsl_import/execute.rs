@@ -9,7 +9,7 @@ use naga::{Block, Expression, Handle, Span, Statement, SwitchValue};
 use super::calls::{Argument, Executor, Pointer, Slot, Target};
 use super::layout::Part;
 use super::parse::range;
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use crate::graph::{Node, NodeId, Op};
 
 /// The paths that left a loop, a switch or a function, merged into one.
@@ -51,7 +51,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
-    fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits, Problem> {
+    fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits> {
         let changes = self.memory.changes(exits.mark);
         self.step(changes.len(), || 0..0)?;
         match exits.mask {
@@ -76,8 +76,17 @@ impl<'m> Executor<'m, '_> {
         Ok(exits)
     }
 
+    /// Leaves the innermost loop or `switch` where the code is live.
+    fn leave_target(&mut self) -> Result<()> {
+        if let Some(mut target) = self.frame.targets.pop() {
+            target.breaks = self.leave(target.breaks, usize::MAX, self.live)?;
+            self.frame.targets.push(target);
+        }
+        Ok(())
+    }
+
     /// Ends the current path with the function's result.
-    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: &Range<u32>) -> Result<(), Problem> {
+    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: &Range<u32>) -> Result<()> {
         self.step(result.len(), || place.clone())?;
         let live = self.and(self.frame.outer, self.live);
         if self.frame.returns.mask.is_none() {
@@ -96,7 +105,7 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    pub(super) fn block(&mut self, block: &'m Block) -> Result<(), Problem> {
+    pub(super) fn block(&mut self, block: &'m Block) -> Result<()> {
         for (statement, span) in block.span_iter() {
             if self.live == self.zero {
                 break;
@@ -106,7 +115,7 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    fn statement(&mut self, statement: &'m Statement, span: Span) -> Result<(), Problem> {
+    fn statement(&mut self, statement: &'m Statement, span: Span) -> Result<()> {
         let file = self.file;
         let place = || file.written.source_range(range(span));
         self.step(1, place)?;
@@ -123,10 +132,7 @@ impl<'m> Executor<'m, '_> {
                 self.repeat(body, continuing, *break_if, &place())?;
             }
             Statement::Break => {
-                if let Some(mut target) = self.frame.targets.pop() {
-                    target.breaks = self.leave(target.breaks, usize::MAX, self.live)?;
-                    self.frame.targets.push(target);
-                }
+                self.leave_target()?;
                 self.frame.counts.breaks += 1;
                 self.live = self.zero;
             }
@@ -187,7 +193,7 @@ impl<'m> Executor<'m, '_> {
         pointer: &Pointer,
         parts: &[Part],
         place: impl Fn() -> Range<u32> + Copy,
-    ) -> Result<(), Problem> {
+    ) -> Result<()> {
         self.step(parts.len(), place)?;
         match pointer.indices.split_last() {
             None => {
@@ -206,10 +212,9 @@ impl<'m> Executor<'m, '_> {
                     let start = pointer.start + element * stride;
                     let element = Pointer { start, len: pointer.len, indices: rest.to_vec() };
                     let before = self.load(&element, place)?;
-                    let mut now = Vec::with_capacity(parts.len());
-                    for (part, before) in parts.iter().zip(before) {
-                        now.push(self.select(chosen, *part, before)?);
-                    }
+                    let pairs = parts.iter().zip(before);
+                    let now = pairs.map(|(part, before)| self.select(chosen, *part, before));
+                    let now = now.collect::<Result<Vec<_>>>()?;
                     self.store(&element, &now, place)?;
                 }
                 Ok(())
@@ -222,7 +227,7 @@ impl<'m> Executor<'m, '_> {
         &mut self,
         pointer: &Pointer,
         place: impl Fn() -> Range<u32> + Copy,
-    ) -> Result<Vec<Part>, Problem> {
+    ) -> Result<Vec<Part>> {
         self.step(pointer.len as usize, place)?;
         let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
             let (start, len) = (pointer.start as usize, pointer.len as usize);
@@ -246,12 +251,7 @@ impl<'m> Executor<'m, '_> {
         Ok(result)
     }
 
-    fn branch(
-        &mut self,
-        condition: Handle<Expression>,
-        accept: &'m Block,
-        reject: &'m Block,
-    ) -> Result<(), Problem> {
+    fn branch(&mut self, condition: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
         let place = self.place(condition);
         let condition = self.part(condition, 0)?;
         let condition = self.node(condition, &place)?;
@@ -307,7 +307,7 @@ impl<'m> Executor<'m, '_> {
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
         place: &Range<u32>,
-    ) -> Result<(), Problem> {
+    ) -> Result<()> {
         let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
         self.frame.outer = self.and(outer, before);
         self.live = self.one;
@@ -350,11 +350,8 @@ impl<'m> Executor<'m, '_> {
                 let ends = self.node(part, &place)?;
                 let live = self.live;
                 self.live = self.and(live, ends);
-                if self.live != self.zero
-                    && let Some(mut target) = self.frame.targets.pop()
-                {
-                    target.breaks = self.leave(target.breaks, usize::MAX, self.live)?;
-                    self.frame.targets.push(target);
+                if self.live != self.zero {
+                    self.leave_target()?;
                 }
                 let goes_on = self.graph.not(ends);
                 self.live = self.and(live, goes_on);
@@ -373,7 +370,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Merges the paths of `exits` into the current path.
-    fn meet(&mut self, exits: Exits) -> Result<(), Problem> {
+    fn meet(&mut self, exits: Exits) -> Result<()> {
         let Some(mask) = exits.mask else { return Ok(()) };
         if self.live == self.zero {
             self.memory.undo(exits.mark);
@@ -390,7 +387,7 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<(), Problem> {
+    fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<()> {
         let place = self.place(selector);
         let selector = self.part(selector, 0)?;
         let (before, counts) = (self.live, self.frame.counts);
@@ -431,9 +428,8 @@ impl<'m> Executor<'m, '_> {
                 let live = self.live;
                 if case.fall_through {
                     falling = self.leave(falling, usize::MAX, live)?;
-                } else if let Some(mut target) = self.frame.targets.pop() {
-                    target.breaks = self.leave(target.breaks, usize::MAX, live)?;
-                    self.frame.targets.push(target);
+                } else {
+                    self.leave_target()?;
                 }
             }
             self.memory.undo(mark);
@@ -450,7 +446,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// `then` where the condition holds, else `otherwise`.
-    pub(super) fn select(&mut self, condition: NodeId, then: Part, otherwise: Part) -> Result<Part, Problem> {
+    pub(super) fn select(&mut self, condition: NodeId, then: Part, otherwise: Part) -> Result<Part> {
         if then == otherwise || matches!(otherwise, Part::Unset(_)) {
             return Ok(then);
         }

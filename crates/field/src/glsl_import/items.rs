@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::layout::PARTS_MAX;
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
 use crate::limits::{GLSL_NESTING_MAX, GLSL_STRUCT_VALUES_MAX};
 
@@ -70,7 +70,7 @@ const QUALIFIERS: [&str; 20] = [
     "readonly",
 ];
 
-pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> {
+pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>> {
     check_nesting(tokens)?;
     check_sizes(tokens)?;
     let mut items = Vec::new();
@@ -88,7 +88,7 @@ pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> 
 
 /// Refuses structs with very many values, which naga and the import visit for each use, and structs that are nested
 /// deeply.
-fn check_structs(items: &[Item<'_>]) -> Result<(), Problem> {
+fn check_structs(items: &[Item<'_>]) -> Result<()> {
     let mut known: HashMap<&str, (usize, usize)> = HashMap::new();
     for item in items {
         let Item::Plain(tokens) = item else { continue };
@@ -116,7 +116,7 @@ fn check_structs(items: &[Item<'_>]) -> Result<(), Problem> {
 }
 
 /// Reads one item and returns the number of its tokens, at least 1.
-fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize, Problem> {
+fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize> {
     let Some(first) = tokens.first() else { return Ok(1) };
     let end = |from: usize| {
         let rest = tokens.get(from..).unwrap_or_default();
@@ -326,7 +326,7 @@ pub(super) fn shortened(text: &str) -> String {
 }
 
 /// Refuses arrays of so many values that naga or a scene cannot hold them.
-fn check_sizes(tokens: &[Token<'_>]) -> Result<(), Problem> {
+fn check_sizes(tokens: &[Token<'_>]) -> Result<()> {
     let (mut at, mut product, mut end) = (0, 1_u64, 0);
     while let Some(token) = tokens.get(at) {
         if let (true, Some(size), Some(close)) = (token.is("["), tokens.get(at + 1), tokens.get(at + 2))
@@ -374,7 +374,7 @@ impl Level<'_, '_> {
 
 /// Refuses statements that are nested so deeply that a recursive parser might use up its stack, and brackets that do
 /// not match.
-fn check_nesting(tokens: &[Token<'_>]) -> Result<(), Problem> {
+fn check_nesting(tokens: &[Token<'_>]) -> Result<()> {
     let (mut open, mut level, mut total) = (Vec::new(), Level::default(), 0_usize);
     for (at, token) in tokens.iter().enumerate() {
         let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));

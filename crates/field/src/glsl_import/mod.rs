@@ -12,13 +12,11 @@
 
 mod around;
 mod calls;
-mod candidate;
 mod evaluate;
 mod execute;
 mod items;
 mod layout;
 mod math;
-mod memory;
 mod operators;
 mod outside;
 mod parse;
@@ -26,13 +24,11 @@ mod preprocess;
 mod problem;
 mod quiet;
 mod rewrite;
-mod textures;
 mod tokens;
-mod whole;
 
 pub use around::{SceneAround, scene_around};
 pub use calls::{Budget, Session};
-pub use candidate::candidate;
+pub use outside::candidate;
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
 pub use problem::{Problem, ProblemKind};
 

@@ -9,7 +9,7 @@ use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeIn
 
 use super::items::{self, Origin, shortened};
 use super::preprocess::preprocess;
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use super::quiet::catch_quietly;
 use super::rewrite::{BROKEN, DRAWING, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
 use super::tokens::tokenize;
@@ -90,6 +90,7 @@ pub(super) enum Special {
 }
 
 /// A parsed GLSL file.
+#[derive(Debug)]
 pub struct GlslFile {
     pub(super) module: Module,
     pub(super) written: Written,
@@ -99,14 +100,8 @@ pub struct GlslFile {
     pub(super) starts: Vec<Handle<Function>>,
     pub(super) special: HashMap<Handle<Function>, Special>,
     functions: Vec<GlslFunction>,
-    unset: Vec<String>,
+    pub(super) unset: Vec<String>,
     has_drawing: bool,
-}
-
-impl std::fmt::Debug for GlslFile {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("GlslFile").field("functions", &self.functions).finish_non_exhaustive()
-    }
 }
 
 impl GlslFile {
@@ -115,7 +110,7 @@ impl GlslFile {
     /// # Errors
     /// The first problem outside the bodies of functions. Problems in a function's body are errors of its calls
     /// ([`GlslFile::problem_of`]).
-    pub fn parse(text: &str, limits: &Limits) -> Result<Self, Problem> {
+    pub fn parse(text: &str, limits: &Limits) -> Result<Self> {
         let max = limits.scene_bytes_max;
         if text.len() > max {
             let message = format!("the GLSL is larger than {max} bytes");
@@ -158,12 +153,7 @@ impl GlslFile {
         Err(problems.into_iter().next().unwrap_or_else(|| Problem::over_limit(place, message)))
     }
 
-    fn of(
-        module: Module,
-        written: Written,
-        problems: Vec<Problem>,
-        program: Program<'_>,
-    ) -> Result<Self, Problem> {
+    fn of(module: Module, written: Written, problems: Vec<Problem>, program: Program<'_>) -> Result<Self> {
         let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
         for (handle, function) in module.functions.iter() {
             let name = function.name.clone().unwrap_or_default();
@@ -260,11 +250,6 @@ impl GlslFile {
         !self.outside.is_empty()
     }
 
-    /// Returns the names of globals that only code for pictures sets.
-    pub fn unset_globals(&self) -> &[String] {
-        &self.unset
-    }
-
     /// Returns the function that draws the picture.
     pub fn picture(&self) -> Option<&GlslFunction> {
         self.functions.iter().find(|function| function.is_picture)
@@ -320,10 +305,7 @@ fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Probl
             Problem::malformed(place, format!("`{}` is declared twice", shortened(name)))
                 .hint("give one of them another name")
         }
-        ErrorKind::NotImplemented(what) => {
-            Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
-        }
-        ErrorKind::InternalError(what) => {
+        ErrorKind::NotImplemented(what) | ErrorKind::InternalError(what) => {
             Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
         }
         ErrorKind::EndOfFile => {

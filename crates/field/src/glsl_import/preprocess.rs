@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
 use crate::limits::GLSL_MACRO_PARAMETERS_MAX;
 
@@ -44,19 +44,10 @@ struct Condition<'a> {
 }
 
 /// Executes the directives of a text and expands its macros. At most `steps_max` tokens are read and written.
-pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<Vec<Token<'a>>, Problem> {
+pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<Vec<Token<'a>>> {
     let mut macros = HashMap::new();
-    let origin = Token {
-        text: "",
-        kind: Kind::Number,
-        start: 0,
-        end: 0,
-        begins_line: false,
-        joined: false,
-        final_name: false,
-    };
     for (name, value) in DEFINED {
-        let body = Rc::from([origin.made(value, Kind::Number)]);
+        let body = Rc::from([Token { text: value, ..Token::default() }]);
         macros.insert(name, Macro { parameters: None, body });
     }
     let mut this = Preprocessor { macros, out: Vec::new(), steps: 0, steps_max };
@@ -94,7 +85,7 @@ pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<V
 }
 
 impl<'a> Preprocessor<'a> {
-    fn step(&mut self, token: &Token<'a>) -> Result<(), Problem> {
+    fn step(&mut self, token: &Token<'a>) -> Result<()> {
         self.steps += 1;
         if self.steps > self.steps_max {
             let message = format!("the macros expand to more than {} words and signs", self.steps_max);
@@ -109,7 +100,7 @@ impl<'a> Preprocessor<'a> {
         hash: Token<'a>,
         line: &[Token<'a>],
         conditions: &mut Vec<Condition<'a>>,
-    ) -> Result<(), Problem> {
+    ) -> Result<()> {
         let Some((name, rest)) = line.split_first() else { return Ok(()) };
         let active = conditions.last().is_none_or(|condition| condition.taken);
         match name.text {
@@ -169,7 +160,7 @@ impl<'a> Preprocessor<'a> {
         rest.first().is_some_and(|of| self.macros.contains_key(of.text))
     }
 
-    fn define(&mut self, define: Token<'a>, rest: &[Token<'a>]) -> Result<(), Problem> {
+    fn define(&mut self, define: Token<'a>, rest: &[Token<'a>]) -> Result<()> {
         let Some((name, rest)) = rest.split_first().filter(|(name, _)| name.is_word()) else {
             return Err(Problem::malformed(define.place(), "`#define` needs a name")
                 .hint("write `#define NAME value`"));
@@ -199,7 +190,7 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Expands all macros in a list of tokens.
-    fn expand(&mut self, tokens: Vec<Token<'a>>, depth: usize) -> Result<Vec<Token<'a>>, Problem> {
+    fn expand(&mut self, tokens: Vec<Token<'a>>, depth: usize) -> Result<Vec<Token<'a>>> {
         // The unread tokens, the next one last. `active` holds the open macros; a macro ends when this list is as short as
         // its number.
         let mut left: Vec<Token<'a>> = tokens;
@@ -269,7 +260,7 @@ impl<'a> Preprocessor<'a> {
         name: &Token<'a>,
         left: &mut Vec<Token<'a>>,
         depth: usize,
-    ) -> Result<Vec<Vec<Token<'a>>>, Problem> {
+    ) -> Result<Vec<Vec<Token<'a>>>> {
         if depth >= NESTING_MAX {
             let message = format!("macro calls are nested deeper than {NESTING_MAX} levels");
             return Err(Problem::over_limit(name.place(), message).hint("make this macro a function"));
@@ -303,7 +294,7 @@ impl<'a> Preprocessor<'a> {
         parameters: &[&'a str],
         arguments: &[Vec<Token<'a>>],
         call: &Token<'a>,
-    ) -> Result<Vec<Token<'a>>, Problem> {
+    ) -> Result<Vec<Token<'a>>> {
         let mut out = Vec::new();
         for token in body {
             let argument = parameters.iter().position(|name| token.is_word() && token.is(name));
@@ -320,7 +311,7 @@ impl<'a> Preprocessor<'a> {
         Ok(out)
     }
 
-    fn condition(&mut self, line: &[Token<'a>], of: Token<'a>) -> Result<bool, Problem> {
+    fn condition(&mut self, line: &[Token<'a>], of: Token<'a>) -> Result<bool> {
         // `defined` reads names before they are expanded.
         let mut read = Vec::new();
         let mut at = 0;
@@ -364,7 +355,7 @@ const LEVELS: [&[&str]; 10] = [
 ];
 
 impl Conditional<'_, '_> {
-    fn binary(&mut self, level: usize, depth: usize) -> Result<i64, Problem> {
+    fn binary(&mut self, level: usize, depth: usize) -> Result<i64> {
         let Some(signs) = LEVELS.get(level) else { return self.operand(depth) };
         let mut left = self.binary(level + 1, depth)?;
         while let Some(sign) =
@@ -396,7 +387,7 @@ impl Conditional<'_, '_> {
         Ok(left)
     }
 
-    fn operand(&mut self, depth: usize) -> Result<i64, Problem> {
+    fn operand(&mut self, depth: usize) -> Result<i64> {
         let wrong = |place| {
             Problem::malformed(place, "this `#if` is no whole-number condition")
                 .hint("compare macros and whole numbers, as in `#if QUALITY > 1`")

@@ -13,6 +13,9 @@ pub enum ProblemKind {
     OverLimit,
 }
 
+/// A result of reading or executing GLSL.
+pub(super) type Result<T, E = Problem> = std::result::Result<T, E>;
+
 /// One problem in a GLSL text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {

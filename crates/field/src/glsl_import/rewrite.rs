@@ -8,6 +8,7 @@ use super::problem::Problem;
 use super::tokens::{Kind, Token};
 
 /// The text for naga.
+#[derive(Debug)]
 pub(super) struct Written {
     pub text: String,
     /// For each word: its offset in the text, its place in the user's text, and the index of its item.

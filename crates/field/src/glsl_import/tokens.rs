@@ -1,17 +1,18 @@
 //! Splits GLSL into tokens, and drops comments.
 
-use super::problem::Problem;
+use super::problem::{Problem, Result};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Kind {
     Word,
+    #[default]
     Number,
     Sign,
 }
 
 /// One token. The text is a slice of the source or a constant. For a token from a macro, `start` and `end`
 /// locate the macro's call.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
     pub kind: Kind,
@@ -51,7 +52,7 @@ const LONG_SIGNS: [&str; 23] = [
 ];
 
 /// Returns the tokens of a text. Lines that end in `\` are joined.
-pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>, Problem> {
+pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>> {
     let bytes = text.as_bytes();
     let mut tokens = Vec::new();
     let (mut at, mut begins_line, mut joined) = (0, true, false);

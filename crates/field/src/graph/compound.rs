@@ -449,31 +449,31 @@ fn fit(
     bound: &mut Bound,
 ) -> bool {
     let Some(&part) = parts.get(place) else { return false };
-    let both = |first: (Reads, Arg), second: (Reads, Arg), bound: &mut Bound| {
-        fit_operand(values, parts, first, negated, bound)
-            && fit_operand(values, parts, second, negated, bound)
+    let both = |for_a: Arg, for_b: Arg, bound: &mut Bound| {
+        fit_operand(values, parts, part.a, for_a, negated, bound)
+            && fit_operand(values, parts, part.b, for_b, negated, bound)
     };
     if part.op == op {
         if op.arity() == 1 {
-            return fit_operand(values, parts, (part.a, a), negated, bound);
+            return fit_operand(values, parts, part.a, a, negated, bound);
         }
         let before = *bound;
-        if both((part.a, a), (part.b, b), bound) {
+        if both(a, b, bound) {
             return true;
         }
         *bound = before;
-        return op.properties().has(Properties::COMMUTATIVE) && both((part.a, b), (part.b, a), bound);
+        return op.properties().has(Properties::COMMUTATIVE) && both(b, a, bound);
     }
     match (part.op, op, a, b) {
         (Op::Add, Op::Sub, _, Arg::Number(number)) | (Op::Sub, Op::Add, _, Arg::Number(number)) => {
-            both((part.a, a), (part.b, Arg::Number(-number)), bound)
+            both(a, Arg::Number(-number), bound)
         }
         // b - a * c is b + a * -c.
         (Op::Add, Op::Sub, Arg::Value(_), Arg::Value(product)) => {
             let times_number = two(Op::Mul, Reads::A, Reads::C);
             matches!(part.a, Reads::Part(earlier) if parts.get(earlier) == Some(&times_number))
-                && fit_operand(values, parts, (part.b, a), negated, bound)
-                && fit_operand(values, parts, (part.a, Arg::Value(product)), true, bound)
+                && fit_operand(values, parts, part.b, a, negated, bound)
+                && fit_operand(values, parts, part.a, Arg::Value(product), true, bound)
         }
         _ => false,
     }
@@ -483,7 +483,8 @@ fn fit(
 fn fit_operand(
     values: &impl Values,
     parts: &[Part],
-    (reads, arg): (Reads, Arg),
+    reads: Reads,
+    arg: Arg,
     negated: bool,
     bound: &mut Bound,
 ) -> bool {

@@ -1,10 +1,12 @@
 //! A simple evaluator of graphs. Tests compare the fast evaluators with it.
 
+use std::fmt::Write as _;
+
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
 use super::node::{Input, Node, NodeId};
 use super::order::Order;
-use super::{Graph, GraphError};
+use super::{Graph, Result};
 
 /// The point at which an expression is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,13 +34,8 @@ impl Graph {
     /// Returns the values of `roots` at a point.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn evaluate(
-        &self,
-        roots: &[NodeId],
-        point: &Point,
-        frame: &FrameInputs,
-    ) -> Result<Vec<f32>, GraphError> {
+    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn evaluate(&self, roots: &[NodeId], point: &Point, frame: &FrameInputs) -> Result<Vec<f32>> {
         Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
     }
 
@@ -64,14 +61,43 @@ impl Graph {
         }
         roots.iter().map(|root| values[root.index()] + 0.0).collect()
     }
+
+    /// Returns a Graphviz `digraph` of the nodes that `root` needs: a box per node, edges from operands to users.
+    ///
+    /// # Errors
+    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn to_dot(&self, root: NodeId) -> Result<String> {
+        let mut text = String::from("digraph expression {\n  node [shape=box];\n");
+        for id in self.order(&[root])?.nodes {
+            let node = self.node(id);
+            // Writing to a String cannot fail.
+            let _ = match node {
+                Node::Constant(value) => writeln!(text, "  n{} [label=\"{value:?}\"];", id.0),
+                Node::Input(input) => writeln!(text, "  n{} [label=\"{input}\"];", id.0),
+                Node::Unary(op, _) | Node::Binary(op, _, _) => {
+                    writeln!(text, "  n{} [label=\"{}\"];", id.0, op.name())
+                }
+                Node::Texture { texture, channel, .. } => {
+                    let channel = ["red", "green", "blue", "alpha"][usize::from(channel & 3)];
+                    writeln!(text, "  n{} [label=\"TEXTURE {texture} {channel}\"];", id.0)
+                }
+            };
+            for (place, operand) in node.operands().enumerate() {
+                let name = ["a", "b"][place];
+                let _ = writeln!(text, "  n{} -> n{} [label=\"{name}\"];", operand.0, id.0);
+            }
+        }
+        text.push_str("}\n");
+        Ok(text)
+    }
 }
 
 /// Returns bounds of a value of the graph that is the same at all points. With [`FrameInputs::any`], they hold for every
 /// frame.
 ///
 /// # Errors
-/// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-pub(crate) fn bounds_of(graph: &Graph, root: NodeId, frame: &FrameInputs) -> Result<Interval, GraphError> {
+/// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+pub(crate) fn bounds_of(graph: &Graph, root: NodeId, frame: &FrameInputs) -> Result<Interval> {
     let mut bounds = vec![Interval::ANY; root.index() + 1];
     for &id in &graph.order(&[root])?.nodes {
         bounds[id.index()] = match graph.node(id) {

@@ -7,14 +7,14 @@
 
 use super::node::{Node, NodeId};
 use super::op::Op;
-use super::{Graph, GraphError};
+use super::{Graph, Result};
 
 impl Graph {
     /// Returns a new graph with fused pairs of operators. The roots become nodes of the new graph.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] if this or the new graph reaches its limit; the roots are then unchanged.
-    pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
+    /// [`super::GraphError::TooManyNodes`] if this or the new graph reaches its limit; the roots are then unchanged.
+    pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);
         // From the roots down, find the nodes that are still read after fusing, and the operator that each becomes.
@@ -28,7 +28,7 @@ impl Graph {
                 continue;
             }
             let tile = fusing.tile(*id);
-            for operand in operands(tile) {
+            for operand in tile.operands() {
                 read[operand.index()] = true;
             }
             tiles[id.index()] = Some(tile);
@@ -75,7 +75,7 @@ impl<'a> Fusing<'a> {
             readers[root.index()] = 2;
         }
         for id in order {
-            for operand in operands(graph.node(*id)) {
+            for operand in graph.node(*id).operands() {
                 let count = &mut readers[operand.index()];
                 *count = (*count + 1).min(2);
             }
@@ -135,15 +135,6 @@ impl<'a> Fusing<'a> {
 
 fn is_input_of_point(node: Node) -> bool {
     matches!(node, Node::Input(input) if input.of_point().is_some())
-}
-
-fn operands(node: Node) -> impl Iterator<Item = NodeId> {
-    let (a, b) = match node {
-        Node::Constant(_) | Node::Input(_) => (None, None),
-        Node::Unary(_, a) => (Some(a), None),
-        Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => (Some(a), Some(b)),
-    };
-    a.into_iter().chain(b)
 }
 
 #[cfg(test)]

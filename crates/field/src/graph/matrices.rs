@@ -2,42 +2,30 @@
 
 use super::{Graph, NodeId};
 
-/// The product of two matrices, or of a matrix and a vector, which has no columns.
+/// The product of two matrices, or of a matrix and a vector, which has 0 columns.
 pub(crate) fn product(
     graph: &mut Graph,
     a: &[NodeId],
-    (a_columns, a_rows): (u8, u8),
+    a_columns: u8,
     b: &[NodeId],
-    (b_columns, b_rows): (u8, u8),
+    b_columns: u8,
 ) -> Vec<NodeId> {
     // A vector on the left is a row, one on the right a column.
-    let (rows, inner) = if a_columns == 0 { (1, a_rows) } else { (a_rows, a_columns) };
-    let (columns, step) = if b_columns == 0 { (1, b_rows) } else { (b_columns, b_rows) };
+    let rows = if a_columns == 0 { 1 } else { a.len() / usize::from(a_columns) };
+    let inner = b.len() / usize::from(b_columns.max(1));
     let mut result = Vec::new();
-    for column in 0..usize::from(columns) {
-        for row in 0..usize::from(rows) {
-            let mut terms = (Vec::new(), Vec::new());
-            for index in 0..usize::from(inner) {
-                let left = a.get(if a_columns == 0 { index } else { index * usize::from(a_rows) + row });
-                let right = b.get(column * usize::from(step) + index);
-                terms.0.extend(left.copied());
-                terms.1.extend(right.copied());
-            }
-            result.push(graph.dot(&terms.0, &terms.1));
+    for right in b.chunks(inner.max(1)) {
+        for row in 0..rows {
+            let left: Vec<NodeId> = a.iter().skip(row).step_by(rows).copied().collect();
+            result.push(graph.dot(&left, right));
         }
     }
     result
 }
 
-/// The matrix with rows and columns exchanged.
-pub(crate) fn transposed(a: &[NodeId], columns: usize, rows: usize) -> Vec<NodeId> {
-    let mut result = Vec::with_capacity(a.len());
-    for row in 0..rows {
-        for column in 0..columns {
-            result.extend(a.get(column * rows + row).copied());
-        }
-    }
-    result
+/// The matrix of `rows` rows with rows and columns exchanged.
+pub(crate) fn transposed(a: &[NodeId], rows: usize) -> Vec<NodeId> {
+    (0..rows).flat_map(|row| a.iter().skip(row).step_by(rows)).copied().collect()
 }
 
 /// The determinant of a square matrix, by its first row.

@@ -2,14 +2,12 @@
 //!
 //! A [`Graph`] is an arena in which operands precede the nodes that use them. Building a node that already exists
 //! returns the existing one (hash-consing), so that a common subexpression is computed once. Builders also fold
-//! constants and apply algebra that is exact in floating point (`simplify.rs`). They never fail: a graph that has
+//! constants and apply algebra that is exact in floating point (`build.rs`). They never fail: a graph that has
 //! reached its limit returns arbitrary nodes and remembers the error. [`Graph::check`] and all functions that read
 //! the graph then return this error. All traversals are iterative.
 
 mod build;
-mod choice;
 mod compound;
-mod dot;
 mod evaluate;
 mod frame_inputs;
 mod fuse;
@@ -25,7 +23,6 @@ mod part;
 mod rules;
 mod screen_input;
 mod shape_atlas;
-mod simplify;
 mod slope_rules;
 mod sound_input;
 mod table;
@@ -33,7 +30,6 @@ mod table_extremes;
 mod unit_input;
 
 pub use build::PRODUCT_EXPONENT_MAX;
-pub use choice::Choice;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
@@ -44,7 +40,7 @@ pub use interval::{Interval, LIBRARY_ERROR};
 pub use levels::{LEVEL_COUNT, Level, LevelList, Levels, levels_glsl};
 pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
-pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
+pub use op::{Choice, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use part::{Part, PartInput, PartNumber};
 pub use screen_input::{Screen, ScreenInput};
@@ -65,17 +61,17 @@ mod tests;
 
 use crate::limits::{LIMITS, Limits};
 
+/// A result of an operation on a graph.
+pub(crate) type Result<T, E = GraphError> = std::result::Result<T, E>;
+
 /// An error that makes a graph unusable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GraphError {
     /// The graph needs more distinct nodes than the limit.
     #[error(
-        "the expression needs more than {max} distinct operations; make the scene smaller or repeat fewer parts"
+        "the expression needs more than {0} distinct operations; make the scene smaller or repeat fewer parts"
     )]
-    TooManyNodes {
-        /// [`Limits::graph_nodes_max`].
-        max: usize,
-    },
+    TooManyNodes(usize),
 }
 
 /// An arena of distinct scalar nodes.
@@ -181,8 +177,8 @@ impl Graph {
     /// # Errors
     /// [`GraphError::TooManyNodes`] if a builder has reached the limit. Nodes that were returned after that are
     /// meaningless.
-    pub fn check(&self) -> Result<(), GraphError> {
-        if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
+    pub fn check(&self) -> Result<()> {
+        if self.full { Err(GraphError::TooManyNodes(self.nodes_max)) } else { Ok(()) }
     }
 
     /// Reserves memory for `nodes` more nodes.

@@ -114,13 +114,6 @@ impl std::fmt::Display for Input {
     /// Returns the name as printed in a tape, such as `X`, `VOLUME.X` or `BAND(3)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Input::X => "X",
-            Input::Y => "Y",
-            Input::Z => "Z",
-            Input::NX => "NX",
-            Input::NY => "NY",
-            Input::NZ => "NZ",
-            Input::T => "T",
             Input::EyeX => "EYE.X",
             Input::EyeY => "EYE.Y",
             Input::EyeZ => "EYE.Z",
@@ -129,6 +122,7 @@ impl std::fmt::Display for Input {
             Input::Level(level) => return f.write_str(&level.to_string().to_uppercase()),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),
+            of_point_or_time => return write!(f, "{of_point_or_time:?}"),
         })
     }
 }

@@ -26,8 +26,7 @@ use super::levels::LevelList;
 use super::numbers::{
     SMALLEST, arc_slope, atan2, cell_hash, div, length_slopes, modulo, pow, round, sqrt, tanh, truth, unit,
 };
-use super::rules;
-use super::slope_rules as slopes;
+use super::{rules, slope_rules as slopes};
 
 /// A set of properties of an operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,10 +60,11 @@ impl Properties {
     }
 }
 
-/// A loop that calls an operator's function. It is compiled once per operator, so that the function is inlined.
-pub trait Kernel {
+/// A loop that calls an operator's function of numbers or its rule for intervals. It is compiled once per operator, so
+/// that the function is inlined.
+pub trait Kernel<T> {
     /// Runs with `meaning`, the operator's function of a, b and the frame. One-operand operators ignore b.
-    fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
+    fn run(&mut self, meaning: impl Fn(T, T, &FrameInputs) -> T + Copy);
 }
 
 /// Like [`Kernel`], but with the operator's partial derivatives.
@@ -77,17 +77,30 @@ pub trait DualKernel {
     );
 }
 
-/// Like [`Kernel`], but for interval rules.
-pub trait BoundsKernel {
-    /// Runs with `rule`, the operator's interval rule for a, b and the frame. One-operand operators ignore b.
-    fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);
+/// Calls an operator's function or rule. The argument types give the closure its types.
+#[inline(always)]
+fn call<T>(f: impl Fn(T, T, &FrameInputs) -> T, a: T, b: T, frame: &FrameInputs) -> T {
+    f(a, b, frame)
+}
+
+/// Like [`call`], for slopes, which also depend on the value `r`.
+#[inline(always)]
+fn call_with_value<T>(
+    f: impl Fn(T, T, T, &FrameInputs) -> (T, T),
+    a: T,
+    b: T,
+    r: T,
+    frame: &FrameInputs,
+) -> (T, T) {
+    f(a, b, r, frame)
 }
 
 macro_rules! operators {
     ($(
         $(#[doc = $doc:literal])+
         $id:ident = $number:literal $name:literal $properties:expr,
-            value $value:expr, bounds $bounds:expr, slopes $slopes:expr, slope_bounds $slope_bounds:expr,
+            value $value:expr, bounds $bounds:expr,
+            $(slopes $slopes:expr, slope_bounds $slope_bounds:expr,)? $(constant_slopes $by_a:expr, $by_b:expr,)?
             glsl $glsl:literal;
     )+) => {
         /// An operator of the expression graph.
@@ -125,35 +138,24 @@ macro_rules! operators {
             /// Returns the value for the operands a and b. One-operand operators ignore b.
             #[inline(always)]
             pub fn value(self, a: f32, b: f32, frame: &FrameInputs) -> f32 {
-                #[inline(always)]
-                fn call(f: impl Fn(f32, f32, &FrameInputs) -> f32, a: f32, b: f32, frame: &FrameInputs) -> f32 {
-                    f(a, b, frame)
-                }
                 match self { $( Op::$id => call($value, a, b, frame), )+ }
             }
 
             /// Runs a kernel with the operator's function.
             #[inline(always)]
-            pub fn with_value(self, kernel: &mut impl Kernel) {
+            pub fn with_value(self, kernel: &mut impl Kernel<f32>) {
                 match self { $( Op::$id => kernel.run($value), )+ }
             }
 
             /// Returns an interval that holds the value for every a and b of the given intervals.
             #[inline(always)]
             pub fn bounds(self, a: Interval, b: Interval, frame: &FrameInputs) -> Interval {
-                #[inline(always)]
-                fn call(
-                    f: impl Fn(Interval, Interval, &FrameInputs) -> Interval,
-                    a: Interval, b: Interval, frame: &FrameInputs,
-                ) -> Interval {
-                    f(a, b, frame)
-                }
                 match self { $( Op::$id => call($bounds, a, b, frame), )+ }
             }
 
             /// Runs a kernel with the operator's interval rule.
             #[inline(always)]
-            pub fn with_bounds(self, kernel: &mut impl BoundsKernel) {
+            pub fn with_bounds(self, kernel: &mut impl Kernel<Interval>) {
                 match self { $( Op::$id => kernel.run($bounds), )+ }
             }
 
@@ -161,20 +163,15 @@ macro_rules! operators {
             /// derivative of one side. Returns 0 for operands that GLSL leaves undefined (see **Total** above).
             #[inline(always)]
             pub fn slopes(self, a: f32, b: f32, r: f32, frame: &FrameInputs) -> (f32, f32) {
-                #[inline(always)]
-                fn call(
-                    f: impl Fn(f32, f32, f32, &FrameInputs) -> (f32, f32),
-                    a: f32, b: f32, r: f32, frame: &FrameInputs,
-                ) -> (f32, f32) {
-                    f(a, b, r, frame)
+                match self {
+                    $( Op::$id => call_with_value($($slopes)? $(|_, _, _, _| ($by_a, $by_b))?, a, b, r, frame), )+
                 }
-                match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
             }
 
             /// Runs a kernel with the operator's function and with its partial derivatives ([`Op::slopes`]).
             #[inline(always)]
             pub fn with_slopes(self, kernel: &mut impl DualKernel) {
-                match self { $( Op::$id => kernel.run($value, $slopes), )+ }
+                match self { $( Op::$id => kernel.run($value, $($slopes)? $(|_, _, _, _| ($by_a, $by_b))?), )+ }
             }
 
             /// Returns intervals that hold the partial derivatives by a and by b over the given intervals, where `r`
@@ -184,14 +181,11 @@ macro_rules! operators {
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
             ) -> (Interval, Interval) {
-                #[inline(always)]
-                fn call(
-                    f: impl Fn(Interval, Interval, Interval, &FrameInputs) -> (Interval, Interval),
-                    a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
-                ) -> (Interval, Interval) {
-                    f(a, b, r, frame)
+                match self {
+                    $( Op::$id => call_with_value(
+                        $($slope_bounds)? $(|_, _, _, _| slopes::constant($by_a, $by_b))?, a, b, r, frame,
+                    ), )+
                 }
-                match self { $( Op::$id => call($slope_bounds, a, b, r, frame), )+ }
             }
         }
     };
@@ -209,8 +203,7 @@ const CHOOSES: Properties = Properties::CHOOSES;
 operators! {
     /// -a.
     Neg = 16 "NEG" NONE,
-        value |a, _, _| -a, bounds |a, _, _| rules::neg(a), slopes |_, _, _, _| (-1.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(-1.0, 0.0),
+        value |a, _, _| -a, bounds |a, _, _| rules::neg(a), constant_slopes -1.0, 0.0,
         glsl "-$a";
     /// |a|.
     Abs = 17 "ABS" NEVER_NEGATIVE,
@@ -221,33 +214,26 @@ operators! {
     /// -1, 0 or 1; 0 for a NaN.
     Sign = 18 "SIGN" WHOLE,
         value |a, _, _| truth(a > 0.0) - truth(a < 0.0), bounds |a, _, _| rules::sign(a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "sign($a)";
+        constant_slopes 0.0, 0.0, glsl "sign($a)";
     /// The largest whole number that is not above a.
     Floor = 19 "FLOOR" WHOLE,
-        value |a, _, _| a.floor(), bounds |a, _, _| a.map_rising(f32::floor), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, _, _| a.floor(), bounds |a, _, _| a.map_rising(f32::floor), constant_slopes 0.0, 0.0,
         glsl "floor($a)";
     /// The smallest whole number that is not below a.
     Ceil = 20 "CEIL" WHOLE,
-        value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), constant_slopes 0.0, 0.0,
         glsl "ceil($a)";
     /// floor(a + 0.5): halves are rounded up. (In GLSL the direction depends on the driver.)
     Round = 21 "ROUND" WHOLE,
-        value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), constant_slopes 0.0, 0.0,
         glsl "floor($a + 0.5)";
     /// The whole part, towards 0.
     Trunc = 22 "TRUNC" WHOLE,
-        value |a, _, _| a.trunc(), bounds |a, _, _| a.map_rising(f32::trunc), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, _, _| a.trunc(), bounds |a, _, _| a.map_rising(f32::trunc), constant_slopes 0.0, 0.0,
         glsl "trunc($a)";
     /// a - floor(a); 1 for tiny negative a, by rounding.
     Fract = 23 "FRACT" NEVER_NEGATIVE,
-        value |a, _, _| a - a.floor(), bounds |a, _, _| rules::fract(a), slopes |_, _, _, _| (1.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(1.0, 0.0),
+        value |a, _, _| a - a.floor(), bounds |a, _, _| rules::fract(a), constant_slopes 1.0, 0.0,
         glsl "($a - floor($a))";
     /// a * a.
     Square = 24 "SQUARE" NEVER_NEGATIVE,
@@ -333,16 +319,13 @@ operators! {
         glsl "tanh(clamp($a, -10.0, 10.0))";
     /// 1 where a is 0, else 0 (also for a NaN).
     Not = 39 "NOT" TRUTH,
-        value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), constant_slopes 0.0, 0.0,
         glsl "float($a == 0.0)";
     /// The band with the number floor(a), clamped to the list ([`LevelList::nearest`]); band 0 for a NaN.
     Band = 40 "BAND" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Band, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Band, a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "level_of_band($a)";
+        constant_slopes 0.0, 0.0, glsl "level_of_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline ([`TableData`](super::TableData)).
     Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.spectrum.at(a, 0.0),
@@ -361,54 +344,40 @@ operators! {
     /// ([`PartInput`](super::PartInput)).
     Part = 47 "PART" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.part(a), bounds |a, _, frame| frame.part_bounds(a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "table_part($a)";
+        constant_slopes 0.0, 0.0, glsl "table_part($a)";
 
     /// The number of the scene's texts and pictures with the index floor(a), clamped; the first for a NaN
     /// ([`ShapeAtlas`](super::ShapeAtlas)).
     ShapeNumber = 48 "SHAPE_NUMBER" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.shapes.number(a), bounds |a, _, frame| frame.shapes.number_bounds(a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "shape_number($a)";
+        constant_slopes 0.0, 0.0, glsl "shape_number($a)";
     /// Like [`Op::Band`], for the levels of notes.
     Note = 43 "NOTE" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Note, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Note, a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "level_of_note($a)";
+        constant_slopes 0.0, 0.0, glsl "level_of_note($a)";
     /// The same for the levels of pitch classes.
     Chroma = 44 "CHROMA" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Chroma, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Chroma, a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "level_of_chroma($a)";
+        constant_slopes 0.0, 0.0, glsl "level_of_chroma($a)";
     /// The same for the stereo positions of the bands.
     Pan = 45 "PAN" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Pan, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Pan, a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "level_of_pan($a)";
+        constant_slopes 0.0, 0.0, glsl "level_of_pan($a)";
     /// The same for the difference between the channels in each band.
     Width = 46 "WIDTH" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Width, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Width, a),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "level_of_width($a)";
+        constant_slopes 0.0, 0.0, glsl "level_of_width($a)";
     /// a + b.
     Add = 64 "ADD" COMMUTATIVE,
-        value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), slopes |_, _, _, _| (1.0, 1.0),
-        slope_bounds |_, _, _, _| slopes::constant(1.0, 1.0),
+        value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), constant_slopes 1.0, 1.0,
         glsl "($a + $b)";
     /// a - b.
     Sub = 65 "SUB" NONE,
-        value |a, b, _| a - b, bounds |a, b, _| rules::sub(a, b), slopes |_, _, _, _| (1.0, -1.0),
-        slope_bounds |_, _, _, _| slopes::constant(1.0, -1.0),
+        value |a, b, _| a - b, bounds |a, b, _| rules::sub(a, b), constant_slopes 1.0, -1.0,
         glsl "($a - $b)";
     /// a * b.
     Mul = 66 "MUL" COMMUTATIVE,
@@ -454,23 +423,18 @@ operators! {
     /// GLSL's step(a, b): 0 where b is below the edge a, else 1 (also for a NaN).
     Step = 73 "STEP" TRUTH,
         value |a, b, _| 1.0 - truth(b < a), bounds |a, b, _| rules::not(rules::less(b, a)),
-        slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "($b < $a ? 0.0 : 1.0)";
+        constant_slopes 0.0, 0.0, glsl "($b < $a ? 0.0 : 1.0)";
     /// 1 where a < b, else 0.
     Less = 74 "LESS" TRUTH,
-        value |a, b, _| truth(a < b), bounds |a, b, _| rules::less(a, b), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, b, _| truth(a < b), bounds |a, b, _| rules::less(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a < $b)";
     /// 1 where a <= b, else 0.
     LessEqual = 75 "LESS_EQUAL" TRUTH,
-        value |a, b, _| truth(a <= b), bounds |a, b, _| rules::less_equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, b, _| truth(a <= b), bounds |a, b, _| rules::less_equal(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a <= $b)";
     /// 1 where a = b, else 0.
     Equal = 76 "EQUAL" COMMUTATIVE.and(TRUTH),
-        value |a, b, _| truth(a == b), bounds |a, b, _| rules::equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, b, _| truth(a == b), bounds |a, b, _| rules::equal(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a == $b)";
     /// b where a is not 0 (also where it is a NaN), else 0.
     Mask = 77 "MASK" CHOOSES,
@@ -480,8 +444,7 @@ operators! {
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)); see [`cell_hash`].
     Hash = 78 "HASH" NEVER_NEGATIVE.and(EXPENSIVE),
-        value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
-        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), constant_slopes 0.0, 0.0,
         glsl "cell_hash($a, $b)";
     /// The history of the spectrum at a (0 low .. 1 high) and age b (0 now .. 1 oldest); a bicubic B-spline.
     History = 79 "HISTORY" READS_FRAME.and(EXPENSIVE),
@@ -588,6 +551,45 @@ impl Op {
             Op::Div => "($a / $b)",
             Op::Mod => "($a - $b * floor($a / $b))",
             other => other.glsl(),
+        }
+    }
+}
+
+// The operand that a minimum, maximum or mask chooses everywhere in an interval. Pruning removes the other operand.
+
+/// The operand that an operator chooses everywhere in an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Choice {
+    /// Unknown: either operand may be the value.
+    #[default]
+    Both,
+    /// The value is operand a everywhere. For MASK, the value is 0 everywhere.
+    Left,
+    /// The value is operand b everywhere.
+    Right,
+}
+
+impl Op {
+    /// True if [`Op::choice`] can return [`Choice::Left`] or [`Choice::Right`].
+    pub const fn chooses(self) -> bool {
+        self.properties().has(Properties::CHOOSES)
+    }
+
+    /// Returns the operand that the operator chooses for all values in `a` and `b`. Returns [`Choice::Both`] if the
+    /// choice depends on the values, or if an operand of a minimum or maximum may be a NaN.
+    #[inline]
+    pub fn choice(self, a: Interval, b: Interval) -> Choice {
+        let (left, right) = match self {
+            Op::Min => (a.hi <= b.lo, b.hi <= a.lo),
+            Op::Max => (a.lo >= b.hi, b.lo >= a.hi),
+            Op::Mask => (rules::is_zero(a), !a.has_zero()),
+            _ => (false, false),
+        };
+        match (left, right) {
+            (true, _) => Choice::Left,
+            (_, true) => Choice::Right,
+            _ => Choice::Both,
         }
     }
 }

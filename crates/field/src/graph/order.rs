@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
-use super::{Graph, GraphError};
+use super::{Graph, Result};
 
 /// Nodes in an order in which operands precede their users. Each node occurs once.
 ///
@@ -40,8 +40,8 @@ impl Graph {
     /// Returns all nodes that `roots` need, in their order of evaluation.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn order(&self, roots: &[NodeId]) -> Result<Order, GraphError> {
+    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn order(&self, roots: &[NodeId]) -> Result<Order> {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
         let needs = needs(&self.nodes[..=last.index()]);
@@ -122,8 +122,8 @@ impl Graph {
     /// Returns the inputs, tables and textures that the roots read.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed, GraphError> {
+    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed> {
         self.check()?;
         let mut used = InputsUsed::default();
         let count = roots.iter().max().map_or(0, |last| last.index() + 1);

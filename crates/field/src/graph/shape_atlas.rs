@@ -39,7 +39,8 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeGrid {
     columns: usize,
-    points_per_unit: f32,
+    /// Points per unit.
+    pub points_per_unit: f32,
     /// In units, row after row, from the bottom.
     values: Arc<[f32]>,
 }
@@ -68,11 +69,6 @@ impl ShapeGrid {
     /// Numbers of columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.columns, self.rows())
-    }
-
-    /// Points per unit.
-    pub fn points_per_unit(&self) -> f32 {
-        self.points_per_unit
     }
 
     /// The values, row after row from the bottom.

@@ -9,10 +9,9 @@
 //! **Rounding.** The ends of slopes are computed by the operations of [`super::Op::slopes`], in the same order.
 //! Rounding to nearest is monotonic. Library functions are widened.
 
-use super::choice::Choice;
 use super::interval::Interval;
 use super::numbers::SMALLEST;
-use super::op::Op;
+use super::op::{Choice, Op};
 use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };

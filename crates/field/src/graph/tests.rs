@@ -411,7 +411,7 @@ fn a_full_graph_returns_an_error() {
     }
     assert_eq!(graph.check(), Ok(()));
     node = graph.unary(Op::Sin, node);
-    let error = GraphError::TooManyNodes { max: 10 };
+    let error = GraphError::TooManyNodes(10);
     assert_eq!(graph.check(), Err(error));
     assert_eq!(graph.order(&[node]), Err(error));
     assert_eq!(graph.evaluate(&[node], &Point::default(), &FrameInputs::default()), Err(error));

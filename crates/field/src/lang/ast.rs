@@ -5,47 +5,49 @@
 
 use super::source::Span;
 use super::symbol::Symbol;
+use super::token::Kind;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ExprId(pub u32);
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum BinaryOp {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Modulo,
-    Power,
-    Equal,
-    NotEqual,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    And,
-    Or,
+/// Declares the operators between two expressions: the token, the sign, how tightly the operator binds, and how tightly
+/// an operator in its right operand must bind at least.
+macro_rules! binary_operators {
+    ($($op:ident = $kind:ident $sign:literal $binds:literal $right:literal;)+) => {
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum BinaryOp { $($op,)+ }
+
+        impl BinaryOp {
+            /// The tokens of the operators.
+            pub(super) const TOKENS: &[Kind] = &[$(Kind::$kind,)+];
+
+            /// Returns the operator of a token, and how tightly it binds to its left and right operand.
+            pub(super) fn infix(token: Kind) -> Option<(Self, u8, u8)> {
+                match token { $(Kind::$kind => Some((Self::$op, $binds, $right)),)+ _ => None }
+            }
+
+            pub(super) fn sign(self) -> &'static str {
+                match self { $(Self::$op => $sign,)+ }
+            }
+        }
+    };
 }
 
-impl BinaryOp {
-    pub(super) fn sign(self) -> &'static str {
-        match self {
-            Self::Add => "+",
-            Self::Subtract => "-",
-            Self::Multiply => "*",
-            Self::Divide => "/",
-            Self::Modulo => "%",
-            Self::Power => "^",
-            Self::Equal => "==",
-            Self::NotEqual => "!=",
-            Self::Less => "<",
-            Self::LessEqual => "<=",
-            Self::Greater => ">",
-            Self::GreaterEqual => ">=",
-            Self::And => "&&",
-            Self::Or => "||",
-        }
-    }
+binary_operators! {
+    Or = Or "||" 1 2;
+    And = And "&&" 2 3;
+    Equal = Equal "==" 3 4;
+    NotEqual = NotEqual "!=" 3 4;
+    Less = Less "<" 4 5;
+    LessEqual = LessEqual "<=" 4 5;
+    Greater = Greater ">" 4 5;
+    GreaterEqual = GreaterEqual ">=" 4 5;
+    Add = Plus "+" 5 6;
+    Subtract = Minus "-" 5 6;
+    Multiply = Star "*" 6 7;
+    Divide = Slash "/" 6 7;
+    Modulo = Percent "%" 6 7;
+    Power = Caret "^" 8 8;
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,34 +218,29 @@ impl Type {
     pub(super) const ALL: [Self; 8] =
         [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Mat2, Self::Mat3, Self::Texture];
 
-    pub(super) fn name(self) -> &'static str {
+    /// Returns the name in a scene's text, and the type in words.
+    fn names(self) -> (&'static str, &'static str) {
         match self {
-            Self::Number => "number",
-            Self::Bool => "bool",
-            Self::Vec2 => "vec2",
-            Self::Vec3 => "vec3",
-            Self::Vec4 => "vec4",
-            Self::Mat2 => "mat2",
-            Self::Mat3 => "mat3",
-            Self::Texture => "texture",
+            Self::Number => ("number", "a number"),
+            Self::Bool => ("bool", "a condition"),
+            Self::Vec2 => ("vec2", "a vec2"),
+            Self::Vec3 => ("vec3", "a vec3"),
+            Self::Vec4 => ("vec4", "a vec4"),
+            Self::Mat2 => ("mat2", "a mat2"),
+            Self::Mat3 => ("mat3", "a mat3"),
+            Self::Texture => ("texture", "a text"),
         }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        self.names().0
     }
 
     pub(super) fn described(self) -> &'static str {
-        match self {
-            Self::Number => "a number",
-            Self::Bool => "a condition",
-            Self::Vec2 => "a vec2",
-            Self::Vec3 => "a vec3",
-            Self::Vec4 => "a vec4",
-            Self::Mat2 => "a mat2",
-            Self::Mat3 => "a mat3",
-            Self::Texture => "a text",
-        }
+        self.names().1
     }
 }
 
-/// A function's parameter. Without a type, it accepts every value that the function's body supports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Parameter {
     pub name: Name,

@@ -9,6 +9,7 @@ use super::{Resolver, lexer, parser, path};
 use crate::glsl_import::GlslFile;
 use crate::limits::Limits;
 
+#[derive(Default)]
 pub(super) struct Loaded {
     pub ast: Ast,
     pub names: Interner,
@@ -22,14 +23,7 @@ pub(super) struct Loaded {
 impl Loaded {
     /// Returns an empty scene. `names` contains the names of the library.
     pub(super) fn new(names: Interner) -> Self {
-        Self {
-            ast: Ast::default(),
-            names,
-            items: Vec::new(),
-            includes: Vec::new(),
-            foreign: Vec::new(),
-            foreign_broken: false,
-        }
+        Self { names, ..Self::default() }
     }
 }
 

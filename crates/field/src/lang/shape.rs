@@ -1,10 +1,9 @@
 //! Texts and pictures that shapes of a scene read as 2D distances.
 
-use std::panic::{RefUnwindSafe, UnwindSafe};
-use std::sync::Arc;
-
 use super::source::Span;
 use crate::graph::ShapeGrid;
+use std::panic::{RefUnwindSafe, UnwindSafe};
+use std::sync::Arc;
 
 /// The kind of a call that reads a text or picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -129,8 +129,9 @@ pub(super) enum Value {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Matrix {
     /// The elements, column by column.
-    parts: Vec<NodeId>,
-    size: u8,
+    pub(super) parts: Vec<NodeId>,
+    /// The number of columns, and of rows.
+    pub(super) size: u8,
 }
 
 impl Matrix {
@@ -142,15 +143,6 @@ impl Matrix {
             _ => return None,
         };
         Some(Self { parts, size })
-    }
-
-    /// The number of columns, and of rows.
-    pub(super) fn size(&self) -> u8 {
-        self.size
-    }
-
-    pub(super) fn parts(&self) -> &[NodeId] {
-        &self.parts
     }
 }
 
@@ -199,7 +191,7 @@ impl Composites {
             },
             Value::Bool(_) => Type::Bool,
             Value::Text(_) => Type::Texture,
-            Value::Matrix(index) if self.matrix(index)?.size() == 2 => Type::Mat2,
+            Value::Matrix(index) if self.matrix(index)?.size == 2 => Type::Mat2,
             Value::Matrix(_) => Type::Mat3,
         })
     }

@@ -4,11 +4,9 @@
 //! lines. Only a comment between `/*` and `*/` can continue on the next line.
 
 use super::diagnostic::Diagnostics;
-use super::lexer;
-use super::library;
-use super::parser;
 use super::symbol::Interner;
 use super::token::{Kind, Token};
+use super::{lexer, library, parser};
 
 /// The kind of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,7 +1,7 @@
 //! Finds the part of a shape that decides its value at a point: the nearest operand of a union or smooth union, then
 //! the nearest operand within that operand, and so on.
 
-use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId, Op, Order, Point};
+use crate::graph::{FrameInputs, Graph, Node, NodeId, Op, Order, Point, Result};
 
 /// A shape with its evaluation order, for finding deciding parts.
 #[derive(Debug, Clone)]
@@ -17,7 +17,7 @@ impl<'a> Deciding<'a> {
     ///
     /// # Errors
     /// Returns the error of [`Graph::check`].
-    pub fn new(graph: &'a Graph, root: NodeId) -> Result<Self, GraphError> {
+    pub fn new(graph: &'a Graph, root: NodeId) -> Result<Self> {
         let order = graph.order(&[root])?;
         let mut of_point = vec![false; root.index() + 1];
         for id in &order.nodes {

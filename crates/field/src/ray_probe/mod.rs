@@ -10,19 +10,18 @@ mod light_path;
 mod preview;
 mod ray_faults;
 mod ray_statistics;
-mod shadow_ray;
 #[cfg(test)]
 mod tests;
 
 use std::cell::{Cell as StdCell, RefCell};
 use std::collections::HashMap;
+use std::ops::Range;
 
 pub use deciding::Deciding;
-pub use light_path::{FrameLight, OcclusionProbe, PathRay, PathSurface, RayStep};
+pub use light_path::{FrameLight, OcclusionProbe, PathRay, PathSurface, RayStep, ShadowRay, ShadowStep};
 pub use preview::preview;
 pub use ray_faults::{RayFaults, ray_faults};
 pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
-pub use shadow_ray::{ShadowRay, ShadowStep};
 
 use crate::graph::{FrameInputs, NodeId};
 use crate::lang::TextPlace;
@@ -125,12 +124,12 @@ impl<'a> RayProbe<'a> {
     pub fn trace(&self, ray: &Ray) -> Traced {
         let behind = self.plane_on(ray);
         let mut traced = Traced { hit: behind, ..Traced::default() };
-        let Some((start, end)) = self.traced_span(ray, None) else { return traced };
-        let end = behind.map_or(end, |hit| end.min(hit.distance));
-        if start < end {
+        let Some(mut span) = self.traced_span(ray, None) else { return traced };
+        span.end = behind.map_or(span.end, |hit| span.end.min(hit.distance));
+        if !span.is_empty() {
             let met = match self.world.non_lipschitz {
-                true => self.trace_non_lipschitz(ray, (rays::past(start), end), &mut traced),
-                false => self.trace_distance(ray, (start, end), &mut traced),
+                true => self.trace_non_lipschitz(ray, rays::past(span.start)..span.end, &mut traced),
+                false => self.trace_distance(ray, span, &mut traced),
             };
             if let Some(t) = met {
                 let position = ray.at(t);
@@ -221,11 +220,11 @@ impl<'a> RayProbe<'a> {
 
     /// Returns the part of the ray that may meet surfaces other than planes, or in which they may dim a light of this
     /// sharpness.
-    fn traced_span(&self, ray: &Ray, sharpness: Option<f32>) -> Option<(f32, f32)> {
+    fn traced_span(&self, ray: &Ray, sharpness: Option<f32>) -> Option<Range<f32>> {
         if !self.world.has_rest {
             return None;
         }
-        let mut span = (0.0_f32, rays::FAR);
+        let mut span = 0.0_f32..rays::FAR;
         let tree = Some((self.regions.low, add(self.regions.low, self.regions.size)));
         let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
         for (low, high) in boxes.into_iter().flatten() {
@@ -239,7 +238,7 @@ impl<'a> RayProbe<'a> {
                     near *= k / (k + 1.0);
                     far = if k > 1.0 { far * k / (k - 1.0) } else { rays::FAR };
                 }
-                span = (span.0.max(near), span.1.min(far));
+                span = span.start.max(near)..span.end.min(far);
             }
         }
         Some(span)
@@ -276,9 +275,10 @@ impl<'a> RayProbe<'a> {
         }
     }
 
-    fn trace_distance(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
+    fn trace_distance(&self, ray: &Ray, span: Range<f32>, traced: &mut Traced) -> Option<f32> {
         let walk = Walk::of(self.regions, ray);
-        let (mut t, mut d, mut before) = (start, 0.0_f32, 0.0_f32);
+        let Range { start: mut t, end } = span;
+        let (mut d, mut before) = (0.0_f32, 0.0_f32);
         traced.capped = true;
         for step in 0..rays::STEPS_MAX {
             let reach = rays::hit_fraction(step) * ray.spread;
@@ -316,9 +316,9 @@ impl<'a> RayProbe<'a> {
         Some(if d > 0.0 { t + d * slant } else { t })
     }
 
-    fn trace_non_lipschitz(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
+    fn trace_non_lipschitz(&self, ray: &Ray, span: Range<f32>, traced: &mut Traced) -> Option<f32> {
         let walk = Walk::of(self.regions, ray);
-        let mut t = start;
+        let Range { start: mut t, end } = span;
         // The last point outside with its value, and the first point inside.
         let (mut outside, mut inside): ((f32, f32), Option<(f32, f32)>) = ((t, 0.0), None);
         let mut closings = 0;
@@ -363,7 +363,7 @@ impl<'a> RayProbe<'a> {
                 None => (f32::INFINITY, 0.0),
             };
             let radius = ray.spread * t.max(rays::NON_LIPSCHITZ_NEAR);
-            t += rays::non_lipschitz_step(step, (value, slope), leaves, (t, end), radius);
+            t += rays::non_lipschitz_step(step, value, slope, leaves, t..end, radius);
         }
         traced.capped = true;
         inside.map(|(t, _)| t)

@@ -7,6 +7,7 @@ use crate::lang::{Diagnostic, Span};
 use crate::rays;
 use crate::region::{RegionOptions, RegionPlan};
 use crate::world::World;
+use std::ops::Range;
 
 /// The fractions of a step at which a surface is searched.
 const BETWEEN: [f32; 4] = [0.3, 0.55, 0.75, 0.9];
@@ -88,7 +89,7 @@ impl RayFaults {
 /// Follows rays of the scene's camera at a time without sound, in a grid of `columns` by `rows`; fewer rays if the scene
 /// is large. Steps over surfaces are searched only in a scene whose value is a distance: for other values the tree's
 /// bounds make steps safe.
-pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> RayFaults {
+pub fn ray_faults(world: &World, time: f32, columns: usize, rows: usize) -> RayFaults {
     let params = world.scene.params.iter().map(|param| param.default).collect();
     let mut frame = FrameInputs { time, params, shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     let camera = world.frame_tape.values(&frame).camera;
@@ -126,9 +127,9 @@ pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> 
         faults.clauses += traced.clauses;
         if traced.capped {
             faults.capped += 1;
-            slopes.extend(ray_probe.slope_at_the_end(&ray, &traced));
+            slopes.extend(slope_at_the_end(&ray_probe, &ray, &traced));
         }
-        let passed = if world.non_lipschitz { None } else { ray_probe.passed_surface(&ray, &mut searched) };
+        let passed = if world.non_lipschitz { None } else { passed_surface(&ray_probe, &ray, &mut searched) };
         if let Some(count) = passed.and_then(|object| faults.overstepped.get_mut(object)) {
             *count += 1;
         }
@@ -138,35 +139,33 @@ pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> 
     faults
 }
 
-impl RayProbe<'_> {
-    /// Returns the object whose surface the steps of a ray pass.
-    fn passed_surface(&self, ray: &Ray, cost: &mut Traced) -> Option<usize> {
-        let (mut t, end) = self.traced_span(ray, None)?;
-        let mut value = |t: f32| {
-            let place = ray.at(t);
-            self.value(self.regions.cell_at(place).as_ref(), place, cost)
-        };
-        for step in 0..rays::STEPS_MAX {
-            let d = value(t);
-            if d.is_nan() || d < rays::hit_fraction(step) * ray.spread * t || t + d >= end {
-                return None;
-            }
-            if let Some(part) = BETWEEN.into_iter().find(|part| value(t + part * d) < -DEEP * d) {
-                return Some(self.regions.object(ray.at(t + part * d), self.frame) as usize);
-            }
-            t += d;
+/// Returns the object whose surface the steps of a ray pass.
+fn passed_surface(probe: &RayProbe<'_>, ray: &Ray, cost: &mut Traced) -> Option<usize> {
+    let Range { start: mut t, end } = probe.traced_span(ray, None)?;
+    let mut value = |t: f32| {
+        let place = ray.at(t);
+        probe.value(probe.regions.cell_at(place).as_ref(), place, cost)
+    };
+    for step in 0..rays::STEPS_MAX {
+        let d = value(t);
+        if d.is_nan() || d < rays::hit_fraction(step) * ray.spread * t || t + d >= end {
+            return None;
         }
-        None
+        if let Some(part) = BETWEEN.into_iter().find(|part| value(t + part * d) < -DEEP * d) {
+            return Some(probe.regions.object(ray.at(t + part * d), probe.frame) as usize);
+        }
+        t += d;
     }
+    None
+}
 
-    /// Returns the slope of the value where a ray that used up its steps ended; `None` if that is not known.
-    fn slope_at_the_end(&self, ray: &Ray, traced: &Traced) -> Option<f32> {
-        let hit = traced.hit.filter(|hit| hit.plane.is_none())?;
-        let h = ray.spread * hit.distance;
-        let sum = self.tapped(hit.position, h);
-        let slope = sum.iter().map(|part| part * part).sum::<f32>().sqrt() / (4.0 * h);
-        Some(slope).filter(|slope| slope.is_finite())
-    }
+/// Returns the slope of the value where a ray that used up its steps ended; `None` if that is not known.
+fn slope_at_the_end(probe: &RayProbe<'_>, ray: &Ray, traced: &Traced) -> Option<f32> {
+    let hit = traced.hit.filter(|hit| hit.plane.is_none())?;
+    let h = ray.spread * hit.distance;
+    let sum = probe.tapped(hit.position, h);
+    let slope = sum.iter().map(|part| part * part).sum::<f32>().sqrt() / (4.0 * h);
+    Some(slope).filter(|slope| slope.is_finite())
 }
 
 #[cfg(test)]
@@ -175,7 +174,7 @@ mod tests {
     use crate::world::testing::world_of;
 
     fn faults(text: &str) -> RayFaults {
-        ray_faults(&world_of(text), 0.0, (32, 18))
+        ray_faults(&world_of(text), 0.0, 32, 18)
     }
 
     #[test]

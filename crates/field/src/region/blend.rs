@@ -115,7 +115,7 @@ fn squared(program: &Program, ends: Step, rest: u32) -> Option<(u32, u32, f64, f
         Op::AbsDifference => Step { op: Op::Sub, ..distance },
         _ => return None,
     };
-    difference(program, between, (a, b))?;
+    difference(program, between, a, b)?;
     Some((a, b, f64::from(inside.number), factor * scale * scale))
 }
 
@@ -152,7 +152,7 @@ fn mixed(program: &Program, sum: Step, rest: u32, is_max: bool) -> Option<(u32, 
         None => (number(fraction, Op::Sub, Form::NumberLeft, 0.5)?.b, -1.0),
     };
     let (away, slope) = scaled(program, slope);
-    let grows = sign * slope * difference(program, program.step(away)?, (b, a))?;
+    let grows = sign * slope * difference(program, program.step(away)?, b, a)?;
     let wanted = if is_max { -0.5 } else { 0.5 };
     ((grows * width - wanted).abs() < SAME).then_some((a, b, width, 0.25 / width))
 }
@@ -172,7 +172,7 @@ fn scaled(program: &Program, mut value: u32) -> (u32, f64) {
 }
 
 /// Returns 1 if a step is a - b, and -1 if it is b - a. Either may be written with negatives, such as a + (-b).
-fn difference(program: &Program, step: Step, (a, b): (u32, u32)) -> Option<f64> {
+fn difference(program: &Program, step: Step, a: u32, b: u32) -> Option<f64> {
     let opposite = |x: u32, y: u32| is_negative(program, x, y) || is_negative(program, y, x);
     let (u, v) = (step.a, step.b);
     let is = |a: u32, b: u32| match step.op {

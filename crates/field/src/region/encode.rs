@@ -35,7 +35,7 @@ struct Clause {
     number: f32,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Encoder {
     compounds: Compounds,
     registers_max: usize,
@@ -48,7 +48,7 @@ pub(super) struct Encoder {
     register: Vec<u8>,
     /// For each texture sample, true if it is already in a register.
     sampled: Vec<bool>,
-    texels: Vec<Texel>,
+    pub(super) texels: Vec<Texel>,
     /// The largest number of registers that a program has needed so far.
     pub(super) registers: usize,
     /// Number of clauses of the last program.
@@ -93,19 +93,7 @@ impl Encoder {
     /// Creates an encoder with a limit on registers. Compounds read operands later than separate operators do, so they
     /// may need more registers. A program that exceeds the limit is encoded again without compounds.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
-        Self {
-            compounds,
-            registers_max,
-            list: Vec::new(),
-            uses: Vec::new(),
-            last_use: Vec::new(),
-            register: Vec::new(),
-            sampled: Vec::new(),
-            texels: Vec::new(),
-            registers: 0,
-            clauses: 0,
-            outputs: Vec::new(),
-        }
+        Self { compounds, registers_max, ..Self::default() }
     }
 
     pub(super) fn encode(
@@ -223,10 +211,6 @@ impl Encoder {
     /// True if the last program reads a texture.
     pub(super) fn samples(&self) -> bool {
         self.sampled.contains(&true)
-    }
-
-    pub(super) fn texels(&self) -> &[Texel] {
-        &self.texels
     }
 
     /// Lists the clauses that the roots need, last first, and finds the last use of each value.

@@ -6,13 +6,14 @@
 
 use std::rc::Rc;
 
-pub(crate) use super::lanes::cells_of;
+use super::gradient::Linear;
 use super::lanes::{CELLS, Lanes, bound, mask};
-use super::linear::Linear;
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, GraphError, Interval, Node, NodeId, Op};
+use crate::graph::{FrameInputs, Graph, Interval, Node, NodeId, Op, Result};
+
+pub(crate) use super::lanes::cells_of;
 
 /// Programs with at most this many steps are not shortened, because that would take longer than it saves.
 const SHORT_ENOUGH: usize = 16;
@@ -55,7 +56,7 @@ impl<'a> EveryFrame<'a> {
         graph: &Graph,
         distance: NodeId,
         any: &'a FrameInputs,
-    ) -> Result<(Self, Rc<BoxProgram>), GraphError> {
+    ) -> Result<(Self, Rc<BoxProgram>)> {
         let nodes = graph.order(&[distance])?.nodes;
         let of_frame = frame_bounds(graph, &nodes, any);
         let mut rows = vec![Lanes::splat(Interval::point(0.0)); COORDINATES];
@@ -161,7 +162,7 @@ impl<'a> EveryFrame<'a> {
             return whole.clone();
         }
         let mut short = Program::default();
-        self.decisions.shortened(program, &self.rows, (boxes, true), self.any, &mut self.scratch, &mut short);
+        self.decisions.shortened(program, &self.rows, boxes, self.any, &mut self.scratch, &mut short);
         if short.steps.len() as f32 > HARDLY_SHORTER * program.steps.len() as f32 {
             whole.clone()
         } else {

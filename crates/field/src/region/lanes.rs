@@ -4,7 +4,7 @@ use multiversion::multiversion;
 
 use super::blend::SmoothMin;
 use super::program::{Form, Program};
-use crate::graph::{BoundsKernel, FrameInputs, Interval};
+use crate::graph::{self, FrameInputs, Interval};
 
 /// Number of cells that are processed at once: all children of one cell.
 pub(super) const CELLS: usize = 64;
@@ -69,7 +69,7 @@ struct Kernel<'a, A, B> {
     frame: &'a FrameInputs,
 }
 
-impl<A: Operand, B: Operand> BoundsKernel for Kernel<'_, A, B> {
+impl<A: Operand, B: Operand> graph::Kernel<Interval> for Kernel<'_, A, B> {
     #[inline(always)]
     fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy) {
         let result = &mut *self.result;

@@ -5,7 +5,7 @@ use super::lanes::{CELLS, Lanes, bound};
 use super::program::Arg;
 use super::surface::{Over, SurfacePlan, place_of};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, GraphError, Interval, NodeId};
+use crate::graph::{FrameInputs, Graph, Interval, NodeId, Result};
 use crate::rays::DENSEST;
 
 /// Number of cells of the grid along each axis.
@@ -48,7 +48,7 @@ impl MediumPlan {
     ///
     /// # Errors
     /// Fails if the graph has too many nodes.
-    pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Result<Self, GraphError> {
+    pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Result<Self> {
         Ok(Self { plan: SurfacePlan::new(graph, &roots, 0, Over::Points)?, bounds })
     }
 

@@ -48,9 +48,6 @@ mod encode;
 pub(crate) mod every_frame;
 pub mod gradient;
 mod lanes;
-mod linear;
-mod listing;
-mod lives;
 mod medium;
 mod part;
 mod program;
@@ -60,26 +57,24 @@ mod reuse;
 pub(crate) mod surface;
 mod tree;
 
-pub use listing::ListedClause;
 pub use medium::{MEDIUM_SIDE, MediumGrid, MediumPlan};
 pub use part::Part;
-pub use read::Cell;
 #[cfg(test)]
 pub(crate) use read::run_texels;
+pub use read::{Cell, ListedClause};
 pub use surface::Surfaces;
 pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
 use crate::graph::{
-    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData,
-    Uses,
+    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, Result, ShapeAtlas, TableData, Uses,
 };
 use crate::tape::interpreter::rounded_registers;
 use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
-use lives::ShortLives;
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
+use reuse::ShortLives;
 
 /// Cells of the root along each axis.
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
@@ -138,7 +133,7 @@ pub(crate) struct Reads {
 }
 
 impl Reads {
-    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
+    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
         let used = graph.inputs_used(roots)?;
         let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
         Ok(Self { inputs, tables: used.tables })
@@ -187,7 +182,8 @@ pub struct RegionPlan {
     has_rest: bool,
     steepest: Option<f32>,
     runs: bool,
-    whole_texels: usize,
+    /// An upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
+    pub whole_texels: usize,
 }
 
 impl RegionPlan {
@@ -269,11 +265,6 @@ impl RegionPlan {
         self.runs
     }
 
-    /// Returns an upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
-    pub fn whole_texels(&self) -> usize {
-        self.whole_texels
-    }
-
     /// Returns the inputs that determine a frame's tree.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
         self.reads.key(inputs)
@@ -291,14 +282,15 @@ impl RegionPlan {
         inputs: &FrameInputs,
         options: &RegionOptions,
     ) -> Regions {
-        self.build_in_parts((last, inputs), options, 1, |parts| parts.iter_mut().for_each(Part::build))
+        self.build_in_parts(last, inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
     }
 
     /// Builds the tree of [`RegionPlan::build_after`] in several parts. `run` must call [`Part::build`] on each part,
     /// on any thread. The tree is the same, except that different parts do not share equal tapes.
     pub fn build_in_parts(
         &self,
-        (last, inputs): (Option<&Regions>, &FrameInputs),
+        last: Option<&Regions>,
+        inputs: &FrameInputs,
         options: &RegionOptions,
         parts: usize,
         run: impl FnOnce(&mut [Part]),
@@ -307,7 +299,7 @@ impl RegionPlan {
         let has_rest = self.has_rest && (self.runs || self.steepest.is_some());
         let steepest = self.steepest.unwrap_or(f32::INFINITY);
         let traced = tree::Traced { has_rest, variant: &self.variant, steepest, last };
-        tree::build(program, self.bounds, traced, (inputs, options), parts, run)
+        tree::build(program, self.bounds, traced, inputs, options, parts, run)
     }
 
     /// Returns the program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
@@ -322,7 +314,7 @@ impl RegionPlan {
             // Shapes do not read textures.
             _ => Arg::Number(0.0),
         };
-        let places = fold(&mut program, (&self.nodes, self.graph_nodes), (numbers, frame), of_point);
+        let places = fold(&mut program, &self.nodes, self.graph_nodes, numbers, frame, of_point);
         program.roots = self.roots.iter().map(|root| places[*root]).collect();
         program
     }
@@ -336,8 +328,10 @@ fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
 /// `of_point` maps inputs of the point and texture samples to values.
 fn fold(
     program: &mut Program,
-    (nodes, graph_nodes): (&[(usize, Node)], usize),
-    (numbers, frame): (&Numbers, &FrameInputs),
+    nodes: &[(usize, Node)],
+    graph_nodes: usize,
+    numbers: &Numbers,
+    frame: &FrameInputs,
     of_point: impl Fn(Node) -> Arg,
 ) -> Vec<Arg> {
     let unknown = Arg::Value(program::PENUMBRA);

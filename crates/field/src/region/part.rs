@@ -123,7 +123,7 @@ impl<'a> Part<'a> {
                 root.decisions.shortened(
                     &trunk.program,
                     &root.rows,
-                    (group, true),
+                    group,
                     trunk.frame,
                     &mut self.scratch,
                     &mut level.short,
@@ -226,11 +226,14 @@ impl<'a> Part<'a> {
             level.decisions.shortened(
                 program,
                 &level.rows,
-                (group, group & near != 0),
+                group,
                 trunk.frame,
                 &mut self.scratch,
                 &mut level.short,
             );
+            if group & near == 0 {
+                level.short.roots[OBJECT] = Arg::Number(f32::NAN);
+            }
             let slopes = self.slopes(&level, depth, group & surface);
             let mut divided = self.divisible(&level.short, &block, depth, group & surface);
             let mut program_hash = None;
@@ -445,7 +448,7 @@ impl<'a> Part<'a> {
             self.written.heads.push(self.written.texels.len());
             self.written.texels.push([object, 0, 0, 0]);
         }
-        self.written.texels.extend_from_slice(self.encoder.texels());
+        self.written.texels.extend_from_slice(&self.encoder.texels);
         Some(at + before as u32)
     }
 }

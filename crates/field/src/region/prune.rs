@@ -165,7 +165,7 @@ impl ChoiceTrace {
         &self,
         program: &Program,
         rows: &[Lanes],
-        (group, with_object): (u64, bool),
+        group: u64,
         frame: &FrameInputs,
         Scratch(places): &mut Scratch,
         short: &mut Program,
@@ -213,9 +213,6 @@ impl ChoiceTrace {
         }
         short.roots.clear();
         short.roots.extend(program.roots.iter().map(|root| moved(places, *root)));
-        if let Some(object) = short.roots.get_mut(OBJECT).filter(|_| !with_object) {
-            *object = Arg::Number(f32::NAN);
-        }
     }
 }
 

@@ -55,7 +55,7 @@ fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
         let mut inputs = inputs_of(&world, *time, *loud);
         inputs.spectrum = TableData::row([*loud; 64]);
         let run = |parts: &mut [Part]| parts.iter_mut().for_each(Part::build);
-        let tree = plan.build_in_parts((last.as_ref(), &inputs), &options, parts, run);
+        let tree = plan.build_in_parts(last.as_ref(), &inputs, &options, parts, run);
         assert_same_cells(&tree, &plan.build(&inputs, &options), &inputs, 8_000);
         if last.is_some() {
             copied += tree.stats.copied;

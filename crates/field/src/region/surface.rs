@@ -10,13 +10,12 @@
 use std::collections::HashMap;
 
 use super::encode::{Encoder, Texel};
-use super::lanes::cells_of;
-use super::lanes::{CELLS, Lanes, bound, mask};
+use super::lanes::{CELLS, Lanes, bound, cells_of, mask};
 use super::program::{Arg, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::tree::place_in;
 use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
-use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
+use crate::graph::{Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId, Result};
 
 /// Number of cells of a grid along each axis.
 pub(crate) const SIDE: usize = 8;
@@ -178,12 +177,7 @@ pub(crate) struct ShortTapes {
 
 impl SurfacePlan {
     /// Creates the plan of a graph's roots. Textures have no coordinates here: they are sampled beforehand.
-    pub(crate) fn new(
-        graph: &Graph,
-        roots: &[NodeId],
-        textures: usize,
-        over: Over,
-    ) -> Result<Self, GraphError> {
+    pub(crate) fn new(graph: &Graph, roots: &[NodeId], textures: usize, over: Over) -> Result<Self> {
         let order = graph.order(roots)?;
         Ok(Self {
             nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
@@ -217,8 +211,8 @@ impl SurfacePlan {
             }
             _ => Arg::Number(0.0),
         };
-        let nodes = (&self.nodes[..], self.graph_nodes);
-        let places = fold(&mut program, nodes, (&Numbers::Of(frame), frame), of_point);
+        let numbers = Numbers::Of(frame);
+        let places = fold(&mut program, &self.nodes, self.graph_nodes, &numbers, frame, of_point);
         program.roots = self.roots.iter().map(|root| places[*root]).collect();
         program
     }
@@ -246,7 +240,8 @@ impl<'a> Shortener<'a> {
         frame: &'a FrameInputs,
         grid: Grid,
         surfaces: Option<Surfaces>,
-        (compounds, registers): (Compounds, usize),
+        compounds: Compounds,
+        registers: usize,
         room: usize,
     ) -> Self {
         let may_meet = |cell: usize| {
@@ -375,7 +370,7 @@ impl<'a> Shortener<'a> {
     fn shortened(&mut self, program: &Program, group: u64) -> Program {
         let mut short = Program::default();
         let (frame, scratch) = (self.frame, &mut self.scratch);
-        self.decisions.shortened(program, &self.rows, (group, true), frame, scratch, &mut short);
+        self.decisions.shortened(program, &self.rows, group, frame, scratch, &mut short);
         short
     }
 

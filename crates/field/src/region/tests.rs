@@ -192,7 +192,7 @@ fn a_tree_in_parts_is_the_same_tree() {
         let options = RegionOptions { texels_max: 1 << 22, center, ..Default::default() };
         let whole = plan.build(&inputs, &options);
         for count in [2, 3] {
-            let tree = plan.build_in_parts((None, &inputs), &options, count, |parts| {
+            let tree = plan.build_in_parts(None, &inputs, &options, count, |parts| {
                 assert_eq!(parts.len(), count);
                 parts.iter_mut().rev().for_each(Part::build);
             });
@@ -208,7 +208,7 @@ fn a_tree_in_parts_is_the_same_tree() {
         }
         let narrow = RegionOptions { texels_max: 17_000, ..options };
         let tree =
-            plan.build_in_parts((None, &inputs), &narrow, 2, |parts| parts.iter_mut().for_each(Part::build));
+            plan.build_in_parts(None, &inputs, &narrow, 2, |parts| parts.iter_mut().for_each(Part::build));
         assert!(tree.texels.len() <= narrow.texels_max, "{:?}", tree.stats);
         for number in 0..3_000 {
             let at = point(&tree, number);

@@ -167,7 +167,8 @@ pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
     Traced { has_rest, variant, steepest, last }: Traced,
-    (frame, options): (&FrameInputs, &RegionOptions),
+    frame: &FrameInputs,
+    options: &RegionOptions,
     parts: usize,
     run: impl FnOnce(&mut [Part]),
 ) -> Regions {
@@ -189,7 +190,7 @@ pub(super) fn build(
         texels: vec![[0; 4]; roots * ROOT_SIDE.pow(3)],
         variant,
         steepest,
-        before: last.filter(|_| cells).and_then(|last| Before::of(last, (low, size), &frame.shapes)),
+        before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size, &frame.shapes)),
         unbounded: bounds.is_none(),
         whole: Whole::default(),
         stats: RegionStats::default(),

@@ -12,7 +12,7 @@ const REGISTERS_AT_ONCE: usize = 32;
 
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
     if !(2..=256).contains(&options.registers) {
-        return Err(TapeError::RegisterCount { count: options.registers });
+        return Err(TapeError::RegisterCount(options.registers));
     }
     let outputs_max = options.limits.tape_outputs_max.min(options.registers);
     if roots.len() > outputs_max {
@@ -36,13 +36,13 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
     for (&id, &uses) in order.iter().zip(&next_uses) {
         allocator.define(id, uses)?;
         if allocator.tape.clauses.len() > options.limits.tape_clauses_max {
-            return Err(TapeError::TooManyClauses { max: options.limits.tape_clauses_max });
+            return Err(TapeError::TooManyClauses(options.limits.tape_clauses_max));
         }
     }
     allocator.finish(roots)?;
     let tape = allocator.tape;
     if tape.clauses.len() > options.limits.tape_clauses_max {
-        return Err(TapeError::TooManyClauses { max: options.limits.tape_clauses_max });
+        return Err(TapeError::TooManyClauses(options.limits.tape_clauses_max));
     }
     Ok(tape)
 }
@@ -201,7 +201,7 @@ impl Allocator<'_> {
         }
         // At most two operands are pinned, or all outputs except the output that is being fetched.
         if farthest == 0 {
-            return Err(TapeError::RegisterCount { count: self.options.registers });
+            return Err(TapeError::RegisterCount(self.options.registers));
         }
         let register = (first..).zip(&next_use[first..]).find(|(_, next)| **next == farthest);
         let register = register.map_or(first, |(register, _)| register) as u8;
@@ -225,7 +225,7 @@ impl Allocator<'_> {
         }
         let max = self.options.limits.tape_memory_max.min(1 << 16);
         if self.tape.memory >= max {
-            return Err(TapeError::TooMuchMemory { max });
+            return Err(TapeError::TooMuchMemory(max));
         }
         self.tape.memory += 1;
         Ok((self.tape.memory - 1) as u16)

@@ -206,7 +206,7 @@ struct LaneKernel<'a> {
     frame: &'a FrameInputs,
 }
 
-impl Kernel for LaneKernel<'_> {
+impl Kernel<f32> for LaneKernel<'_> {
     #[inline(always)]
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy) {
         for lane in 0..LANES {

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 use super::rounds::{Formula, Rounds, Source, Unrolled};
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, ScreenInput};
+use crate::graph::{Graph, Input, Node, NodeId, Op, Result, ScreenInput};
 
 /// Returns a literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
@@ -94,12 +94,7 @@ fn reciprocal(divisor: f32) -> Option<f32> {
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].
-pub fn function(
-    graph: &Graph,
-    roots: &[NodeId],
-    name: &str,
-    sampling: Sampling,
-) -> Result<String, GraphError> {
+pub fn function(graph: &Graph, roots: &[NodeId], name: &str, sampling: Sampling) -> Result<String> {
     let order = graph.order(roots)?.nodes;
     let neighbours = match sampling {
         Sampling::None => None,
@@ -155,7 +150,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<(), GraphError> {
+    fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<()> {
         for id in order {
             if let Node::Texture { u, v, .. } = self.graph.node(*id)
                 && !self.coordinates.contains(&(u, v))

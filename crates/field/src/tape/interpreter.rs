@@ -119,7 +119,7 @@ pub(super) fn is_second(instruction: Instruction) -> bool {
 }
 
 /// The features of an interpreter. They determine its text.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Variant {
     /// Operators that the text contains.
     pub operators: BTreeSet<Op>,
@@ -159,16 +159,7 @@ impl Variant {
 
     /// Returns a variant that runs all `tapes`. Numbers are rounded up, so that few variants serve many scenes.
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
-        let mut variant = Self {
-            operators: BTreeSet::new(),
-            compounds: Compounds::NONE,
-            registers: 8,
-            memory: 0,
-            samples: 0,
-            textures: 0,
-            inputs: false,
-            every_case,
-        };
+        let mut variant = Self { registers: 8, every_case, ..Self::default() };
         for tape in tapes {
             variant.operators.extend(tape.operators());
             let rounded = if every_case { rounded_registers } else { usize::next_power_of_two };

@@ -34,6 +34,13 @@
 //! of operand b if that is free, else the register of operand a, else the lowest free register. If all registers are
 //! in use, the value with the farthest next use is spilled (Belady 1966); inputs of the point are read again instead.
 
+use std::collections::BTreeSet;
+use std::fmt;
+
+use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
+use crate::limits::{LIMITS, Limits};
+use clause::input_of_place;
+
 mod allocate;
 mod clause;
 mod compounds;
@@ -41,20 +48,12 @@ mod evaluate;
 pub mod glsl;
 mod gradients;
 pub mod interpreter;
-mod print;
 mod rounds;
 mod select;
-mod slopes;
 
 pub use clause::{Clause, Instruction, Operand, opcode};
 pub use evaluate::{Batch, IntervalEvaluator, PointEvaluator, Points};
-pub use gradients::{Dual, GradientBatch, GradientEvaluator};
-pub use slopes::GradientIntervals;
-
-use std::collections::BTreeSet;
-
-use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
-use crate::limits::{LIMITS, Limits};
+pub use gradients::{Dual, GradientBatch, GradientEvaluator, GradientIntervals};
 
 /// A reason for which a tape cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -63,11 +62,8 @@ pub enum TapeError {
     #[error(transparent)]
     Graph(#[from] GraphError),
     /// The expression needs more clauses than the limit.
-    #[error("the tape needs more than {max} clauses; make the scene smaller")]
-    TooManyClauses {
-        /// [`Limits::tape_clauses_max`].
-        max: usize,
-    },
+    #[error("the tape needs more than {0} clauses; make the scene smaller")]
+    TooManyClauses(usize),
     /// There are more outputs than the limit or the number of registers.
     #[error(
         "a tape with {count} outputs was requested, but at most {max} can be kept at once; request fewer"
@@ -79,19 +75,13 @@ pub enum TapeError {
         max: usize,
     },
     /// The number of registers is outside 2..=256.
-    #[error("a tape cannot work with {count} registers; give it 2 to 256")]
-    RegisterCount {
-        /// The requested number of registers.
-        count: usize,
-    },
+    #[error("a tape cannot work with {0} registers; give it 2 to 256")]
+    RegisterCount(usize),
     /// There are more spilled values than the limit.
     #[error(
-        "the tape must spill more than {max} values to memory; give it more registers or make the scene smaller"
+        "the tape must spill more than {0} values to memory; give it more registers or make the scene smaller"
     )]
-    TooMuchMemory {
-        /// The maximum number of spilled values.
-        max: usize,
-    },
+    TooMuchMemory(usize),
 }
 
 /// Options for building a tape.
@@ -207,9 +197,78 @@ impl Tape {
     }
 }
 
+// A tape as text, in the form of Table 1 (Abt 2022, section 4.3).
+
+impl fmt::Display for TableEntry {
+    /// Writes a constant as `1.0f` and an input as its name.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TableEntry::Constant(value) => write!(f, "{value:?}f"),
+            TableEntry::Input(input) => write!(f, "{input}"),
+        }
+    }
+}
+
+impl fmt::Display for Tape {
+    /// Writes a header, then a line per clause: opcode, input_A, input_B, output.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |opcode: &str, a: &str, b: &str, output: &str| {
+            writeln!(f, "{opcode:<14} {a:<14} {b:<14} {output}")
+        };
+        row("opcode", "input_A", "input_B", "output")?;
+        let mut page = 0;
+        // The thesis calls registers slots.
+        let register = |register: u8| format!("slot {register}");
+        for instruction in self.instructions() {
+            let immediate = |entry: u8| {
+                self.table
+                    .get(page + usize::from(entry))
+                    .map_or_else(|| "?".to_owned(), TableEntry::to_string)
+            };
+            let operand = |operand: Operand| match operand {
+                Operand::Register(number) => register(number),
+                Operand::Immediate(entry) => immediate(entry),
+            };
+            match instruction {
+                Instruction::End => row("END", "-", "-", "-")?,
+                Instruction::Page(number) => {
+                    page = usize::from(number) * 256;
+                    row("PAGE", &number.to_string(), "-", "-")?;
+                }
+                Instruction::Load { output, entry } => {
+                    row("LOAD", &immediate(entry), "-", &register(output))?
+                }
+                Instruction::Store { register: from, memory } => {
+                    row("STORE", &register(from), "-", &format!("memory {memory}"))?;
+                }
+                Instruction::Reload { output, memory } => {
+                    row("RELOAD", &format!("memory {memory}"), "-", &register(output))?;
+                }
+                Instruction::SelectTexture { texture, channel } => {
+                    let channel = ["red", "green", "blue", "alpha"][usize::from(channel & 3)];
+                    row("SELECT_TEXTURE", &texture.to_string(), channel, "-")?;
+                }
+                Instruction::Texture { output, u, v } => {
+                    row("TEXTURE", &register(u), &register(v), &register(output))?
+                }
+                Instruction::Input { output, place } => {
+                    row(&input_of_place(place).to_string(), "-", "-", &register(output))?;
+                }
+                Instruction::Unary { op, output, a } => row(op.name(), &register(a), "-", &register(output))?,
+                Instruction::Binary { op, output, a, b } => {
+                    row(op.name(), &operand(a), &operand(b), &register(output))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod rounds_tests;
+
 #[cfg(test)]
 mod slope_tests;
+
 #[cfg(test)]
 mod tests;

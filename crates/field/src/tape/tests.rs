@@ -384,16 +384,16 @@ fn limits_are_reached() {
     let with =
         |registers: usize, limits: Limits| Tape::build(&graph, &[root], &TapeOptions { registers, limits });
     for count in [0, 1, 257] {
-        assert_eq!(with(count, LIMITS), Err(TapeError::RegisterCount { count }));
+        assert_eq!(with(count, LIMITS), Err(TapeError::RegisterCount(count)));
     }
     let clauses = with(256, LIMITS).unwrap().clauses().len();
     assert!(with(256, Limits { tape_clauses_max: clauses, ..LIMITS }).is_ok());
     let max = clauses - 1;
-    assert_eq!(with(256, Limits { tape_clauses_max: max, ..LIMITS }), Err(TapeError::TooManyClauses { max }));
+    assert_eq!(with(256, Limits { tape_clauses_max: max, ..LIMITS }), Err(TapeError::TooManyClauses(max)));
     let memory = with(3, LIMITS).unwrap().memory();
     assert!(memory > 2 && with(3, Limits { tape_memory_max: memory, ..LIMITS }).is_ok());
     let max = memory - 1;
-    assert_eq!(with(3, Limits { tape_memory_max: max, ..LIMITS }), Err(TapeError::TooMuchMemory { max }));
+    assert_eq!(with(3, Limits { tape_memory_max: max, ..LIMITS }), Err(TapeError::TooMuchMemory(max)));
     let outputs = |count: usize, options: &TapeOptions| Tape::build(&graph, &values[..count], options);
     let max = LIMITS.tape_outputs_max;
     assert!(outputs(max, &options).is_ok());
@@ -404,7 +404,7 @@ fn limits_are_reached() {
     let mut full = Graph::with_limits(&Limits { graph_nodes_max: 1, ..LIMITS });
     full.constant(1.0);
     let root = full.constant(2.0);
-    let error = GraphError::TooManyNodes { max: 1 };
+    let error = GraphError::TooManyNodes(1);
     assert_eq!(Tape::build(&full, &[root], &options), Err(TapeError::Graph(error)));
 }
 

@@ -13,13 +13,13 @@
 //! sum. But in a blend by e^-11d, its part must then be 17 / 11 = 1.6 farther away than another part, more than half
 //! the size of fidget's bear.
 
+use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 use super::cells::{NESTED, PIECES, below, nested, pieces, sixty_fourths};
-use super::outermost::{Outer, Part, end};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
+use crate::graph::{FrameInputs, Graph, NodeId, Result};
 use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of};
 
 /// Surfaces farther than about this from the origin leave a scene without bounds.
@@ -76,7 +76,7 @@ struct Search<'a> {
 ///
 /// # Errors
 /// Fails if the graph has too many nodes.
-pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Result<Option<Bounds>, GraphError> {
+pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Result<Option<Bounds>> {
     let (distance, whole) = EveryFrame::new(graph, distance, any)?;
     let steps = STEPS_MAX.max(WHOLE_RUNS_MAX * whole.len());
     let mut search = Search { distance, left: steps };
@@ -301,6 +301,64 @@ fn hull(parts: &[Part]) -> Option<Bounds> {
 
 fn hull_of(cells: &[Cell; 64], mask: u64) -> Option<Bounds> {
     cells_of(mask).map(|lane| cells[lane]).reduce(|hull, cell| hull.hull(&cell, 0.0))
+}
+
+// The open cells of the search for a scene's box (`bounds.rs`), ordered by how far out they are.
+
+/// A cell that may contain a surface, with a program for this cell.
+pub(super) struct Part {
+    pub(super) cell: Bounds,
+    pub(super) program: Rc<BoxProgram>,
+    /// A lower bound of the distance.
+    pub(super) low: f32,
+    /// Number of the last divisions that have not shortened the program.
+    pub(super) vain: u8,
+    /// True if the cell's outer slice, which is thin enough, may contain a surface.
+    pub(super) is_tight: bool,
+}
+
+/// Returns how far out a cell extends at a face. The faces are those at the low ends, then those at the high ends.
+pub(super) fn end(cell: &Bounds, face: usize) -> f32 {
+    if face < 3 { -cell.low[face] } else { cell.high[face % 3] }
+}
+
+/// A cell that is ordered by how far out it is at a face. Of equally far cells, the narrowest and then the one with the
+/// least distance come first: if one of them contains a surface, the others need no division.
+pub(super) struct Outer {
+    pub(super) end: f32,
+    /// The largest extent along the face.
+    pub(super) width: f32,
+    pub(super) part: Part,
+}
+
+impl Outer {
+    pub(super) fn new(part: Part, face: usize) -> Self {
+        let width = part.cell.side((face + 1) % 3).max(part.cell.side((face + 2) % 3));
+        Self { end: end(&part.cell, face), width, part }
+    }
+}
+
+impl PartialEq for Outer {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Outer {}
+
+impl PartialOrd for Outer {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Outer {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.end
+            .total_cmp(&other.end)
+            .then_with(|| other.width.total_cmp(&self.width))
+            .then_with(|| other.part.low.total_cmp(&self.part.low))
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Divides the cells of the search for a scene's box (`bounds.rs`).
 
-use super::bounds::REACH;
-use super::outermost::Part;
+use super::bounds::{Part, REACH};
 use crate::bounds::Bounds as Cell;
 
 /// Maximum number of pieces of a cell.

@@ -408,7 +408,7 @@ mod tests {
         let (plain, trails) = (world_of("sphere(p, 1)"), world_of("sphere(p, 1)\npicture { decay = 0.9 }"));
         for (from, to) in [(&plain, &trails), (&trails, &plain)] {
             let blend = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5);
-            assert!(matches!(blend, Err(BlendError::Feedback { .. })));
+            assert!(matches!(blend, Err(BlendError::Feedback(_))));
         }
     }
 }

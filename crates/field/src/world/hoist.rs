@@ -5,7 +5,7 @@
 //! so shaders do not compute it at each point. Up to 256 expressions are hoisted; further ones stay in the shaders.
 
 use super::Roots;
-use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
+use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Order, Point, Result};
 use crate::limits::LIMITS;
 
 /// The hoisted expressions.
@@ -18,7 +18,7 @@ pub struct Hoisted {
 }
 
 impl Hoisted {
-    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
+    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
         let mut own = Graph::new();
         let mut moved = Moved::of(graph);
         for id in graph.order(roots)?.nodes {
@@ -60,7 +60,7 @@ impl Moved {
 }
 
 /// Hoists the parts of the roots that do not depend on the point. All other nodes stay the same, bit for bit.
-pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted), GraphError> {
+pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted)> {
     let all: Vec<NodeId> = roots.all().collect();
     let order = graph.order(&all)?.nodes;
     let mut of_frame = vec![false; graph.len()];

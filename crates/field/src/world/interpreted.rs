@@ -21,7 +21,7 @@
 //! texture is sampled first.
 
 use super::{Bounds, ShortPrograms, SwarmPlan, World, WorldError, WorthShortening};
-use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::graph::{Compounds, FrameInputs, Graph, Node, NodeId, Result};
 use crate::lang::{Material, SURFACE_NUMBERS};
 use crate::region::MediumPlan;
 use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
@@ -46,8 +46,10 @@ pub struct TapeBuffers {
     /// for several scenes run.
     programs: Vec<Program>,
     of_objects: Vec<[usize; 2]>,
-    medium: Option<MediumPlan>,
-    swarm: Option<SwarmPlan>,
+    /// The plan of the grid over the media; `None` without media.
+    pub medium: Option<MediumPlan>,
+    /// The plan of the swarms; `None` without swarms.
+    pub swarm: Option<SwarmPlan>,
     bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
@@ -148,10 +150,7 @@ type Sampled = (u16, [NodeId; 2]);
 
 /// Separates the texture coordinates from the other expressions. Returns the remaining graph and roots, and each
 /// texture's coordinates. Textures are numbered in an order in which they can be sampled.
-fn without_coordinates(
-    graph: &Graph,
-    roots: &[NodeId],
-) -> Result<(Graph, Vec<NodeId>, Vec<Sampled>), GraphError> {
+fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<NodeId>, Vec<Sampled>)> {
     let mut own = Graph::new();
     let mut textures: Vec<Sampled> = Vec::new();
     let mut moved = vec![NodeId::default(); graph.len()];
@@ -212,16 +211,6 @@ impl TapeBuffers {
     /// Returns the programs to try to shorten first: all programs that are neither too short nor too long.
     pub fn worth_shortening(&self) -> WorthShortening {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
-    }
-
-    /// Returns the plan of the grid over the media; `None` without media.
-    pub fn medium(&self) -> Option<&MediumPlan> {
-        self.medium.as_ref()
-    }
-
-    /// Returns the plan of the swarms; `None` without swarms.
-    pub fn swarm(&self) -> Option<&SwarmPlan> {
-        self.swarm.as_ref()
     }
 
     pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {

@@ -8,7 +8,7 @@
 //! Transfer"). Ambient light is scattered as if it came equally from all directions.
 
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Result};
 use crate::lang::{FieldRange, Medium, Scene};
 use crate::region::every_frame::EveryFrame;
 
@@ -32,7 +32,7 @@ const NEAREST_CUT: f32 = 1.0 / 64.0;
 const FARTHEST_CUT: f32 = 4096.0;
 
 /// Returns the sum of a scene's media; `None` if there is no medium.
-pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>, GraphError> {
+pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
     if scene.media.is_empty() {
         return Ok(None);
     }
@@ -88,7 +88,7 @@ fn clamped(graph: &mut Graph, number: NodeId, range: FieldRange) -> NodeId {
 }
 
 /// Returns the mean of the ambient light along the axes. It depends only on the frame, so the CPU computes it.
-fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3], GraphError> {
+fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3]> {
     let graph = &mut scene.graph;
     let mut mean = [graph.constant(0.0); 3];
     let fraction = graph.constant(1.0 / 6.0);
@@ -107,11 +107,7 @@ fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3], GraphError> {
 }
 
 /// Returns the expressions for a surface or a ray with this normal or direction.
-pub(super) fn facing(
-    graph: &mut Graph,
-    roots: &[NodeId],
-    normal: [f32; 3],
-) -> Result<Vec<NodeId>, GraphError> {
+pub(super) fn facing(graph: &mut Graph, roots: &[NodeId], normal: [f32; 3]) -> Result<Vec<NodeId>> {
     let mut moved = vec![NodeId::default(); graph.len()];
     for id in graph.order(roots)?.nodes {
         let at = |id: NodeId| moved[id.index()];
@@ -133,11 +129,7 @@ pub(super) fn facing(
 ///
 /// At each face, half-spaces at growing distances are tested at once. A second round looks only inside the box of the
 /// first one.
-pub(super) fn bounds(
-    graph: &mut Graph,
-    roots: &MediumRoots,
-    any: &FrameInputs,
-) -> Result<Bounds, GraphError> {
+pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) -> Result<Bounds> {
     let absence = absence(graph, roots);
     let (mut search, whole) = EveryFrame::new(graph, absence, any)?;
     let mut found = Bounds { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY; 3] };
@@ -268,7 +260,7 @@ mod tests {
         let world = world_of(text);
         let mut inputs = FrameInputs { time: 3.7, params: vec![2.0], ..FrameInputs::default() };
         inputs.hoisted = world.hoisted.values(&inputs);
-        let grid = world.tape_buffers().unwrap().medium().unwrap().grid(&inputs, [0.0; 3]);
+        let grid = world.tape_buffers().unwrap().medium.as_ref().unwrap().grid(&inputs, [0.0; 3]);
         let side = MEDIUM_SIDE as f32;
         let mut empty = 0;
         for number in 0..40_000u32 {

@@ -7,11 +7,19 @@
 //! Everything here is computed once per scene, on any thread. The crate `mariana-render` adds the values of each
 //! frame and draws with OpenGL. No scene is special: everything in an image comes from the scene's text.
 
+use std::sync::Arc;
+
+use image::RgbaImage;
+
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId, Point, ScreenInput};
+use crate::lang::{Diagnostic, Material, Object, Scene, compile, no_includes};
+use crate::tape::{Tape, TapeError, TapeOptions};
+use media::MEDIUM_NUMBERS;
+
 mod blend;
 mod bounds;
 mod cells;
 mod compiled;
-mod frame_tape;
 
 mod distance_check;
 mod feedback;
@@ -19,48 +27,31 @@ mod hoist;
 mod interpreted;
 mod media;
 mod nearby_light;
-mod outermost;
 mod planes;
 mod scene_features;
 mod shortening;
 mod swarm;
-mod swarm_tiles;
-mod validate;
-mod warning;
 
 pub use crate::bounds::Bounds;
 pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
+pub use compiled::{FrameTape, FrameValues};
 pub use distance_check::Slopes;
 pub use feedback::{Feedback, WARP_CELLS};
-pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
-pub use swarm::{POINT_TEXELS_MAX, SwarmPlan, SwarmView, WIDEST};
-pub use swarm_tiles::{SwarmPicture, TILE_PARTS};
+pub use swarm::{POINT_TEXELS_MAX, SwarmPicture, SwarmPlan, SwarmView, TILE_PARTS, WIDEST};
 // The kinds of lights, and the tone maps.
 pub use crate::lang::{LightKind, ToneMap};
-
-use std::sync::Arc;
-
-use image::RgbaImage;
-
-use crate::graph::{FrameInputs, Graph, GraphError, NodeId, ScreenInput};
-use crate::lang::{Material, Scene, compile, no_includes};
-use crate::tape::{Tape, TapeError, TapeOptions};
-use media::MEDIUM_NUMBERS;
 
 /// A reason for which a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
     /// The text is not a scene.
-    #[error("{report}")]
-    Text {
-        /// The mistakes with their positions, printed by [`render_all`](crate::lang::render_all).
-        report: String,
-    },
+    #[error("{0}")]
+    Text(String),
     /// The scene has too many expressions.
     #[error("{scene}: {source}")]
     Graph {
@@ -182,7 +173,7 @@ impl World {
     pub fn parse(name: &str, text: &str) -> Result<Self, WorldError> {
         let mut compiled = compile(name, text, &mut no_includes);
         let Some(scene) = compiled.scene.take() else {
-            return Err(WorldError::Text { report: compiled.render(false) });
+            return Err(WorldError::Text(compiled.render(false)));
         };
         Self::new(name, scene, Vec::new())
     }
@@ -274,6 +265,28 @@ impl World {
             blended: None,
             pictures,
         })
+    }
+
+    /// Returns a warning if the shape's value is not a distance and a factor makes it one; at the first object. A formula
+    /// without such a factor is drawn as its author wrote it.
+    pub fn warning(&self) -> Option<Diagnostic> {
+        let object = self.scene.objects.first().filter(|_| self.non_lipschitz)?;
+        let factor = self.slopes.distance_factor?;
+        let message =
+            "the shape's value is not a distance, so rays take short steps and its shadows are sharp";
+        let hint = format!("multiply the value by {factor:.2} to make it a distance");
+        Some(Diagnostic::warning(object.span, message).hint(hint))
+    }
+
+    /// Returns the object whose body contains a point. An eye there sees only the body's inside. Planes have no
+    /// inside, and one can look through glass. `inputs` have the hoisted values.
+    pub fn object_around(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Option<&Object> {
+        let roots = [self.roots.distance[1], self.roots.object];
+        let values = self.graph.evaluate(&roots, &Point::at(x, y, z), inputs).ok()?;
+        let [distance, number] = values.first_chunk()?;
+        let object = self.scene.objects.get(*number as usize).filter(|_| self.has_rest && *distance < 0.0)?;
+        let glass = self.scene.materials.get(object.material)?.glass;
+        self.scene.graph.as_constant(glass).is_some_and(|glass| glass <= 0.0).then_some(object)
     }
 }
 

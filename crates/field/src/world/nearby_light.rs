@@ -12,7 +12,7 @@
 //! shining object within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).
 
 use super::media::facing;
-use crate::graph::{Graph, GraphError, NodeId, Op};
+use crate::graph::{Graph, NodeId, Op, Result};
 use crate::lang::Scene;
 
 /// The least reach, as in the frame's uniforms (`frame_reach`).
@@ -23,10 +23,7 @@ const SUM_MIN: f32 = 1e-30;
 /// Returns the emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if
 /// no object shines. Nearer objects have larger weights, so that there is no visible seam. An emission that depends on
 /// the normal is evaluated for a surface that faces up.
-pub(super) fn nearby_light(
-    scene: &mut Scene,
-    non_lipschitz: bool,
-) -> Result<Option<[NodeId; 4]>, GraphError> {
+pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Option<[NodeId; 4]>> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
     let shining: Vec<(NodeId, [NodeId; 3])> = objects

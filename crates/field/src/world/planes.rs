@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, Input, Node, NodeId, Op, Result};
 use crate::lang::Scene;
 use crate::rays::WITHOUT_GLASS;
 
@@ -42,7 +42,7 @@ enum Shape {
 }
 
 /// Takes the planes out of a scene's shapes. The shape of an object with a `bound` stays whole.
-pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
+pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>)> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
     let mut planes = Vec::new();
@@ -88,7 +88,7 @@ impl Part {
 
 /// Returns the distance by which the penumbra moves glass away from rays. Rays to lights pass glass whose material is
 /// the same everywhere. With [`WITHOUT_GLASS`], all glass is away.
-fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>, GraphError> {
+fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>> {
     if graph.as_constant(glass).is_some_and(|glass| glass <= 0.0) {
         return Ok(None);
     }
@@ -162,7 +162,7 @@ fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
 }
 
 /// For each node below the roots, its dependence on the point. Indexed by node.
-fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>, GraphError> {
+fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>> {
     let mut kinds = vec![Shape::Other; graph.len()];
     for id in graph.order(roots)?.nodes {
         let kind = match graph.node(id) {

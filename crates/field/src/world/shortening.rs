@@ -123,9 +123,9 @@ impl TapeBuffers {
             return ShortPrograms::default();
         }
         let room = options.texels_max.saturating_sub(self.texels_max()).min(SHORTENED_TEXELS_MAX);
-        let limits = (self.variant.compounds, self.variant.registers);
+        let (compounds, registers) = (self.variant.compounds, self.variant.registers);
         let grid = self.grid(options.center);
-        let mut shortener = Shortener::new(inputs, grid, options.surfaces, limits, room);
+        let mut shortener = Shortener::new(inputs, grid, options.surfaces, compounds, registers, room);
         let shorten = |(number, plan)| match request.key_of(number) {
             Some(_) => shortener.shorten(plan, self.whole_length(number, inputs)),
             None => ShortTapes::default(),

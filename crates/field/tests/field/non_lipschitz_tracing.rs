@@ -155,8 +155,7 @@ fn trace(
         let slope = slope_towards(cell.gradient, direction);
         let leaves = past(exit_of(&cell, origin, direction)) - t;
         let radius = SPREAD * t.max(NON_LIPSCHITZ_NEAR);
-        t +=
-            non_lipschitz_step(traced.evaluations as u32, (value, slope), leaves, (t, end), radius).max(1e-5);
+        t += non_lipschitz_step(traced.evaluations as u32, value, slope, leaves, t..end, radius).max(1e-5);
     }
     traced.capped = true;
     traced

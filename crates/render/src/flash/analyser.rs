@@ -1,7 +1,7 @@
 //! Counts the flashes of a video, frame by frame.
 
 use super::fields;
-use super::grid::{CELLS, Grid, luminance};
+use super::fields::{CELLS, Grid, luminance};
 use super::swing::{Change, DEFINED, LightSwing, RedSwing, Times};
 
 /// Flashes that cover at most this fraction of a field of view do not count.
@@ -69,7 +69,7 @@ impl Analyser {
             worst
         };
         self.worst = Flashes {
-            general: more(self.worst.general, |cell| (cell.light.last(), &cell.light_changes)),
+            general: more(self.worst.general, |cell| (cell.light.last, &cell.light_changes)),
             red: more(self.worst.red, |cell| (cell.red.last(), &cell.red_changes)),
         };
     }
@@ -82,7 +82,7 @@ impl Analyser {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::{COLUMNS, ROWS};
+    use super::super::fields::{COLUMNS, ROWS};
     use super::*;
 
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {

@@ -16,7 +16,7 @@
 //! frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
 
 use super::fields;
-use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
+use super::fields::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, SIMULTANEOUS, Times};
 
 /// Fraction of a field above which flashes are limited. It is a little less than WCAG's quarter.
@@ -243,7 +243,7 @@ impl Limiter {
             };
             fields::crowded(|cell| self.cells.get(cell).is_some_and(is_rising), AREA)
         };
-        let light = wants(|cell| (cell.light.last(), cell.light_until));
+        let light = wants(|cell| (cell.light.last, cell.light_until));
         let red = wants(|cell| (cell.red.last(), cell.red_until));
         let mut own = vec![Own::NONE; CELLS];
         for (place, ((cell, own), color)) in
@@ -256,7 +256,7 @@ impl Limiter {
             let mut shown = came.min(cell.ceiling);
             let mut highest = f32::INFINITY;
             if limited && cell.is_too_much(shown, now, 0.0) {
-                highest = cell.shown.low() + SWING;
+                highest = cell.shown.low + SWING;
                 shown = shown.min(highest);
             }
             let limited_red = cell.red_until > now && (marked(&red, place) || cell.red_limited);

@@ -41,9 +41,9 @@ pub(super) enum Change {
 /// Finds changes of a luminance. A change is reported as soon as it is large enough.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSwing {
-    last: Option<Change>,
+    pub(super) last: Option<Change>,
     /// The lowest luminance since the last change. If the last change was a rise, the valley before the rise.
-    low: f32,
+    pub(super) low: f32,
     /// The highest luminance since the last change. If the last change was a fall, the peak before the fall.
     high: f32,
 }
@@ -87,14 +87,6 @@ impl LightSwing {
             None => false,
         };
         still && !sure
-    }
-
-    pub(super) fn last(&self) -> Option<Change> {
-        self.last
-    }
-
-    pub(super) fn low(&self) -> f32 {
-        self.low
     }
 }
 

@@ -13,7 +13,7 @@ use glutin::error::{Error, ErrorKind};
 use raw_window_handle::RawWindowHandle;
 use serde::Serialize;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 
 /// An interface of OpenGL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -33,11 +33,11 @@ impl Api {
     ///
     /// # Errors
     /// [`GpuError::UnknownApi`] if the variable has another value.
-    pub fn tried() -> Result<&'static [Self], GpuError> {
+    pub fn tried() -> Result<&'static [Self]> {
         match std::env::var_os(VARIABLE) {
             Some(value) if value == "es" => Ok(&[Self::Embedded]),
             Some(value) if !value.is_empty() => {
-                Err(GpuError::UnknownApi { value: value.to_string_lossy().into_owned() })
+                Err(GpuError::UnknownApi(value.to_string_lossy().into_owned()))
             }
             _ => Ok(&[Self::Desktop, Self::Embedded]),
         }

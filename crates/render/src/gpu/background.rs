@@ -22,7 +22,7 @@ use glutin::context::{NotCurrentContext, PossiblyCurrentContext};
 use glutin::display::{Display, GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::{Gl, GlInfo};
 use super::program::{ProgramTexts, ReadyProgram};
 use super::program_store::ProgramStore;
@@ -32,7 +32,7 @@ use super::stand_ins::SceneShape;
 use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
-use crate::limits::LIMITS;
+use crate::limits;
 use compile_worker::{CompileWorker, Made};
 
 /// A context for a worker. It is not current on any thread yet.
@@ -118,7 +118,7 @@ impl WorkerContext {
 }
 
 /// Generates the text of a shader on the worker's thread.
-pub type VariantMaker = Box<dyn FnOnce() -> Result<Variant, GpuError> + Send>;
+pub type VariantMaker = Box<dyn FnOnce() -> Result<Variant> + Send>;
 
 /// A program to compile.
 pub struct ProgramJob {
@@ -163,7 +163,7 @@ pub struct Finished {
     /// The caller's identifier.
     pub id: u64,
     /// The program as plain values.
-    pub program: Result<ReadyProgram, GpuError>,
+    pub program: Result<ReadyProgram>,
 }
 
 /// Maximum wait for busy drivers at exit. A process that exits while a driver compiles may crash.
@@ -252,7 +252,7 @@ impl BackgroundCompiler {
         !self.threads.is_empty()
     }
 
-    /// Returns the jobs that take longer than [`crate::limits::Limits::compile_seconds_reported`], each job only once.
+    /// Returns the jobs that take longer than [`crate::limits::COMPILE_SECONDS_REPORTED`], each job only once.
     pub fn slow(&self) -> Vec<u64> {
         let mut state = self.queue.lock();
         let slow = state
@@ -315,7 +315,7 @@ impl Drop for BackgroundCompiler {
 
 fn reported_after() -> Duration {
     let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
-    let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_reported };
+    let seconds = if is_hurried { 0.2 } else { limits::COMPILE_SECONDS_REPORTED };
     Duration::from_secs_f64(seconds)
 }
 
@@ -346,10 +346,8 @@ fn work(
         let made = match &mut compile_worker {
             // Send a result even after a panic, because the caller waits for the result.
             Ok(compile_worker) => catch_unwind(AssertUnwindSafe(|| compile_worker.make(sources, job)))
-                .unwrap_or_else(|_| {
-                    Err(GpuError::NoWorker { reason: "compiling a program panicked".into() })
-                }),
-            Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
+                .unwrap_or_else(|_| Err(GpuError::NoWorker("compiling a program panicked".into()))),
+            Err(reason) => Err(GpuError::NoWorker(reason.clone())),
         };
         let (program, to_keep) = match made {
             Ok(Made { program, to_keep }) => (Ok(program), to_keep),
@@ -374,7 +372,7 @@ fn texts_of(
     variant: VariantMaker,
     product: ProgramProduct,
     info: &GlInfo,
-) -> Result<ProgramTexts, GpuError> {
+) -> Result<ProgramTexts> {
     Ok(ProgramTexts::assemble(library, product.shader(), &variant()?, info)?)
 }
 

@@ -16,7 +16,7 @@
 use glow::HasContext;
 
 use super::edge_samples::EdgeSamples;
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
@@ -34,22 +34,17 @@ pub(super) struct EdgeList {
     block: (u32, u32),
     rows_max: u32,
     /// 255 at edges.
-    marks: Target,
+    pub(super) marks: Target,
     /// For each block of samples, its pixel.
     pixels: Texture,
     /// For each pixel, the number of its block of samples, from 1; 0 for pixels without further samples.
     squares: Texture,
     /// The samples, in one block per pixel. The target grows when more room is needed.
-    samples: Target,
+    pub(super) samples: Target,
 }
 
 impl EdgeList {
-    pub(super) fn new(
-        gl: &Gl,
-        size: (u32, u32),
-        texels: &[Texel],
-        samples: EdgeSamples,
-    ) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel], samples: EdgeSamples) -> Result<Self> {
         let (block, side_max) = (samples.block(), gl.info().texture_side_max);
         let row = size.0.min(side_max / block.0).max(1);
         let pixels = u64::from(size.0) * u64::from(size.1);
@@ -70,20 +65,12 @@ impl EdgeList {
         Ok(list)
     }
 
-    pub(super) fn marks(&self) -> &Target {
-        &self.marks
-    }
-
-    pub(super) fn samples(&self) -> &Target {
-        &self.samples
-    }
-
     fn row(&self) -> u32 {
         self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
 
     /// Reserves this many rows of blocks, or as many as the driver allows. Pixels beyond the last row get no samples.
-    fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
+    fn reserve(&mut self, rows: u32) -> Result<()> {
         let rows = rows.clamp(1, self.rows_max);
         if self.samples.size().1 < self.block.1 * rows {
             let side_max = self.gl.info().texture_side_max;
@@ -96,7 +83,7 @@ impl EdgeList {
 
     /// Lists the marked pixels. `beams` holds the distance up to which each pixel's beam meets no surface. Returns the
     /// areas of the target into which samples must be drawn.
-    pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
+    pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
         let row = self.row() as usize;
@@ -143,33 +130,14 @@ impl EdgeList {
     }
 
     fn bind(&self, texture: &Texture, name: &str) {
-        // SAFETY: binds a texture of this list in the current context.
-        unsafe {
-            self.gl.active_texture(glow::TEXTURE0 + unit_of(name));
-            self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-        }
+        self.gl.bind_unit(unit_of(name), glow::TEXTURE_2D, Some(texture.native()));
     }
 
     fn upload<const N: usize>(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; N]]) {
-        let (_, format) = index_formats(N);
         let bytes = bytemuck::cast_slice(texels.as_flattened());
-        // SAFETY: binds a texture of this list in the current context, and `texels` has as many texels as `size`.
-        unsafe {
-            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
-            self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-            self.gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-            self.gl.tex_sub_image_2d(
-                glow::TEXTURE_2D,
-                0,
-                0,
-                0,
-                size.0.cast_signed(),
-                size.1.cast_signed(),
-                format,
-                glow::UNSIGNED_SHORT,
-                glow::PixelUnpackData::Slice(Some(bytes)),
-            );
-        }
+        self.bind(texture, "edge_pixels");
+        // SAFETY: the texture of this list is bound, and `texels` has as many texels as `size`.
+        unsafe { self.gl.replace_area(index_formats(N), [0, 0, size.0, size.1], bytes) }
     }
 }
 
@@ -178,31 +146,21 @@ fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }
 
-fn index_formats(numbers: usize) -> (u32, u32) {
-    if numbers == 2 { (glow::RG16UI, glow::RG_INTEGER) } else { (glow::RGBA16UI, glow::RGBA_INTEGER) }
+fn index_formats(numbers: usize) -> (u32, u32, u32) {
+    match numbers {
+        2 => (glow::RG16UI, glow::RG_INTEGER, glow::UNSIGNED_SHORT),
+        _ => (glow::RGBA16UI, glow::RGBA_INTEGER, glow::UNSIGNED_SHORT),
+    }
 }
 
-fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture, GpuError> {
+fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture> {
     let texture = Texture::new(gl)?;
-    let (stored, format) = index_formats(numbers);
     // SAFETY: allocates storage for a texture that was just created in the current context; passes no data.
     unsafe {
         gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-        gl.tex_image_2d(
-            glow::TEXTURE_2D,
-            0,
-            stored.cast_signed(),
-            size.0.cast_signed(),
-            size.1.cast_signed(),
-            0,
-            format,
-            glow::UNSIGNED_SHORT,
-            glow::PixelUnpackData::Slice(None),
-        );
-        for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
-            gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::NEAREST.cast_signed());
-        }
+        gl.store_level(0, index_formats(numbers), size, None);
     }
+    gl.filter(glow::TEXTURE_2D, glow::NEAREST);
     Ok(texture)
 }
 

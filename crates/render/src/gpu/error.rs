@@ -5,33 +5,27 @@ use std::path::PathBuf;
 use super::program_store::GivenUp;
 use mariana_field::world::WorldError;
 
+/// A result of the GPU side.
+pub(crate) type Result<T, E = GpuError> = std::result::Result<T, E>;
+
 /// An error of the GPU side. Each message names the problem, the place where it occurred, and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// The system provides no OpenGL context without a window.
     #[error(
-        "OpenGL without a window is not available on this system ({reason}): install a driver with EGL \
+        "OpenGL without a window is not available on this system ({0}): install a driver with EGL \
          (Debian: libegl1 and libgl1-mesa-dri, which also bring a software renderer)"
     )]
-    NoHeadlessContext {
-        /// The system's error.
-        reason: String,
-    },
+    NoHeadlessContext(String),
     /// The driver is older than OpenGL 3.3 and than OpenGL ES 3.0.
     #[error(
-        "OpenGL {found} is too old; Mariana needs OpenGL 3.3 core, or OpenGL ES 3.0 with EXT_color_buffer_float: update \
+        "OpenGL {0} is too old; Mariana needs OpenGL 3.3 core, or OpenGL ES 3.0 with EXT_color_buffer_float: update \
          the graphics driver, or set LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
-    TooOld {
-        /// The driver's version string.
-        found: String,
-    },
+    TooOld(String),
     /// The variable that chooses OpenGL ES has an unknown value.
-    #[error("the variable MARIANA_GL is '{value}': set it to es to draw with OpenGL ES, or unset it")]
-    UnknownApi {
-        /// The variable's value.
-        value: String,
-    },
+    #[error("the variable MARIANA_GL is '{0}': set it to es to draw with OpenGL ES, or unset it")]
+    UnknownApi(String),
     /// A shader text is missing or malformed.
     #[error(transparent)]
     Source(#[from] ShaderSourceError),
@@ -59,12 +53,9 @@ pub enum GpuError {
     DoesNotFit(#[from] DoesNotFit),
     /// The compiler thread has no context.
     #[error(
-        "the driver provides no second context to compile in ({reason}): scenes are compiled between frames instead"
+        "the driver provides no second context to compile in ({0}): scenes are compiled between frames instead"
     )]
-    NoWorker {
-        /// The driver's error.
-        reason: String,
-    },
+    NoWorker(String),
     /// The driver could not create an object.
     #[error("the driver could not create {what}: {reason}")]
     Object {
@@ -86,11 +77,8 @@ pub enum GpuError {
         limit: u32,
     },
     /// The context is lost, for example because the GPU was reset.
-    #[error("the driver has lost its context while {doing}: restart Mariana if no image appears")]
-    ContextLost {
-        /// The operation that failed.
-        doing: &'static str,
-    },
+    #[error("the driver has lost its context while {0}: restart Mariana if no image appears")]
+    ContextLost(&'static str),
     /// The driver reported an error.
     #[error("OpenGL reports {what} while {doing}")]
     Driver {
@@ -162,7 +150,7 @@ pub enum ShaderSourceError {
         /// The limit.
         limit: usize,
     },
-    /// A text longer than [`crate::limits::Limits::shader_bytes_max`].
+    /// A text longer than [`crate::limits::SHADER_BYTES_MAX`].
     #[error("{file}: the shader with its includes is longer than {limit} bytes: remove some of them")]
     TooLong {
         /// The shader.

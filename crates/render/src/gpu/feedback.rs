@@ -7,7 +7,7 @@
 use std::rc::Rc;
 
 use super::edge_samples::EdgeSamples;
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::passes::Passes;
 use super::renderer::Canvas;
@@ -48,7 +48,7 @@ pub(super) struct SceneFeedback {
     black: Rc<Target>,
     mixed: Option<Rc<Target>>,
     /// The frame that the scene reads as its last one.
-    last: Rc<Target>,
+    pub(super) last: Rc<Target>,
     gl: Gl,
 }
 
@@ -60,7 +60,7 @@ struct Kept {
 
 impl SceneFeedback {
     /// Prepares the feedback of a world; `None` if its frames do not depend on earlier ones.
-    pub(super) fn of(gl: &Gl, world: &World) -> Result<Option<Self>, GpuError> {
+    pub(super) fn of(gl: &Gl, world: &World) -> Result<Option<Self>> {
         let Some(rules) = world.frame_tape.feedback.clone() else { return Ok(None) };
         let black = Rc::new(black(gl)?);
         Ok(Some(Self {
@@ -75,10 +75,6 @@ impl SceneFeedback {
             mixed: None,
             gl: gl.clone(),
         }))
-    }
-
-    pub(super) fn last(&self) -> &Target {
-        &self.last
     }
 
     pub(super) fn request(
@@ -109,7 +105,7 @@ impl SceneFeedback {
 
     /// Returns the groups of histories for which the frame must be drawn separately, because they read different last
     /// frames. Prepares the targets.
-    pub(super) fn groups(&mut self, request: &FeedbackRequest) -> Result<Vec<Vec<usize>>, GpuError> {
+    pub(super) fn groups(&mut self, request: &FeedbackRequest) -> Result<Vec<Vec<usize>>> {
         let mut slots = Vec::new();
         for (slot, begins) in request.step.begins.into_iter().enumerate() {
             let Some(begins) = begins else { continue };
@@ -144,12 +140,12 @@ impl SceneFeedback {
         frame: &Frame,
         light: &Target,
         slots: &[usize],
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         fill_grid(&self.grid, &self.rules, frame);
         for slot in slots {
             let Some(Kept { last, next }) = self.histories[*slot].take() else { continue };
             let source = TrailSource { last, grid: self.grid.clone() };
-            trails.keep(passes, light, &source, &next)?;
+            source.draw(passes, &trails.keep, light, &next)?;
             let room =
                 if Rc::ptr_eq(&source.last, &self.black) { self.target(next.size())? } else { source.last };
             self.histories[*slot] = Some(Kept { last: next, next: room });
@@ -162,7 +158,7 @@ impl SceneFeedback {
     }
 
     /// Selects the last frame of an image at `time`.
-    pub(super) fn show(&mut self, passes: &Passes, trails: &Trails, time: f64) -> Result<(), GpuError> {
+    pub(super) fn show(&mut self, passes: &Passes, trails: &Trails, time: f64) -> Result<()> {
         let shown = newest_before(time).and_then(|newest| self.order.shown(newest));
         let of = |slot: usize| self.histories[slot].as_ref().map(|kept| kept.last.clone());
         self.last = match shown {
@@ -194,14 +190,14 @@ impl SceneFeedback {
         Some(TrailSource { last: self.last.clone(), grid: self.grid.clone() })
     }
 
-    fn target(&self, size: (u32, u32)) -> Result<Rc<Target>, GpuError> {
+    fn target(&self, size: (u32, u32)) -> Result<Rc<Target>> {
         Ok(Rc::new(Target::new(&self.gl, size, &[Texel::Rgba16F], None)?.smooth()))
     }
 }
 
 /// Creates a last frame without light. Mesa's software renderers compile another variant of a program for sides that
 /// are powers of two.
-pub(super) fn black(gl: &Gl) -> Result<Target, GpuError> {
+pub(super) fn black(gl: &Gl) -> Result<Target> {
     let target = Target::new(gl, (6, 6), &[Texel::Rgba16F], None)?.smooth();
     target.clear();
     Ok(target)

@@ -17,7 +17,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
 use super::object::VertexArray;
 use super::passes::Block;
@@ -113,7 +113,7 @@ impl FlashPass {
     ///
     /// # Errors
     /// Fails with the driver's log if the driver rejects a shader.
-    pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let pass = Self {
             programs: FlashPrograms::new(gl, library)?,
             memory: FlashMemory::new(gl)?,
@@ -233,7 +233,7 @@ impl FlashPass {
 
     /// Dims cells in the window's framebuffer, which has `window` pixels.
     pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
-        self.cells.bind_window(window);
+        self.cells.gl.bind_output(self.cells.gl.window(), window);
         self.dim_cells(finished, window);
     }
 
@@ -259,7 +259,7 @@ impl FlashPass {
 }
 
 impl FlashPrograms {
-    fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let [
             measure,
             follow,
@@ -292,7 +292,7 @@ impl FlashPrograms {
 }
 
 impl FlashMemory {
-    fn new(gl: &Gl) -> Result<Self, GpuError> {
+    fn new(gl: &Gl) -> Result<Self> {
         let of = |size, count| Target::new(gl, size, &vec![Texel::Rgba32F; count], None);
         let of_cells = |count: usize| of((COLUMNS as u32, ROWS as u32), count);
         let halves = || Ok::<_, GpuError>([of_cells(HALF)?, of_cells(HALF)?]);
@@ -329,14 +329,6 @@ impl CellDraws {
         }
     }
 
-    fn bind_window(&self, window: (u32, u32)) {
-        // SAFETY: sets state of the current context.
-        unsafe {
-            self.gl.bind_framebuffer(glow::FRAMEBUFFER, self.gl.window());
-            self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
-        }
-    }
-
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
         program.bind();
@@ -359,7 +351,7 @@ impl CellDraws {
     }
 }
 
-fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program, GpuError> {
+fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program> {
     let variant = Variant::of(defines);
     match shader {
         "limit_flashes.frag" => {

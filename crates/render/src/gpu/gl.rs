@@ -12,7 +12,7 @@ use glow::HasContext;
 use serde::Serialize;
 
 use super::api::Api;
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::target::Target;
 use super::texel_list::texels_in_rows;
 use crate::faults::{self, Fault};
@@ -107,7 +107,7 @@ impl Gl {
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for older versions, and for OpenGL ES without this extension.
-    pub fn load(mut loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
+    pub fn load(mut loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self> {
         // SAFETY: the caller has made a context current on this thread, and `loader` returns its functions.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(&mut loader) };
         let version = functions.version();
@@ -122,7 +122,7 @@ impl Gl {
             if is_new {
                 found.push_str(" without EXT_color_buffer_float");
             }
-            return Err(GpuError::TooOld { found });
+            return Err(GpuError::TooOld(found));
         }
         if log_debug && functions.supports_debug() {
             // SAFETY: the callback only formats its arguments, and the wrapper of the context owns the callback.
@@ -164,6 +164,81 @@ impl Gl {
         &self.context.info
     }
 
+    /// Binds a texture to a texture unit.
+    pub(super) fn bind_unit(&self, unit: u32, target: u32, texture: Option<glow::NativeTexture>) {
+        // SAFETY: for a name that is invalid, the driver reports an error.
+        unsafe {
+            self.functions.active_texture(glow::TEXTURE0 + unit);
+            self.functions.bind_texture(target, texture);
+        }
+    }
+
+    /// Directs the following draws to the whole framebuffer of `size` pixels.
+    pub(super) fn bind_output(&self, framebuffer: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
+        // SAFETY: for a name that is invalid, the driver reports an error.
+        unsafe {
+            self.functions.bind_framebuffer(glow::FRAMEBUFFER, framebuffer);
+            self.functions.viewport(0, 0, size.0.cast_signed(), size.1.cast_signed());
+        }
+    }
+
+    /// Sets the filter of the texture that is bound to `target`.
+    pub(super) fn filter(&self, target: u32, filter: u32) {
+        for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
+            // SAFETY: sets a parameter of a texture of the current context.
+            unsafe { self.functions.tex_parameter_i32(target, name, filter.cast_signed()) }
+        }
+    }
+
+    /// Allocates a mip level of the bound 2D texture. `texel` are the stored format, the format and the type of `bytes`.
+    ///
+    /// # Safety
+    /// `bytes` must hold all texels of the level.
+    // SAFETY: the duties of the caller are above.
+    pub(super) unsafe fn store_level(
+        &self,
+        level: i32,
+        texel: (u32, u32, u32),
+        size: (u32, u32),
+        bytes: Option<&[u8]>,
+    ) {
+        let (stored, format, kind) = (texel.0.cast_signed(), texel.1, texel.2);
+        let [width, height] = [size.0, size.1].map(u32::cast_signed);
+        let (target, texels) = (glow::TEXTURE_2D, glow::PixelUnpackData::Slice(bytes));
+        // SAFETY: the caller guarantees the number of bytes.
+        unsafe {
+            self.functions.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            self.functions.tex_image_2d(target, level, stored, width, height, 0, format, kind, texels);
+        }
+    }
+
+    /// Replaces an area of the bound 2D texture: `x` and `y`, width and height in texels.
+    ///
+    /// # Safety
+    /// `bytes` must hold all texels of the area, in the format `texel.1` and the type `texel.2`.
+    // SAFETY: the duties of the caller are above.
+    pub(super) unsafe fn replace_area(&self, texel: (u32, u32, u32), area: [u32; 4], bytes: &[u8]) {
+        let [x, y, width, height] = area.map(u32::cast_signed);
+        let (target, texels) = (glow::TEXTURE_2D, glow::PixelUnpackData::Slice(Some(bytes)));
+        // SAFETY: the caller guarantees the number of bytes.
+        unsafe {
+            self.functions.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            self.functions.tex_sub_image_2d(target, 0, x, y, width, height, texel.1, texel.2, texels);
+        }
+    }
+
+    /// Checks that the bound framebuffer is complete. `what` names it in the error, with its parts in `of`.
+    pub(super) fn check_framebuffer(&self, what: &'static str, of: &dyn std::fmt::Debug) -> Result<()> {
+        // SAFETY: asks the current context.
+        match unsafe { self.functions.check_framebuffer_status(glow::FRAMEBUFFER) } {
+            glow::FRAMEBUFFER_COMPLETE => Ok(()),
+            status => {
+                let reason = format!("incomplete ({status:#06x}) with {of:?}");
+                Err(GpuError::Object { what, reason })
+            }
+        }
+    }
+
     /// Turns the conversion to sRGB in framebuffers off. OpenGL ES has no such switch, and converts only in sRGB
     /// framebuffers, which Mariana does not use.
     pub(super) fn store_colors_unchanged(&self) {
@@ -197,7 +272,7 @@ impl Gl {
     ///
     /// # Errors
     /// Returns [`GpuError::Driver`] with the name of the first error, or [`GpuError::ContextLost`].
-    pub fn check(&self, doing: &'static str) -> Result<(), GpuError> {
+    pub fn check(&self, doing: &'static str) -> Result<()> {
         // SAFETY: the context is current on this thread (`Gl` is neither `Send` nor `Sync`).
         let code = unsafe { self.functions.get_error() };
         let code = if faults::strikes(Fault::ContextLost) { glow::CONTEXT_LOST } else { code };
@@ -208,7 +283,7 @@ impl Gl {
             glow::INVALID_OPERATION => "an invalid operation".to_owned(),
             glow::INVALID_FRAMEBUFFER_OPERATION => "an incomplete framebuffer".to_owned(),
             glow::OUT_OF_MEMORY => "that its memory is used up".to_owned(),
-            glow::CONTEXT_LOST => return Err(GpuError::ContextLost { doing }),
+            glow::CONTEXT_LOST => return Err(GpuError::ContextLost(doing)),
             other => format!("error {other:#06x}"),
         };
         Err(GpuError::Driver { what, doing })
@@ -219,7 +294,7 @@ impl Gl {
     ///
     /// # Errors
     /// The errors of [`Gl::check`].
-    pub fn check_context(&self, doing: &'static str) -> Result<(), GpuError> {
+    pub fn check_context(&self, doing: &'static str) -> Result<()> {
         self.check(doing)?;
         let ContextState { info, reset_status, suspended: before, .. } = &*self.context;
         // NVIDIA's driver reports this loss only to contexts with an attribute that glutin cannot set.
@@ -237,7 +312,7 @@ impl Gl {
             }
             status => tracing::warn!("the GPU was reset (status {status:#06x})"),
         }
-        Err(GpuError::ContextLost { doing })
+        Err(GpuError::ContextLost(doing))
     }
 
     /// Waits until the driver has executed all commands.

@@ -4,7 +4,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 
 /// The capabilities that another library may leave on.
@@ -16,7 +16,7 @@ impl Gl {
     ///
     /// # Errors
     /// Fails if the driver reports an error, caused by `draws` or by earlier calls.
-    pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T, GpuError> {
+    pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T> {
         // SAFETY: binds the window's framebuffer, or its replacement, which outlives its use ([`Gl::replace_window`]).
         unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, self.window()) };
         let drawn = draws();
@@ -29,7 +29,7 @@ impl Gl {
     ///
     /// # Errors
     /// Fails if the driver reports an error.
-    pub fn clear_window(&self, size: (u32, u32), [red, green, blue]: [f32; 3]) -> Result<(), GpuError> {
+    pub fn clear_window(&self, size: (u32, u32), [red, green, blue]: [f32; 3]) -> Result<()> {
         self.lend_window("clearing the window", || {
             // SAFETY: sets state and clears the bound framebuffer of the current context.
             unsafe {

@@ -36,7 +36,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread::ThreadId;
 
 use super::api::Api;
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
 
 /// The thread that has contexts, and their number.
@@ -89,7 +89,7 @@ impl Headless {
     ///
     /// # Errors
     /// [`GpuError::NoHeadlessContext`] with the system's errors, or [`GpuError::TooOld`] if all contexts are too old.
-    pub fn new(log_debug: bool) -> Result<Self, GpuError> {
+    pub fn new(log_debug: bool) -> Result<Self> {
         Self::with(Api::tried()?, log_debug)
     }
 
@@ -97,7 +97,7 @@ impl Headless {
     ///
     /// # Errors
     /// Same errors as [`Headless::new`].
-    pub fn with(apis: &[Api], log_debug: bool) -> Result<Self, GpuError> {
+    pub fn with(apis: &[Api], log_debug: bool) -> Result<Self> {
         let turn = Turn::wait();
         let (gl, context) = system::open(apis, log_debug)?;
         Ok(Self { gl, _context: context, _turn: turn })
@@ -105,7 +105,7 @@ impl Headless {
 }
 
 fn no_context(reason: &dyn std::fmt::Display) -> GpuError {
-    GpuError::NoHeadlessContext { reason: reason.to_string() }
+    GpuError::NoHeadlessContext(reason.to_string())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! `scene.frag` computes the light of the media along each ray, with few steps at different places in neighbouring
 //! rays. `media_filter.frag` computes the mean of neighbouring rays, and every sample of the frame reads that mean.
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
@@ -23,16 +23,16 @@ pub(super) struct MediaFilter(LazyProgram);
 
 /// The light of media, what is left of the light behind them, and the ends of rays.
 pub(super) struct MediaTargets {
-    rays: Target,
-    mean: Target,
+    pub(super) rays: Target,
+    pub(super) mean: Target,
 }
 
 impl MediaFilter {
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         Ok(Self(LazyProgram::new(gl, library, MEDIA_FILTER_SHADER, &media_filter_variant())?))
     }
 
-    pub(super) fn draw(&self, passes: &Passes, targets: &MediaTargets) -> Result<(), GpuError> {
+    pub(super) fn draw(&self, passes: &Passes, targets: &MediaTargets) -> Result<()> {
         bind(&targets.rays);
         passes.draw(&self.0, &targets.mean)
     }
@@ -41,7 +41,7 @@ impl MediaFilter {
 impl MediaTargets {
     /// Creates targets for frames of `size` pixels. `texels` are the outputs of the scene's program, `layers` the
     /// number of layers.
-    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel], layers: u32) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel], layers: u32) -> Result<Self> {
         let half = (size.0.div_ceil(2), size.1.div_ceil(2));
         let mut texels = texels.to_vec();
         // On software renderers the target of beams, which is also the last one, holds the ends of rays: their drivers
@@ -53,16 +53,6 @@ impl MediaTargets {
             rays: Target::new(gl, (half.0, half.1 * layers), &texels, None)?,
             mean: Target::new(gl, half, &[Texel::Rgba16F, Texel::R32F], None)?,
         })
-    }
-
-    /// Height of a layer in texels.
-    pub(super) fn layer_height(&self) -> u32 {
-        self.mean.size().1
-    }
-
-    /// The target of the scene's program: layers, one above the other.
-    pub(super) fn rays(&self) -> &Target {
-        &self.rays
     }
 
     /// Binds the means, which the scene's program reads.

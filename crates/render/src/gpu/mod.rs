@@ -2,10 +2,7 @@
 
 pub mod api;
 pub mod background;
-mod bloom;
-pub mod cell_use;
 #[cfg(target_os = "linux")]
-pub mod driver_cache;
 mod edge_list;
 pub mod edge_samples;
 pub mod error;
@@ -17,13 +14,11 @@ mod guest;
 pub mod headless;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub mod heaps;
-pub mod kept_paths;
-mod lens;
 pub mod media;
-mod mode;
+pub mod mode;
 pub mod object;
 mod passes;
-mod path_state;
+pub mod path_state;
 pub mod picture_reader;
 pub mod post;
 pub mod probe;

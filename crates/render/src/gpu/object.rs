@@ -4,7 +4,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
 
 /// Defines an owned newtype around one kind of GL name, with its constructor and destructor.
@@ -21,7 +21,7 @@ macro_rules! owned_object {
             ///
             /// # Errors
             /// [`GpuError::Object`] if the driver cannot create another object.
-            pub fn new(gl: &Gl) -> Result<Self, GpuError> {
+            pub fn new(gl: &Gl) -> Result<Self> {
                 // SAFETY: the context of `gl` is current on this thread.
                 let native = unsafe { gl.$create() }.map_err(|reason| GpuError::Object { what: $what, reason })?;
                 Ok(Self { gl: gl.clone(), native })

@@ -4,7 +4,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
 use super::program::{LazyProgram, binding_of};
@@ -16,12 +16,12 @@ const BAND_PIXELS: u32 = 1 << 21;
 pub(super) struct Passes {
     pub(super) gl: Gl,
     vertices: VertexArray,
-    picture: Block,
+    pub(super) picture: Block,
     post: Block,
 }
 
 impl Passes {
-    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl) -> Result<Self> {
         Ok(Self {
             gl: gl.clone(),
             vertices: VertexArray::new(gl)?,
@@ -50,11 +50,7 @@ impl Passes {
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
     }
 
-    pub(super) fn set_picture(&self, numbers: &[f32]) {
-        self.picture.set(numbers);
-    }
-
-    pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
+    pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<()> {
         self.draw_with(program, target, [0.0; 2])
     }
 
@@ -65,7 +61,7 @@ impl Passes {
         program: &LazyProgram,
         window: (u32, u32),
         area: Option<[i32; 4]>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
         program.bind(&self.gl)?;
         // SAFETY: sets state and draws without attributes into the window's framebuffer, in the current context.
@@ -75,8 +71,7 @@ impl Passes {
             for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND] {
                 gl.disable(state);
             }
-            gl.bind_framebuffer(glow::FRAMEBUFFER, gl.window());
-            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            gl.bind_output(gl.window(), window);
             if let Some([x, y, width, height]) = area {
                 gl.enable(glow::SCISSOR_TEST);
                 gl.scissor(x, y, width.max(0), height.max(0));
@@ -87,12 +82,7 @@ impl Passes {
         Ok(())
     }
 
-    pub(super) fn draw_with(
-        &self,
-        program: &LazyProgram,
-        target: &Target,
-        numbers: [f32; 2],
-    ) -> Result<(), GpuError> {
+    pub(super) fn draw_with(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<()> {
         self.gl.replacing(|| self.cover(program, target, numbers))
     }
 
@@ -103,7 +93,7 @@ impl Passes {
         target: &Target,
         numbers: [f32; 2],
         [x, y, width, height]: [i32; 4],
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         let (across, down) = target.size();
         self.post.set(&[1.0 / across as f32, 1.0 / down as f32, numbers[0], numbers[1]]);
         target.bind();
@@ -119,7 +109,7 @@ impl Passes {
     }
 
     /// Mixes a `fraction`, 0..1, of a program's result into a whole target.
-    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
+    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<()> {
         // SAFETY: sets state of the current context.
         unsafe {
             self.gl.enable(glow::BLEND);
@@ -132,7 +122,7 @@ impl Passes {
         drawn
     }
 
-    fn cover(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<(), GpuError> {
+    fn cover(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<()> {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, numbers[0], numbers[1]]);
         target.bind();
@@ -164,7 +154,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) fn new(gl: &Gl, name: &str) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, name: &str) -> Result<Self> {
         Ok(Self { gl: gl.clone(), buffer: Buffer::new(gl)?, binding: binding_of(name) })
     }
 

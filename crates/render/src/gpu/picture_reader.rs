@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::Buffer;
 use super::target::{Target, Texel};
@@ -16,7 +16,7 @@ const ON_THEIR_WAY_MAX: usize = 3;
 /// A queue of images of one size that are being read back.
 pub struct PictureReader {
     gl: Gl,
-    target: Target,
+    pub(super) target: Target,
     free: Vec<Buffer>,
     on_their_way: VecDeque<(Buffer, glow::NativeFence)>,
 }
@@ -26,7 +26,7 @@ impl PictureReader {
     ///
     /// # Errors
     /// Fails if the driver has no memory for the buffers.
-    pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
         let target = Target::new(gl, size, &[Texel::Rgba8], None)?;
         let bytes = i32::try_from(size.0 as usize * size.1 as usize * 4).unwrap_or(i32::MAX);
         let mut free = Vec::new();
@@ -42,10 +42,6 @@ impl PictureReader {
         }
         gl.check("allocating buffers for images to be sent")?;
         Ok(Self { gl: gl.clone(), target, free, on_their_way: VecDeque::new() })
-    }
-
-    pub(super) fn target(&self) -> &Target {
-        &self.target
     }
 
     /// Width and height of the images, in pixels.

@@ -15,18 +15,17 @@
 //! saturated than neutral, because emissive scenes depend on colour. Noise does not change from frame to frame, so
 //! still parts stay identical, bit for bit.
 
-use super::bloom::{Bloom, BloomTargets};
+use mariana_field::world::ToneMap;
+
 use super::edge_samples::EdgeSamples;
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
-use super::lens::{LensBlur, LensTargets};
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 use super::trails::{TrailSource, Trails};
-use crate::frame::picture::Picture;
-use mariana_field::world::ToneMap;
+use crate::frame::picture::{BLUR_MAX, Picture};
 
 /// The shaders of these passes and their defines. Tests compile all of them.
 pub const POST_SHADERS: [(&str, &[&str]); 27] = [
@@ -60,11 +59,11 @@ pub const POST_SHADERS: [(&str, &[&str]); 27] = [
 ];
 
 pub(super) struct Post {
-    passes: Passes,
+    pub(super) passes: Passes,
     resolve: LazyProgram,
     resolve_all: LazyProgram,
     lens: LensBlur,
-    trails: Trails,
+    pub(super) trails: Trails,
     bloom: Bloom,
     /// One program for each tone map, in the order of [`ToneMap::ALL`].
     present: [LazyProgram; 4],
@@ -75,21 +74,21 @@ pub(super) struct Post {
     add_faded_exposure: LazyProgram,
     /// The same programs as `present`, for the mean of exposures.
     present_mean: [LazyProgram; 4],
-    tone_map: Option<ToneMap>,
+    pub(super) tone_map: Option<ToneMap>,
 }
 
 pub(super) struct PostTargets {
-    light: Target,
+    pub(super) light: Target,
     /// The light with trails, which is then swapped with `light`; made at the first use.
     trailed: Option<Target>,
     lens: Option<LensTargets>,
     bloom: BloomTargets,
-    finished: Target,
+    pub(super) finished: Target,
 }
 
 impl Post {
     /// Assembles the shaders. Each shader is compiled at its first use.
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
         let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, rest @ ..] = programs;
@@ -114,42 +113,30 @@ impl Post {
         })
     }
 
-    pub(super) fn passes(&self) -> &Passes {
-        &self.passes
-    }
-
-    pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
-        self.tone_map = tone_map;
-    }
-
     /// Sets the image's settings and the edge contrasts for all passes, including the passes of the scene.
     pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
         let [surfaces, inner] = samples.contrasts();
-        self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
+        self.passes.picture.set(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
     /// Resolves the bound samples to light. `block` is the width and height of a pixel's block of further samples.
-    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
+    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<()> {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }
 
-    pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
+    pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<()> {
         self.passes.draw(&self.resolve_all, &targets.light)
     }
 
     /// Adds trails to the resolved light.
-    pub(super) fn add_trails(&self, targets: &mut PostTargets, trails: &TrailSource) -> Result<(), GpuError> {
+    pub(super) fn add_trails(&self, targets: &mut PostTargets, trails: &TrailSource) -> Result<()> {
         let trailed = match targets.trailed.take() {
             Some(trailed) => trailed,
             None => Target::new(&self.passes.gl, targets.light.size(), &[Texel::Rgba16F], None)?.smooth(),
         };
-        self.trails.add(&self.passes, &targets.light, trails, &trailed)?;
+        trails.draw(&self.passes, &self.trails.add, &targets.light, &trailed)?;
         targets.trailed = Some(std::mem::replace(&mut targets.light, trailed));
         Ok(())
-    }
-
-    pub(super) fn programs_of_trails(&self) -> &Trails {
-        &self.trails
     }
 
     /// Finishes the image. `samples` are the first samples; `fade` is the light of another image and its fraction.
@@ -159,7 +146,7 @@ impl Post {
         picture: &Picture,
         samples: &Target,
         fade: Weighted<'_>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.bind_light(targets, picture, samples)?;
         let programs = if fade.is_some() { &self.present_faded } else { &self.present };
         let present = self.with_tone_map(picture, programs);
@@ -176,7 +163,7 @@ impl Post {
         fade: Weighted<'_>,
         earlier: Weighted<'_>,
         output: &Target,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.bind_light(targets, picture, samples)?;
         let program = if fade.is_some() { &self.add_faded_exposure } else { &self.add_exposure };
         let (mean, weight) = earlier.unwrap_or((&targets.light, 1.0));
@@ -185,12 +172,7 @@ impl Post {
     }
 
     /// Finishes an image from the mean of its exposures.
-    pub(super) fn finish_mean(
-        &self,
-        targets: &PostTargets,
-        picture: &Picture,
-        mean: &Target,
-    ) -> Result<(), GpuError> {
+    pub(super) fn finish_mean(&self, targets: &PostTargets, picture: &Picture, mean: &Target) -> Result<()> {
         mean.bind_color(0, unit_of("mean"));
         self.passes.draw(self.with_tone_map(picture, &self.present_mean), &targets.finished)
     }
@@ -212,12 +194,12 @@ impl Post {
         picture: &Picture,
         samples: &Target,
         output: &Target,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.bind_light(targets, picture, samples)?;
         self.passes.draw(&self.expose, output)
     }
 
-    fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<(), GpuError> {
+    fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<()> {
         let passes = &self.passes;
         let light = match &targets.lens {
             Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
@@ -246,12 +228,7 @@ fn bound_fade(fade: Weighted<'_>) -> f32 {
 }
 
 impl PostTargets {
-    pub(super) fn new(
-        gl: &Gl,
-        size: (u32, u32),
-        has_lens: bool,
-        output: (u32, u32),
-    ) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, size: (u32, u32), has_lens: bool, output: (u32, u32)) -> Result<Self> {
         Ok(Self {
             lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
             light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
@@ -260,17 +237,154 @@ impl PostTargets {
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
     }
+}
 
-    /// The resolved light.
-    pub(super) fn light(&self) -> &Target {
-        &self.light
+// Bloom: light that the lens and the eye scatter.
+//
+// The image is halved in size repeatedly, then enlarged again and mixed level by level (Jimenez, "Next Generation Post
+// Processing in Call of Duty: Advanced Warfare", 2014). Here every level is a mean of light, and `present.frag`
+// subtracts the scattered light from its origin, so that the image gets no brighter.
+
+/// Maximum number of levels. The sides of the eighth level are a 256th of the image's sides.
+const LEVELS_MAX: u32 = 8;
+const SMALLEST: u32 = 6;
+/// Weight of each level, relative to the level that has twice its width and height.
+const FADING: f32 = 0.85;
+
+pub(super) struct Bloom {
+    pub(super) first: LazyProgram,
+    pub(super) down: LazyProgram,
+    pub(super) up: LazyProgram,
+}
+
+pub(super) struct BloomTargets {
+    levels: Vec<Target>,
+}
+
+impl Bloom {
+    /// Scatters light. The result has half the width and height.
+    pub(super) fn draw<'a>(
+        &self,
+        passes: &Passes,
+        light: &'a Target,
+        targets: &'a BloomTargets,
+    ) -> Result<&'a Target> {
+        let levels = &targets.levels;
+        let (mut source, mut program) = (light, &self.first);
+        let mut largest = None;
+        for level in levels {
+            source.bind_color(0, unit_of("picture"));
+            passes.draw(program, level)?;
+            (source, program) = (level, &self.down);
+            largest.get_or_insert(level);
+        }
+        for (index, pair) in levels.windows(2).enumerate().rev() {
+            let [larger, smaller] = pair else { continue };
+            smaller.bind_color(0, unit_of("picture"));
+            passes.mix(&self.up, larger, fraction_of_smaller(levels.len() - index))?;
+        }
+        Ok(largest.unwrap_or(light))
+    }
+}
+
+/// Returns the share of the smaller levels when `levels` remain. All weights sum to 1 and decrease level by level.
+fn fraction_of_smaller(levels: usize) -> f32 {
+    let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
+    weights(1) / weights(0)
+}
+
+impl BloomTargets {
+    pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
+        let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+        Ok(Self { levels: level_sizes(size).into_iter().map(level).collect::<Result<_>>()? })
+    }
+}
+
+/// Sizes of the levels, largest first. There is at least one level.
+fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
+    let mut sizes = vec![(size.0.div_ceil(2).max(1), size.1.div_ceil(2).max(1))];
+    while let Some(&(width, height)) = sizes.last()
+        && width.min(height) >= 2 * SMALLEST
+        && sizes.len() < LEVELS_MAX as usize
+    {
+        sizes.push((width.div_ceil(2), height.div_ceil(2)));
+    }
+    sizes
+}
+
+// Depth of field: points that are out of focus are spread over discs. `scene.frag` writes the radius of each point's
+// disc. In an image of half the size, each pixel gathers the light of the discs that cover the pixel. Points with
+// discs smaller than a pixel stay sharp. The blur has no noise, so equal frames stay equal.
+
+/// Maximum number of samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
+const TAPS_MAX: f32 = 80.0;
+
+pub(super) struct LensBlur {
+    pub(super) down: LazyProgram,
+    pub(super) blur: LazyProgram,
+    pub(super) mix: LazyProgram,
+}
+
+pub(super) struct LensTargets {
+    smaller: Target,
+    blurred: Target,
+    light: Target,
+}
+
+impl LensBlur {
+    /// Blurs light. Colour texture 1 of `samples` holds the radius of each point's disc.
+    pub(super) fn draw<'a>(
+        &self,
+        passes: &Passes,
+        light: &Target,
+        samples: &Target,
+        targets: &'a LensTargets,
+    ) -> Result<&'a Target> {
+        let reach = (BLUR_MAX * targets.smaller.size().1 as f32).max(1.0);
+        let taps = (0.4 * reach * reach + 12.0).min(TAPS_MAX).floor();
+        light.bind_color(0, unit_of("picture"));
+        samples.bind_color(1, unit_of("spreads"));
+        passes.draw(&self.down, &targets.smaller)?;
+        targets.smaller.bind_color(0, unit_of("picture"));
+        passes.draw_with(&self.blur, &targets.blurred, [reach, taps])?;
+        light.bind_color(0, unit_of("picture"));
+        targets.blurred.bind_color(0, unit_of("blurred"));
+        passes.draw(&self.mix, &targets.light)?;
+        Ok(&targets.light)
+    }
+}
+
+impl LensTargets {
+    pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
+        let target = |size| Ok::<_, GpuError>(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+        let half = (size.0.div_ceil(2), size.1.div_ceil(2));
+        Ok(Self { smaller: target(half)?, blurred: target(half)?, light: target(size)? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_size_has_its_levels() {
+        assert_eq!(level_sizes((1, 1)), [(1, 1)]);
+        assert_eq!(level_sizes((16384, 1)), [(8192, 1)]);
+        assert_eq!(level_sizes((640, 360)), [(320, 180), (160, 90), (80, 45), (40, 23), (20, 12), (10, 6)]);
+        assert_eq!(level_sizes((16384, 16384)).len(), LEVELS_MAX as usize);
     }
 
-    pub(super) fn finished(&self) -> &Target {
-        &self.finished
-    }
-
-    pub(super) fn into_finished(self) -> Target {
-        self.finished
+    #[test]
+    fn the_weights_of_the_levels_sum_to_one_and_decrease() {
+        for count in 1..=8 {
+            let (mut left, mut weights) = (1.0, Vec::new());
+            for index in 0..count {
+                let fraction = if index + 1 < count { fraction_of_smaller(count - index) } else { 0.0 };
+                weights.push(left * (1.0 - fraction));
+                left *= fraction;
+            }
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{weights:?}");
+            assert!(weights.is_sorted_by(|a, b| (b / a - FADING).abs() < 1e-4), "{weights:?}");
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::{ProgramObject, VertexArray};
 use super::program::link_texts;
@@ -32,7 +32,7 @@ impl Probe {
     ///
     /// # Errors
     /// Fails with the driver's log. Its line numbers refer to the files that [`super::shader_source`] marked.
-    pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self> {
         let vertex = driver_preamble(gl.info()) + VERTEX;
         let program = link_texts(gl, ("a probe's vertex shader", &vertex), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;
@@ -44,7 +44,7 @@ impl Probe {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another object.
-    pub fn add_list(&mut self, name: &str, texel: ListTexel, bytes: &[u8]) -> Result<(), GpuError> {
+    pub fn add_list(&mut self, name: &str, texel: ListTexel, bytes: &[u8]) -> Result<()> {
         let list = TexelList::new(&self.gl, texel, bytes)?;
         self.set_integer(name, self.lists.len() as i32);
         self.lists.push(list);

@@ -7,10 +7,11 @@ use std::cell::OnceCell;
 use glow::HasContext;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::{Gl, GlInfo};
 use super::object::ProgramObject;
 use super::program_store::ProgramKey;
+use super::samplers::SLOTS;
 use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
@@ -25,8 +26,8 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 ];
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
-/// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 54] = [
+/// their number ([`numbered_textures`]). No program reads two textures with the same unit.
+pub const TEXTURE_UNITS: [(&str, u32); 38] = [
     ("medium_end", 10),
     ("medium_light", 11),
     ("light_swings", 0),
@@ -65,22 +66,6 @@ pub const TEXTURE_UNITS: [(&str, u32); 54] = [
     ("shown_red_swings", 14),
     ("shown_red_ages", 15),
     ("sound_tables", 15),
-    ("slot_0", 0),
-    ("slot_1", 1),
-    ("slot_2", 2),
-    ("slot_3", 3),
-    ("slot_4", 4),
-    ("slot_5", 5),
-    ("slot_6", 6),
-    ("slot_7", 7),
-    ("slot_8", 8),
-    ("slot_9", 9),
-    ("slot_10", 10),
-    ("slot_11", 11),
-    ("slot_12", 12),
-    ("slot_13", 13),
-    ("slot_14", 14),
-    ("slot_15", 15),
 ];
 
 const _: () = assert!(FIELD_LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
@@ -93,9 +78,11 @@ pub(super) fn binding_of(block: &str) -> u32 {
     UNIFORM_BLOCKS.iter().find(|(name, _)| *name == block).map_or(0, |(_, binding)| *binding)
 }
 
-/// The name of a scene's texture in the shaders. The texture's unit is its number.
-pub fn scene_texture(index: usize) -> String {
-    format!("scene_texture_{index}")
+/// The textures whose unit is the number in their name: the scene's textures, and the slots of `samplers.frag`.
+pub fn numbered_textures() -> impl Iterator<Item = (String, u32)> {
+    let of_scene =
+        (0..FIELD_LIMITS.scene_textures_max as u32).map(|unit| (format!("scene_texture_{unit}"), unit));
+    of_scene.chain((0..SLOTS).map(|unit| (format!("slot_{unit}"), unit)))
 }
 
 /// The vertex shader of all passes.
@@ -207,12 +194,7 @@ impl Program {
     ///
     /// # Errors
     /// Fails if shader files are missing, or with the driver's log if the driver rejects them.
-    pub fn link(
-        gl: &Gl,
-        library: &ShaderLibrary,
-        fragment: &str,
-        variant: &Variant,
-    ) -> Result<Self, GpuError> {
+    pub fn link(gl: &Gl, library: &ShaderLibrary, fragment: &str, variant: &Variant) -> Result<Self> {
         Self::of(gl, &ProgramTexts::assemble(library, fragment, variant, gl.info())?)
     }
 
@@ -220,7 +202,7 @@ impl Program {
     ///
     /// # Errors
     /// Fails with the driver's log if the driver rejects the texts.
-    pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self, GpuError> {
+    pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self> {
         let (vertex, fragment) = (&texts.vertex, &texts.fragment);
         let object = link_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))?;
         Ok(Self::with_places(gl, object))
@@ -237,8 +219,7 @@ impl Program {
             }
             gl.use_program(Some(program));
             let own = TEXTURE_UNITS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
-            let of_scenes = (0..FIELD_LIMITS.scene_textures_max).map(scene_texture).zip(0..);
-            for (texture, unit) in own.chain(of_scenes) {
+            for (texture, unit) in own.chain(numbered_textures()) {
                 if let Some(location) = gl.get_uniform_location(program, &texture) {
                     gl.uniform_1_i32(Some(&location), unit.cast_signed());
                 }
@@ -262,7 +243,7 @@ impl Program {
     ///
     /// # Errors
     /// Fails with the driver's log if the driver rejects the texts.
-    pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
+    pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self> {
         let known = match &ready.binary {
             Some(binary) => Self::load(gl, binary)?,
             None => None,
@@ -274,7 +255,7 @@ impl Program {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another object.
-    pub fn load(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>, GpuError> {
+    pub fn load(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>> {
         if !gl.info().program_binaries {
             return Ok(None);
         }
@@ -316,17 +297,12 @@ pub(super) struct LazyProgram {
 }
 
 impl LazyProgram {
-    pub(super) fn new(
-        gl: &Gl,
-        library: &ShaderLibrary,
-        fragment: &str,
-        variant: &Variant,
-    ) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary, fragment: &str, variant: &Variant) -> Result<Self> {
         let texts = ProgramTexts::assemble(library, fragment, variant, gl.info())?;
         Ok(Self { texts, linked: OnceCell::new() })
     }
 
-    pub(super) fn bind(&self, gl: &Gl) -> Result<(), GpuError> {
+    pub(super) fn bind(&self, gl: &Gl) -> Result<()> {
         if self.linked.get().is_none() {
             let _ = self.linked.set(Program::of(gl, &self.texts)?);
         }
@@ -336,11 +312,7 @@ impl LazyProgram {
 }
 
 /// Compiles and links two texts with their names. Logs give positions in the files of [`super::shader_source`].
-pub(super) fn link_texts(
-    gl: &Gl,
-    vertex: (&str, &str),
-    fragment: (&str, &str),
-) -> Result<ProgramObject, GpuError> {
+pub(super) fn link_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<ProgramObject> {
     let object = ProgramObject::new(gl)?;
     let program = object.native();
     // SAFETY: all names are created and used in the current context, and every path frees the shaders.

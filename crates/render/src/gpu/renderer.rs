@@ -16,8 +16,6 @@
 //! pixels by a stencil; a software renderer lists them (`edge_list`).
 
 mod canvas;
-mod fade;
-mod flashes;
 mod making;
 mod painter;
 mod path_picture;
@@ -30,16 +28,17 @@ mod targets;
 use std::time::Duration;
 
 use super::edge_samples::EdgeSamples;
-use super::error::GpuError;
+use super::error::Result;
 pub use super::evaluations::{Counting, Evaluations};
 pub use super::feedback::FeedbackRequest;
 use super::flash_pass::FlashPass;
 use super::gl::Gl;
+use super::media::MediaTargets;
 use super::picture_reader::PictureReader;
-use super::program::Program;
+use super::program::{LazyProgram, Program, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
-use super::shader_source::ShaderLibrary;
-use super::target::Target;
+use super::shader_source::{ShaderLibrary, Variant};
+use super::target::{Target, Texel};
 use super::tiles::Costs;
 use super::timer::PictureClock;
 use crate::frame::Frame;
@@ -58,9 +57,12 @@ pub use path_picture::PathPicture;
 pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSampling, PathWatcher};
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
-use presenter::Presenter;
 pub use presenter::UPSCALE_SHADER;
+use presenter::{Fade, Presenter};
 pub use sampling::EDGE_SHADER;
+
+/// Samples of a reference image along each side of a pixel.
+const REFERENCE_SIDE: u32 = 8;
 
 /// Draws scenes. Holds the targets and the programs that all scenes share.
 pub struct Renderer {
@@ -78,7 +80,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails with the driver's log if the driver rejects a shader.
-    pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self> {
         let renderer = Self {
             gl: gl.clone(),
             painter: Painter::new(gl, library, counting)?,
@@ -97,8 +99,9 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::new`].
-    pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
-        self.presenter.prepare_for_window(&self.gl, library)?;
+    pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<()> {
+        let upscale = LazyProgram::new(&self.gl, library, UPSCALE_SHADER, &Variant::default())?;
+        self.presenter.upscale = Some(upscale);
         self.add_dimming(library)?;
         self.time_pictures()
     }
@@ -107,7 +110,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::new`].
-    pub fn add_dimming(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+    pub fn add_dimming(&mut self, library: &ShaderLibrary) -> Result<()> {
         self.presenter.placing = Some(Placing::new(&self.gl, library)?);
         Ok(())
     }
@@ -117,7 +120,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another query.
-    pub fn time_pictures(&mut self) -> Result<(), GpuError> {
+    pub fn time_pictures(&mut self) -> Result<()> {
         if self.gl.info().has_timers() {
             self.painter.clock = PictureClock::new(&self.gl)?;
         }
@@ -128,7 +131,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::new`].
-    pub fn add_flash_limiter(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+    pub fn add_flash_limiter(&mut self, library: &ShaderLibrary) -> Result<()> {
         self.presenter.flashes.pass = Some(FlashPass::new(&self.gl, library)?);
         Ok(())
     }
@@ -140,7 +143,7 @@ impl Renderer {
 
     /// Overrides the scenes' tone map. `None` ends the override.
     pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
-        self.painter.post.set_tone_map(tone_map);
+        self.painter.post.tone_map = tone_map;
     }
 
     /// Sets the number of further samples at edges; the default is four.
@@ -153,13 +156,9 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn warm_up(
-        &mut self,
-        picture: &Picture,
-        is_wanted: &mut dyn FnMut() -> bool,
-    ) -> Result<(), GpuError> {
+    pub fn warm_up(&mut self, picture: &Picture, is_wanted: &mut dyn FnMut() -> bool) -> Result<()> {
         if let Some(targets) = self.painter.warm_up(picture)? {
-            self.presenter.warm_up(self.painter.passes(), targets.post.finished(), is_wanted)?;
+            self.presenter.warm_up(&self.painter.post.passes, &targets.post.finished, is_wanted)?;
         }
         self.gl.check("drawing an empty image")
     }
@@ -168,59 +167,16 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if the size exceeds the driver's limit, or if the driver reports an error.
-    pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
+    pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<()> {
         self.begin(frame, scene)?;
         self.resume(scene, program, Duration::MAX).map(|_| ())
-    }
-
-    /// Draws `frame` by paths of light, with a program of [`super::scene_program::link_paths`].
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::draw`].
-    pub fn draw_paths(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        program: &Program,
-        order: PathOrder,
-        watcher: &mut dyn PathWatcher,
-    ) -> Result<PathProgress, GpuError> {
-        self.painter.draw_paths(frame, scene, program, order, watcher)
-    }
-
-    /// Begins an image by paths of light that [`Renderer::refine`] draws.
-    ///
-    /// # Errors
-    /// Fails if the driver has no memory for the paths of an image of this size.
-    pub fn begin_paths(&self, frame: Frame, order: PathOrder) -> Result<PathPicture, GpuError> {
-        self.painter.begin_paths(frame, order)
-    }
-
-    /// Continues an image by paths of light for about `patience`, with the same scene and a program of
-    /// [`super::scene_program::as_paths`]. Returns the progress if the image has become better; its fraction is 1 at the
-    /// end. The previous image stays until the first paths are finished.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::draw`].
-    pub fn refine(
-        &mut self,
-        picture: &mut PathPicture,
-        scene: &SceneResources,
-        program: &Program,
-        patience: Duration,
-    ) -> Result<Option<PathProgress>, GpuError> {
-        let progress = self.painter.refine(picture, scene, program, patience)?;
-        if progress.is_some() {
-            self.presenter.flashes.expect_another();
-        }
-        Ok(progress)
     }
 
     /// Begins a frame, which replaces any unfinished frame. [`Renderer::resume`] draws it.
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn begin(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
+    pub fn begin(&mut self, frame: &Frame, scene: &SceneResources) -> Result<()> {
         self.painter.begin(Product::Picture, frame, scene)
     }
 
@@ -228,7 +184,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn begin_light(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
+    pub fn begin_light(&mut self, frame: &Frame, scene: &SceneResources) -> Result<()> {
         self.painter.begin(Product::Light, frame, scene)
     }
 
@@ -236,12 +192,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn begin_view(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        view: &ViewBlock,
-    ) -> Result<(), GpuError> {
+    pub fn begin_view(&mut self, frame: &Frame, scene: &SceneResources, view: &ViewBlock) -> Result<()> {
         self.painter.sampling.set_view(view);
         self.painter.begin(Product::View, frame, scene)
     }
@@ -255,16 +206,16 @@ impl Renderer {
         scene: &SceneResources,
         program: &Program,
         patience: Duration,
-    ) -> Result<Progress, GpuError> {
-        if !self.presenter.is_for_window() {
+    ) -> Result<Progress> {
+        if self.presenter.upscale.is_none() {
             // Discard the time of the last frame, because only windows read it.
             self.painter.clock.drain();
         }
         let is_light =
             self.painter.canvas.making.as_ref().is_none_or(|making| making.product == Product::Light);
-        let progress = self.painter.resume(&scene.names(), program, scene.costs(), patience)?;
+        let progress = self.painter.resume(&scene.names(), program, &scene.costs, patience)?;
         if matches!(progress, Progress::Finished { .. }) && !is_light {
-            self.presenter.flashes.expect_another();
+            self.presenter.flashes.is_limited = false;
         }
         Ok(progress)
     }
@@ -295,7 +246,7 @@ impl Renderer {
         frame: &Frame,
         scene: &SceneResources,
         program: &Program,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.painter.draw_feedback(request, frame, scene, program)
     }
 
@@ -303,11 +254,16 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn show_feedback(&mut self, scene: &SceneResources, time: f64) -> Result<(), GpuError> {
-        self.painter.show_feedback(scene, time)
+    pub fn show_feedback(&mut self, scene: &SceneResources, time: f64) -> Result<()> {
+        let painter = &self.painter;
+        let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+        painter.post.passes.prepare();
+        feedback.show(&painter.post.passes, &painter.post.trails, time)?;
+        painter.gl.check("mixing frames of feedback")
     }
 
-    /// Draws an image of `size` pixels from a frame's blocks and the bound objects of a scene.
+    /// Draws an image of `size` pixels, or a view without a legend, from a frame's blocks and the bound objects of a
+    /// scene.
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
@@ -318,24 +274,12 @@ impl Renderer {
         picture: &Picture,
         scene: &SceneNames,
         program: &Program,
-    ) -> Result<(), GpuError> {
-        self.painter.begin_block(Product::Picture, size, block, picture)?;
+        view: Option<&ViewBlock>,
+    ) -> Result<()> {
+        view.into_iter().for_each(|view| self.painter.sampling.set_view(view));
+        let product = if view.is_some() { Product::View } else { Product::Picture };
+        self.painter.begin_block(product, size, block, picture)?;
         self.painter.resume(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
-    }
-
-    /// Draws a few paths of light from a frame's blocks and the bound objects of a scene. The image is of no use.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::draw`].
-    pub fn draw_path_block(
-        &mut self,
-        size: (u32, u32),
-        block: &FrameBlock,
-        picture: &Picture,
-        scene: &SceneNames,
-        program: &Program,
-    ) -> Result<(), GpuError> {
-        self.painter.warm_up_paths(size, block, picture, scene, program)
     }
 
     /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], then the view's legend. The
@@ -350,37 +294,19 @@ impl Renderer {
         program: &Program,
         view: &ViewBlock,
         legend: Option<&LegendPicture>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.begin_view(frame, scene, view)?;
         self.resume(scene, program, Duration::MAX)?;
         self.put_legend(legend)
-    }
-
-    /// Draws a view from a frame's block and the bound objects of a scene, without a legend.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::draw`].
-    pub fn draw_view_block(
-        &mut self,
-        size: (u32, u32),
-        block: &FrameBlock,
-        picture: &Picture,
-        scene: &SceneNames,
-        program: &Program,
-        view: &ViewBlock,
-    ) -> Result<(), GpuError> {
-        self.painter.sampling.set_view(view);
-        self.painter.begin_block(Product::View, size, block, picture)?;
-        self.painter.resume(scene, program, &Costs::default(), Duration::MAX).map(|_| ())
     }
 
     /// Draws a legend over the finished view.
     ///
     /// # Errors
     /// Fails if the driver reports an error.
-    pub fn put_legend(&mut self, legend: Option<&LegendPicture>) -> Result<(), GpuError> {
+    pub fn put_legend(&mut self, legend: Option<&LegendPicture>) -> Result<()> {
         if let (Some(targets), Some(legend)) = (&self.painter.canvas.targets, legend) {
-            targets.post.finished().put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
+            targets.post.finished.put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
         }
         self.gl.check("drawing a legend")
     }
@@ -389,14 +315,19 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn draw_reference(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        program: &Program,
-    ) -> Result<(), GpuError> {
+    pub fn draw_reference(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<()> {
         self.draw(frame, scene, program)?;
-        self.painter.draw_reference(&frame.picture, &scene.names(), program)
+        let painter = &self.painter;
+        let Some(targets) = &painter.canvas.targets else { return Ok(()) };
+        scene.names().bind(&painter.gl);
+        let sum = Target::new(&painter.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
+        sum.bind();
+        targets.media.iter().for_each(MediaTargets::bind_mean);
+        painter.sampling.draw_grid(program, REFERENCE_SIDE);
+        sum.bind_color(0, unit_of("extra_samples"));
+        painter.post.resolve_all(&targets.post)?;
+        painter.post.finish(&targets.post, &frame.picture, &targets.first, None)?;
+        painter.gl.check("drawing a reference")
     }
 
     /// Draws a small invisible image, so that the driver compiles everything for this context and the cost of pixels is
@@ -404,13 +335,13 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
-    pub fn rehearse(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        program: &Program,
-    ) -> Result<(), GpuError> {
-        self.painter.rehearse(frame, scene, program)
+    pub fn rehearse(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<()> {
+        self.painter.elsewhere(&mut Canvas::default(), |painter| {
+            // The driver may compile during this draw, so do not record its time as the scene's cost.
+            painter.draw(frame, scene, program, &Costs::default())?;
+            painter.fade = painter.exposed(None)?.map(|light| Fade { light, fraction: 0.5 });
+            painter.draw(frame, scene, program, &scene.costs)
+        })
     }
 
     /// Draws an invisible preview for `reader`. Returns `false` if too many previews are pending. A frame in progress
@@ -425,14 +356,21 @@ impl Renderer {
         scene: &SceneResources,
         program: &Program,
         reader: &mut PictureReader,
-    ) -> Result<bool, GpuError> {
-        let placing = self.presenter.placing.as_ref();
-        self.painter.sketch(&mut sketch.0, frame, scene, program, |passes, picture| {
-            let Some(placing) = placing else { return Ok(false) };
+    ) -> Result<bool> {
+        let painter = &mut self.painter;
+        let edges = std::mem::replace(&mut painter.sampling.edge_samples, EdgeSamples::Two);
+        let sent = painter.elsewhere(&mut sketch.0, |painter| {
+            painter.draw(frame, scene, program, &scene.costs)?;
+            let (Some(picture), Some(placing)) = (painter.finished(), &self.presenter.placing) else {
+                return Ok(false);
+            };
             let whole = Placement::default();
-            placing.place_in(passes, picture, reader.target(), &whole.map(), whole.part())?;
-            Ok(reader.begin())
-        })
+            placing.place_in(&painter.post.passes, picture, &reader.target, &whole.map(), whole.part())?;
+            let sent = reader.begin();
+            painter.gl.check("sending an image").map(|()| sent)
+        });
+        painter.sampling.edge_samples = edges;
+        sent
     }
 
     /// Keeps the finished image's light for fades. Returns `false` if the light is missing: for a view, or after the
@@ -440,15 +378,18 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if there is no memory for the light.
-    pub fn keep_light(&mut self) -> Result<bool, GpuError> {
-        self.painter.keep_light()
+    pub fn keep_light(&mut self) -> Result<bool> {
+        let painter = &mut self.painter;
+        let old = painter.fade.take().map(|fade| fade.light);
+        painter.fade = painter.exposed(old)?.map(|light| Fade { light, fraction: 1.0 });
+        Ok(painter.fade.is_some())
     }
 
     /// The exposed linear light of the finished image: four numbers per pixel, top row first. Empty for a view.
     ///
     /// # Errors
     /// Fails if there is no memory for the light.
-    pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
+    pub fn read_light(&self) -> Result<Vec<f32>> {
         Ok(self.painter.exposed(None)?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
     }
 
@@ -457,21 +398,44 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if there is no memory for the light.
-    pub fn add_exposure(&mut self, number: usize) -> Result<(), GpuError> {
-        self.painter.add_exposure(number)
+    pub fn add_exposure(&mut self, number: usize) -> Result<()> {
+        let painter = &mut self.painter;
+        let Some((picture, targets)) = painter.canvas.finished_light() else { return Ok(()) };
+        let size = targets.first.size();
+        let earlier = painter.mean.take().filter(|mean| number > 0 && mean.size() == size);
+        // Whole floats keep the light of still parts exactly.
+        let mean = Target::new(&painter.gl, size, &[Texel::Rgba32F], None)?;
+        painter.post.passes.prepare();
+        painter.post.bind_picture(picture, painter.sampling.edge_samples);
+        let fade = painter.fade.as_ref().map(Fade::mixed_in);
+        let earlier = earlier.as_ref().map(|mean| (mean, 1.0 / (number as f32 + 1.0)));
+        painter.post.add_exposure(&targets.post, picture, &targets.first, fade, earlier, &mean)?;
+        painter.mean = Some(mean);
+        painter.gl.check("adding an exposure")
     }
 
     /// Replaces the finished image by the mean of the exposures' light.
     ///
     /// # Errors
     /// Fails if the driver reports an error.
-    pub fn finish_exposures(&mut self) -> Result<(), GpuError> {
-        self.painter.finish_exposures()
+    pub fn finish_exposures(&mut self) -> Result<()> {
+        let painter = &mut self.painter;
+        let (Some((picture, targets)), Some(mean)) = (painter.canvas.finished_light(), painter.mean.take())
+        else {
+            return Ok(());
+        };
+        painter.post.passes.prepare();
+        painter.post.bind_picture(picture, painter.sampling.edge_samples);
+        painter.post.finish_mean(&targets.post, picture, &mean)?;
+        painter.gl.check("finishing the exposures")
     }
 
     /// Sets the fraction, 0..1, of the kept light in the following images. `None` discards the light.
     pub fn set_fade(&mut self, fraction: Option<f32>) {
-        self.painter.set_fade(fraction);
+        match (fraction, &mut self.painter.fade) {
+            (Some(fraction), Some(fade)) => fade.fraction = fraction.clamp(0.0, 1.0),
+            _ => self.painter.fade = None,
+        }
     }
 
     /// Width and height of the displayed image, in pixels.
@@ -481,7 +445,7 @@ impl Renderer {
 
     /// The brightness of the displayed image, 0..1.
     pub fn gain(&self) -> f32 {
-        self.presenter.placing.as_ref().map_or(1.0, Placing::gain)
+        self.presenter.placing.as_ref().map_or(1.0, |placing| placing.gain)
     }
 
     /// Dims the finished image to this brightness, 0..1. Call it for each image before [`Renderer::limit_flashes`],
@@ -489,8 +453,8 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if there is no memory for a copy of the image.
-    pub fn dim(&mut self, gain: f32) -> Result<(), GpuError> {
-        self.presenter.dim(self.painter.passes(), self.painter.finished(), gain)?;
+    pub fn dim(&mut self, gain: f32) -> Result<()> {
+        self.presenter.dim(&self.painter.post.passes, self.painter.finished(), gain)?;
         self.gl.check("dimming an image")
     }
 
@@ -498,7 +462,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if there is no memory for a copy of the image. Windows need no copy.
-    pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
+    pub fn limit_flashes(&mut self, seconds: f64) -> Result<()> {
         self.presenter.limit_flashes(&self.gl, self.painter.finished(), seconds)?;
         self.gl.check("limiting flashes")
     }
@@ -518,8 +482,8 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if the driver reports an error.
-    pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
-        self.presenter.show(self.painter.passes(), self.painter.finished(), window)?;
+    pub fn show(&self, window: (u32, u32)) -> Result<()> {
+        self.presenter.show(&self.painter.post.passes, self.painter.finished(), window)?;
         self.gl.check_context("showing a frame")
     }
 
@@ -528,7 +492,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if the driver reports an error, or if there is no memory for a copy with limited flashes.
-    pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<(), GpuError> {
+    pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<()> {
         self.show_in_part(window, WHOLE, map, part)
     }
 
@@ -536,15 +500,11 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::show_placed`].
-    pub fn show_in_part(
-        &mut self,
-        window: (u32, u32),
-        area: Area,
-        map: &Map,
-        part: Area,
-    ) -> Result<(), GpuError> {
-        let (passes, finished) = (self.painter.passes(), self.painter.finished());
-        self.presenter.show_in_part(passes, finished, window, area, map, part)?;
+    pub fn show_in_part(&mut self, window: (u32, u32), area: Area, map: &Map, part: Area) -> Result<()> {
+        let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
+        if let Some((placing, picture)) = self.presenter.placed(passes, finished)? {
+            placing.place(passes, picture, window, area, map, part)?;
+        }
         self.gl.check_context("showing a frame")
     }
 
@@ -553,14 +513,13 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::show_placed`].
-    pub fn send_placed(
-        &mut self,
-        reader: &mut PictureReader,
-        map: &Map,
-        part: Area,
-    ) -> Result<bool, GpuError> {
-        let finished = self.painter.finished();
-        let sent = self.presenter.send(self.painter.passes(), finished, reader, map, part)?;
+    pub fn send_placed(&mut self, reader: &mut PictureReader, map: &Map, part: Area) -> Result<bool> {
+        let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
+        let placed = self.presenter.placed(passes, finished)?;
+        if let Some((placing, picture)) = placed {
+            placing.place_in(passes, picture, &reader.target, map, part)?;
+        }
+        let sent = placed.is_some() && reader.begin();
         self.gl.check("sending an image").map(|()| sent)
     }
 

@@ -5,7 +5,7 @@
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::program::LazyProgram;
 use super::shader_source::{ShaderLibrary, Variant};
@@ -15,7 +15,7 @@ use super::target::{Target, Texel};
 pub const SAMPLERS_SHADER: &str = "samplers.frag";
 
 /// Maximum number of textures of a program, each in its own unit.
-const SLOTS: u32 = 16;
+pub(super) const SLOTS: u32 = 16;
 
 pub(super) struct Samplers {
     program: LazyProgram,
@@ -23,14 +23,14 @@ pub(super) struct Samplers {
 }
 
 impl Samplers {
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let program = LazyProgram::new(gl, library, SAMPLERS_SHADER, &Variant::default())?;
         Ok(Self { program, texel: Target::new(gl, (1, 1), &[Texel::Rgba8], None)? })
     }
 
     /// Sets the same samplers in all slots and unbinds the texture units. `target` is the target of the next draw; its
     /// content does not change. The vertices of a full-screen triangle must be bound.
-    pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<(), GpuError> {
+    pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<()> {
         (0..SLOTS).for_each(|unit| self.texel.bind_color(0, unit));
         target.bind();
         self.program.bind(gl)?;

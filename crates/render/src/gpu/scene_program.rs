@@ -13,11 +13,11 @@
 //! On llvmpipe, vectors of 128 bits are as fast as vectors of 256 bits. With 512 bits (`LP_NATIVE_VECTOR_WIDTH`), Mesa
 //! 22.3.6 aborts.
 
-use super::cell_use::CellUse;
 pub use super::error::DoesNotFit;
-use super::error::GpuError;
+use super::error::Result;
 use super::evaluations::Counting;
 use super::gl::{Gl, GlInfo};
+use super::mode::CellUse;
 pub use super::mode::Mode;
 use super::program::{Program, ProgramTexts};
 use super::shader_source::{ShaderLibrary, Variant};
@@ -104,7 +104,7 @@ impl Interpreter {
         if !plan.runs() {
             return Err(DoesNotFit::Registers);
         }
-        let needed = buffers.texels_max().max(plan.whole_texels());
+        let needed = buffers.texels_max().max(plan.whole_texels);
         let available = info.list_texels_max as usize;
         if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
     }
@@ -163,7 +163,7 @@ fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Varia
 ///
 /// # Errors
 /// Fails if the generated GLSL is invalid.
-pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
+pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant> {
     let functions = world.compiled_glsl()?;
     let mut variant = compiled_variant(&functions, world.pictures.len(), world.features, counting);
     if world.non_lipschitz {
@@ -184,7 +184,7 @@ pub fn variant_of(
     mode: Mode,
     info: &GlInfo,
     counting: Counting,
-) -> Result<Variant, GpuError> {
+) -> Result<Variant> {
     match mode {
         Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
@@ -206,7 +206,7 @@ pub fn without_cells(mut variant: Variant) -> Variant {
 ///
 /// # Errors
 /// Same errors as [`compiled_variant_of`].
-pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Variant, GpuError> {
+pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Variant> {
     let variant = compiled_variant_of(world, Counting::Off)?;
     Ok(if has_cells { variant } else { without_cells(variant) })
 }
@@ -222,7 +222,7 @@ pub fn drawing_variant_of(
     mode: Mode,
     cells: CellUse,
     info: &GlInfo,
-) -> Result<Variant, GpuError> {
+) -> Result<Variant> {
     match mode {
         Mode::Compiled => compiled_drawing_variant(world, cells.divides(world, buffers, mode)),
         Mode::Interpreted => variant_of(world, buffers, plan, mode, info, Counting::Off),
@@ -267,7 +267,7 @@ pub fn as_paths(mut variant: Variant) -> Variant {
 ///
 /// # Errors
 /// Same errors as [`link_scene`].
-pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
+pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program> {
     Program::of(gl, &path_texts(gl, library, variant)?)
 }
 
@@ -275,7 +275,7 @@ pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result
 ///
 /// # Errors
 /// Fails if a shader cannot be read.
-pub fn path_texts(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<ProgramTexts, GpuError> {
+pub fn path_texts(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<ProgramTexts> {
     Ok(ProgramTexts::assemble(library, PATH_SHADER, &as_paths(variant.clone()), gl.info())?)
 }
 
@@ -283,6 +283,6 @@ pub fn path_texts(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result
 ///
 /// # Errors
 /// Fails with the driver's log if the driver rejects the program.
-pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
+pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program> {
     Program::link(gl, library, SCENE_SHADER, variant)
 }

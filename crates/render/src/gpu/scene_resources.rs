@@ -1,19 +1,16 @@
 //! The GPU objects of a scene besides its program: textures, tapes and regions.
 
-#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
-
 use std::cell::{Cell, RefCell, RefMut};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use glow::HasContext;
 use image::RgbaImage;
 
-use super::cell_use::CellUse;
-use super::error::GpuError;
+use super::error::Result;
 use super::feedback::SceneFeedback;
 use super::gl::Gl;
+use super::mode::CellUse;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
@@ -24,7 +21,7 @@ use super::tiles::Costs;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::sound_tables;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::view::setup::Drawn;
 use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::lang::TextureRef;
@@ -45,7 +42,7 @@ pub struct SceneResources {
     plan: Arc<RegionPlan>,
     hears_tables: bool,
     texels_max: usize,
-    costs: Costs,
+    pub(super) costs: Costs,
     /// True if empty space is skipped.
     with_cells: Cell<bool>,
     shortens: Cell<bool>,
@@ -106,8 +103,8 @@ pub struct RegionMaker {
 impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
     pub fn of(plan: &RegionPlan, buffers: &TapeBuffers, frame: &Frame, options: RegionOptions) -> Self {
-        let medium = buffers.medium().map(|medium| medium.key(&frame.inputs));
-        let swarm = buffers.swarm().map(|swarm| (swarm.key(&frame.inputs), frame.swarm_view()));
+        let medium = buffers.medium.as_ref().map(|medium| medium.key(&frame.inputs));
+        let swarm = buffers.swarm.as_ref().map(|swarm| (swarm.key(&frame.inputs), frame.swarm_view()));
         Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium, swarm }
     }
 
@@ -145,10 +142,10 @@ impl RegionMaker {
         let (regions, work) = same.map_or_else(
             || {
                 let is_quick = self.last.as_ref().is_none_or(|last| last.work < QUICK_TREE);
-                let is_small = self.plan.whole_texels() < SMALL_TAPE && is_quick;
+                let is_small = self.plan.whole_texels < SMALL_TAPE && is_quick;
                 let parts = if is_small { 1 } else { processors() };
                 let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
-                let built = self.plan.build_in_parts((before, &frame.inputs), &request.options, parts, run);
+                let built = self.plan.build_in_parts(before, &frame.inputs, &request.options, parts, run);
                 (Arc::new(built), start.elapsed() * parts as u32)
             },
             |last| (last.regions.clone(), last.work),
@@ -158,7 +155,8 @@ impl RegionMaker {
             Some(last) => last.medium.clone(),
             None => self
                 .buffers
-                .medium()
+                .medium
+                .as_ref()
                 .map(|medium| Arc::new(medium.grid(&frame.inputs, request.options.center))),
         };
         let surfaces = Surfaces {
@@ -179,7 +177,8 @@ impl RegionMaker {
             Some(last) => last.swarm.clone(),
             None => self
                 .buffers
-                .swarm()
+                .swarm
+                .as_ref()
                 .zip(request.swarm.as_ref())
                 .map(|(plan, (_, view))| Arc::new(swarm::texels(plan, &frame.inputs, view, texels_max))),
         };
@@ -229,7 +228,7 @@ impl SceneResources {
         world: Arc<World>,
         buffers: Arc<TapeBuffers>,
         plan: Arc<RegionPlan>,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self> {
         Self::upload_after(None, gl, world, buffers, plan)
     }
 
@@ -243,7 +242,7 @@ impl SceneResources {
         world: Arc<World>,
         buffers: Arc<TapeBuffers>,
         plan: Arc<RegionPlan>,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self> {
         let pictures = world.pictures.iter().zip(&world.scene.textures).map(|(picture, of)| {
             let known = last.and_then(|last| {
                 last.pictures_with_textures().find(|(known, _)| Arc::ptr_eq(known, picture))
@@ -271,7 +270,7 @@ impl SceneResources {
             shortens: Cell::new(true),
             uploaded: RefCell::new(None),
             feedback: RefCell::new(feedback),
-            texels_max: LIMITS.region_texels_max.min(gl.info().list_texels_max as usize),
+            texels_max: limits::REGION_TEXELS_MAX.min(gl.info().list_texels_max as usize),
         })
     }
 
@@ -294,10 +293,6 @@ impl SceneResources {
     /// Assumes that a pixel costs several times as much as a pixel of the scene's previous version.
     pub fn expect_costs_of(&self, last: &Self) {
         self.costs.expect(&last.costs);
-    }
-
-    pub(super) fn costs(&self) -> &Costs {
-        &self.costs
     }
 
     /// The scene's tapes.
@@ -385,7 +380,7 @@ impl SceneResources {
     }
 
     /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.
-    pub(super) fn upload_inputs(&self, frame: &Frame) -> Result<(), GpuError> {
+    pub(super) fn upload_inputs(&self, frame: &Frame) -> Result<()> {
         let inputs = &frame.inputs;
         for (texture, picture) in self.pictures.iter().zip(&frame.pictures) {
             if let Some(picture) = picture {
@@ -408,7 +403,7 @@ impl SceneResources {
 
     /// The OpenGL names of the scene's objects.
     pub fn names(&self) -> SceneNames {
-        let last = self.feedback().and_then(|feedback| feedback.last().texture());
+        let last = self.feedback().and_then(|feedback| feedback.last.texture());
         let textures = self.pictures.iter().zip(&self.world.scene.textures);
         let name = |(picture, of): (&Rc<SceneTexture>, &TextureRef)| {
             last.filter(|_| of.is_last_frame()).unwrap_or_else(|| picture.texture.native())
@@ -454,14 +449,14 @@ struct SceneTexture {
 }
 
 impl SceneTexture {
-    fn upload(gl: &Gl, picture: &Arc<RgbaImage>, moves: bool) -> Result<Self, GpuError> {
+    fn upload(gl: &Gl, picture: &Arc<RgbaImage>, moves: bool) -> Result<Self> {
         let texture =
             if moves { texture::upload_moving(gl, picture)? } else { texture::upload(gl, picture)? };
         Ok(Self { gl: gl.clone(), texture, moves, shown: RefCell::new(picture.clone()) })
     }
 
     /// Replaces the picture of a moving texture.
-    fn show(&self, picture: &Arc<RgbaImage>) -> Result<(), GpuError> {
+    fn show(&self, picture: &Arc<RgbaImage>) -> Result<()> {
         let shown = &mut *self.shown.borrow_mut();
         if !self.moves || Arc::ptr_eq(shown, picture) {
             return Ok(());
@@ -486,7 +481,7 @@ pub(super) struct SceneLists {
 }
 
 impl SceneLists {
-    pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self> {
         Ok(Self {
             tape: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
@@ -556,13 +551,8 @@ pub struct SceneNames {
 
 impl SceneNames {
     pub(super) fn bind(&self, gl: &Gl) {
-        // SAFETY: for names that are invalid or belong to another scene, the driver reports an error or binds a
-        // different texture.
-        unsafe {
-            for (unit, picture) in (glow::TEXTURE0..).zip(&self.pictures) {
-                gl.active_texture(unit);
-                gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
-            }
+        for (unit, picture) in (0..).zip(&self.pictures) {
+            gl.bind_unit(unit, glow::TEXTURE_2D, Some(*picture));
         }
         let lists = [("tape", self.tape), ("regions", self.regions), ("sound_tables", self.sound_tables)];
         for (name, list) in lists {

@@ -12,7 +12,7 @@ pub use super::error::ShaderSourceError;
 use super::gl::GlInfo;
 use super::texel_list::ROW_BITS;
 use crate::flash::rules_glsl;
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_field::lang::material_glsl;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_shaders::SHADERS;
@@ -160,8 +160,11 @@ impl Assembly<'_> {
                 self.text.push_str(line);
                 self.text.push('\n');
             }
-            if self.text.len() > LIMITS.shader_bytes_max {
-                return Err(ShaderSourceError::TooLong { file: name.into(), limit: LIMITS.shader_bytes_max });
+            if self.text.len() > limits::SHADER_BYTES_MAX {
+                return Err(ShaderSourceError::TooLong {
+                    file: name.into(),
+                    limit: limits::SHADER_BYTES_MAX,
+                });
             }
         }
         Ok(())
@@ -257,7 +260,7 @@ mod tests {
             Err(ShaderSourceError::TooDeep { .. })
         ));
 
-        let long_text = "// padding\n".repeat(LIMITS.shader_bytes_max / 11 + 1);
+        let long_text = "// padding\n".repeat(limits::SHADER_BYTES_MAX / 11 + 1);
         let (_folder, long) = library(&[("long", &long_text)]);
         assert!(matches!(
             long.assemble("long", "", &Variant::default()),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::feedback;
 use super::gl::Gl;
 use super::object::Texture;
@@ -74,7 +74,7 @@ pub(super) struct StandIns {
 }
 
 impl StandIns {
-    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl) -> Result<Self> {
         let silence = sound_tables::texels(&FrameInputs::default());
         Ok(Self {
             gl: gl.clone(),
@@ -84,7 +84,7 @@ impl StandIns {
         })
     }
 
-    pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames, GpuError> {
+    pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames> {
         let mut pictures = Vec::with_capacity(shape.pictures.len());
         for stand_in in &shape.pictures {
             if stand_in.kind == Kind::LastFrame {

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use glow::HasContext;
 
 use super::api::Api;
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
 use super::object::{Buffer, Framebuffer, Renderbuffer, Texture};
 use crate::faults::{self, Fault};
@@ -61,7 +61,7 @@ impl Stencil {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another object.
-    pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
         let buffer = Renderbuffer::new(gl)?;
         // SAFETY: the renderbuffer was just created in the current context. The target checks sizes against the
         // driver's limit.
@@ -83,7 +83,7 @@ impl Target {
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if the size exceeds the driver's limit.
-    pub fn check_size(gl: &Gl, size: (u32, u32)) -> Result<(), GpuError> {
+    pub fn check_size(gl: &Gl, size: (u32, u32)) -> Result<()> {
         let limit = gl.info().texture_side_max;
         if size.0 > limit || size.1 > limit {
             return Err(GpuError::TooLarge { width: size.0, height: size.1, limit });
@@ -96,12 +96,7 @@ impl Target {
     /// # Errors
     /// [`GpuError::TooLarge`] if `size` exceeds the driver's limit, [`GpuError::Object`] if the driver rejects the
     /// combination.
-    pub fn new(
-        gl: &Gl,
-        size: (u32, u32),
-        texels: &[Texel],
-        stencil: Option<Rc<Stencil>>,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl, size: (u32, u32), texels: &[Texel], stencil: Option<Rc<Stencil>>) -> Result<Self> {
         Self::check_size(gl, size)?;
         if faults::strikes(Fault::NoTarget) {
             let reason = "no memory is left (a fault injected by a test)".to_owned();
@@ -114,17 +109,12 @@ impl Target {
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if `size` exceeds the driver's limit, [`GpuError::Object`] if the driver refuses.
-    pub fn of_window(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+    pub fn of_window(gl: &Gl, size: (u32, u32)) -> Result<Self> {
         Self::check_size(gl, size)?;
         Self::made(gl, size, &[Texel::Rgba8], None)
     }
 
-    fn made(
-        gl: &Gl,
-        size: (u32, u32),
-        texels: &[Texel],
-        stencil: Option<Rc<Stencil>>,
-    ) -> Result<Self, GpuError> {
+    fn made(gl: &Gl, size: (u32, u32), texels: &[Texel], stencil: Option<Rc<Stencil>>) -> Result<Self> {
         let framebuffer = Framebuffer::new(gl)?;
         let mut colors = Vec::with_capacity(texels.len());
         // SAFETY: all names were just created in the current context, and no data is passed.
@@ -134,21 +124,8 @@ impl Target {
             for (texel, attachment) in texels.iter().zip(glow::COLOR_ATTACHMENT0..) {
                 let texture = Texture::new(gl)?;
                 gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-                let (stored, format, kind) = texel.formats();
-                gl.tex_image_2d(
-                    glow::TEXTURE_2D,
-                    0,
-                    stored.cast_signed(),
-                    size.0.cast_signed(),
-                    size.1.cast_signed(),
-                    0,
-                    format,
-                    kind,
-                    glow::PixelUnpackData::Slice(None),
-                );
-                for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
-                    gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::NEAREST.cast_signed());
-                }
+                gl.store_level(0, texel.formats(), size, None);
+                gl.filter(glow::TEXTURE_2D, glow::NEAREST);
                 for name in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
                     gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::CLAMP_TO_EDGE.cast_signed());
                 }
@@ -171,12 +148,8 @@ impl Target {
                 );
             }
             gl.draw_buffers(&attachments);
-            let status = gl.check_framebuffer_status(glow::FRAMEBUFFER);
-            if status != glow::FRAMEBUFFER_COMPLETE {
-                let reason = format!("incomplete ({status:#06x}) with {texels:?}");
-                return Err(GpuError::Object { what: "a render target", reason });
-            }
         }
+        gl.check_framebuffer("a render target", &texels)?;
         gl.check("making a render target")?;
         Ok(Self { gl: gl.clone(), framebuffer, colors, _stencil: stencil, size })
     }
@@ -184,12 +157,8 @@ impl Target {
     /// Enables linear filtering of colour texture 0.
     pub fn smooth(self) -> Self {
         // SAFETY: `self` owns the texture, which belongs to the current context.
-        unsafe {
-            self.gl.bind_texture(glow::TEXTURE_2D, self.colors.first().map(Texture::native));
-            for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
-                self.gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::LINEAR.cast_signed());
-            }
-        }
+        unsafe { self.gl.bind_texture(glow::TEXTURE_2D, self.texture()) }
+        self.gl.filter(glow::TEXTURE_2D, glow::LINEAR);
         self
     }
 
@@ -204,20 +173,12 @@ impl Target {
 
     /// Directs the following draws to the whole target.
     pub fn bind(&self) {
-        // SAFETY: `self` owns the complete framebuffer, which belongs to the current context.
-        unsafe {
-            self.gl.bind_framebuffer(glow::FRAMEBUFFER, Some(self.framebuffer.native()));
-            self.gl.viewport(0, 0, self.size.0.cast_signed(), self.size.1.cast_signed());
-        }
+        self.gl.bind_output(Some(self.native()), self.size);
     }
 
     /// Binds colour texture `index` to texture unit `unit`.
     pub fn bind_color(&self, index: usize, unit: u32) {
-        // SAFETY: `self` owns the texture, which belongs to the current context.
-        unsafe {
-            self.gl.active_texture(glow::TEXTURE0 + unit);
-            self.gl.bind_texture(glow::TEXTURE_2D, self.colors.get(index).map(Texture::native));
-        }
+        self.gl.bind_unit(unit, glow::TEXTURE_2D, self.colors.get(index).map(Texture::native));
     }
 
     /// Fills all colours with 0.
@@ -288,18 +249,7 @@ impl Target {
         // checked above.
         unsafe {
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-            self.gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-            self.gl.tex_sub_image_2d(
-                glow::TEXTURE_2D,
-                0,
-                place.0.cast_signed(),
-                y.cast_signed(),
-                size.0.cast_signed(),
-                size.1.cast_signed(),
-                glow::RGBA,
-                glow::UNSIGNED_BYTE,
-                glow::PixelUnpackData::Slice(Some(&bytes)),
-            );
+            self.gl.replace_area(Texel::Rgba8.formats(), [place.0, y, size.0, size.1], &bytes);
         }
     }
 

@@ -10,7 +10,7 @@ use std::cell::Cell;
 use glow::HasContext;
 
 use super::api::Api;
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::{Buffer, Texture};
 
@@ -53,7 +53,7 @@ enum Storage {
 }
 
 impl TexelList {
-    pub(super) fn new(gl: &Gl, texel: ListTexel, bytes: &[u8]) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, texel: ListTexel, bytes: &[u8]) -> Result<Self> {
         let texture = Texture::new(gl)?;
         let target = target_of(gl.info().api);
         // SAFETY: binds a texture that was just created in the current context.
@@ -69,10 +69,7 @@ impl TexelList {
                 Storage::Buffer(buffer)
             }
             Api::Embedded => {
-                for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
-                    // SAFETY: sets a parameter of the texture that is bound.
-                    unsafe { gl.tex_parameter_i32(target, name, glow::NEAREST.cast_signed()) }
-                }
+                gl.filter(target, glow::NEAREST);
                 Storage::Rows(Cell::new(0))
             }
         };
@@ -109,28 +106,25 @@ impl TexelList {
     }
 
     fn replace_rows(&self, rows: &Cell<usize>, bytes: &[u8]) {
-        let (gl, target) = (&self.gl, glow::TEXTURE_2D);
+        let gl = &self.gl;
         let (stored, format, kind, texel_bytes) = self.texel.formats();
         let row_bytes = texel_bytes << ROW_BITS;
         // SAFETY: `self` owns the texture, which belongs to the current context. Each slice has exactly the bytes of
         // its area, and the texture has the rows of all areas.
         unsafe {
-            gl.bind_texture(target, Some(self.texture.native()));
-            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            gl.bind_texture(glow::TEXTURE_2D, Some(self.texture.native()));
             let needed = rows_for(bytes.len().div_ceil(row_bytes));
             if needed > rows.get() {
-                let nothing = glow::PixelUnpackData::Slice(None);
-                let (width, height) = (1 << ROW_BITS, needed as i32);
-                gl.tex_image_2d(target, 0, stored.cast_signed(), width, height, 0, format, kind, nothing);
+                gl.store_level(0, (stored, format, kind), (1 << ROW_BITS, needed as u32), None);
                 rows.set(needed);
             }
             let (whole, rest) = bytes.split_at(bytes.len() - bytes.len() % row_bytes);
-            let height = (whole.len() / row_bytes) as i32;
-            let areas =
-                [(0, 1 << ROW_BITS, height, whole), (height, (rest.len() / texel_bytes) as i32, 1, rest)];
-            for (y, width, height, bytes) in areas.into_iter().filter(|(.., bytes)| !bytes.is_empty()) {
-                let texels = glow::PixelUnpackData::Slice(Some(bytes));
-                gl.tex_sub_image_2d(target, 0, 0, y, width, height, format, kind, texels);
+            let height = (whole.len() / row_bytes) as u32;
+            let of_rest = [0, height, (rest.len() / texel_bytes) as u32, 1];
+            for (area, bytes) in [([0, 0, 1 << ROW_BITS, height], whole), (of_rest, rest)] {
+                if !bytes.is_empty() {
+                    gl.replace_area((stored, format, kind), area, bytes);
+                }
             }
         }
     }
@@ -143,11 +137,7 @@ pub(super) fn texels_in_rows(side_max: u32) -> u32 {
 
 /// Binds a list's texture to a texture unit.
 pub(super) fn bind(gl: &Gl, unit: u32, list: glow::NativeTexture) {
-    // SAFETY: for a name that is invalid, the driver reports an error.
-    unsafe {
-        gl.active_texture(glow::TEXTURE0 + unit);
-        gl.bind_texture(target_of(gl.info().api), Some(list));
-    }
+    gl.bind_unit(unit, target_of(gl.info().api), Some(list));
 }
 
 fn target_of(api: Api) -> u32 {

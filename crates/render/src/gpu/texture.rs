@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use glow::HasContext;
 use image::RgbaImage;
 
-use super::error::GpuError;
+use super::error::{GpuError, Result};
 use super::gl::Gl;
 use super::object::Texture;
 use crate::srgb;
@@ -120,7 +120,7 @@ const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 /// # Errors
 /// [`GpuError::TooLarge`] if the image exceeds the driver's texture size; [`GpuError::Object`] if the driver cannot
 /// create another object.
-pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
+pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture> {
     let levels = if gl.info().software { Levels::Computed } else { Levels::Generated };
     upload_as(gl, picture, levels)
 }
@@ -129,7 +129,7 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
 ///
 /// # Errors
 /// Fails like [`upload`].
-pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
+pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture> {
     upload_as(gl, picture, levels_of_moving(gl))
 }
 
@@ -137,7 +137,7 @@ pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> 
 ///
 /// # Errors
 /// Fails like [`upload`].
-pub fn replace(gl: &Gl, texture: &Texture, picture: &RgbaImage, same_size: bool) -> Result<(), GpuError> {
+pub fn replace(gl: &Gl, texture: &Texture, picture: &RgbaImage, same_size: bool) -> Result<()> {
     check_size(gl, picture)?;
     // SAFETY: the texture exists in the current context.
     unsafe { gl.bind_texture(glow::TEXTURE_2D, Some(texture.native())) };
@@ -160,7 +160,7 @@ fn levels_of_moving(gl: &Gl) -> Levels {
     if gl.info().software { Levels::Missing } else { Levels::Generated }
 }
 
-fn check_size(gl: &Gl, picture: &RgbaImage) -> Result<(), GpuError> {
+fn check_size(gl: &Gl, picture: &RgbaImage) -> Result<()> {
     let ((width, height), limit) = (picture.dimensions(), gl.info().texture_side_max);
     if width > limit || height > limit {
         return Err(GpuError::TooLarge { width, height, limit });
@@ -173,31 +173,29 @@ fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
     let has_floats = levels == Levels::Computed;
     let texels =
         if has_floats { Cow::Owned(linear_texels(picture)) } else { Cow::Borrowed(picture.as_raw()) };
-    let (format, kind) = if has_floats {
-        (glow::RGBA16F, glow::HALF_FLOAT)
+    let texel = if has_floats {
+        (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT)
     } else {
-        (glow::SRGB8_ALPHA8, glow::UNSIGNED_BYTE)
+        (glow::SRGB8_ALPHA8, glow::RGBA, glow::UNSIGNED_BYTE)
     };
-    let (width, height) = (picture.width().cast_signed(), picture.height().cast_signed());
-    let (target, pixels) = (glow::TEXTURE_2D, glow::PixelUnpackData::Slice(Some(texels.as_slice())));
+    let (width, height) = picture.dimensions();
     // SAFETY: the caller has bound a texture in the current context, and `texels` holds width * height RGBA texels of
     // `kind`.
     unsafe {
-        gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
         if same_size {
-            gl.tex_sub_image_2d(target, 0, 0, 0, width, height, glow::RGBA, kind, pixels);
+            gl.replace_area(texel, [0, 0, width, height], &texels);
         } else {
-            gl.tex_image_2d(target, 0, format.cast_signed(), width, height, 0, glow::RGBA, kind, pixels);
+            gl.store_level(0, texel, (width, height), Some(&texels));
         }
         match levels {
-            Levels::Generated => gl.generate_mipmap(target),
+            Levels::Generated => gl.generate_mipmap(glow::TEXTURE_2D),
             Levels::Computed => upload_levels(gl, picture),
             Levels::Missing => {}
         }
     }
 }
 
-fn upload_as(gl: &Gl, picture: &RgbaImage, levels: Levels) -> Result<Texture, GpuError> {
+fn upload_as(gl: &Gl, picture: &RgbaImage, levels: Levels) -> Result<Texture> {
     check_size(gl, picture)?;
     let texture = Texture::new(gl)?;
     let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
@@ -231,21 +229,9 @@ fn upload_as(gl: &Gl, picture: &RgbaImage, levels: Levels) -> Result<Texture, Gp
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {
-        let (width, height) = level.size;
-        // SAFETY: the caller has bound the texture, and the slice holds width * height RGBA texels.
-        unsafe {
-            gl.tex_image_2d(
-                glow::TEXTURE_2D,
-                number,
-                glow::RGBA16F.cast_signed(),
-                width.cast_signed(),
-                height.cast_signed(),
-                0,
-                glow::RGBA,
-                glow::HALF_FLOAT,
-                glow::PixelUnpackData::Slice(Some(&level.halves())),
-            );
-        }
+        let texel = (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT);
+        // SAFETY: the caller has bound the texture, and the slice holds all RGBA texels of the level.
+        unsafe { gl.store_level(number, texel, level.size, Some(&level.halves())) }
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use glow::HasContext;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::object::Query;
 
@@ -23,7 +23,7 @@ impl GpuTimer {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another query.
-    pub fn new(gl: &Gl) -> Result<Self, GpuError> {
+    pub fn new(gl: &Gl) -> Result<Self> {
         Ok(Self { gl: gl.clone(), query: Query::new(gl)? })
     }
 
@@ -51,7 +51,7 @@ pub(super) struct FrameTimer {
 }
 
 impl FrameTimer {
-    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl) -> Result<Self> {
         let free = (0..TIMES_ON_THEIR_WAY).map(|_| Query::new(gl)).collect::<Result<_, _>>()?;
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
     }
@@ -98,11 +98,11 @@ impl FrameTimer {
 #[derive(Default)]
 pub(super) struct PictureClock {
     timer: Option<FrameTimer>,
-    cost: Option<Duration>,
+    pub(super) cost: Option<Duration>,
 }
 
 impl PictureClock {
-    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl) -> Result<Self> {
         Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
     }
 
@@ -118,9 +118,5 @@ impl PictureClock {
         let time = self.timer.as_mut()?.drain();
         self.cost = time.or(self.cost);
         time
-    }
-
-    pub(super) fn drain_cost(&mut self) -> Option<Duration> {
-        self.cost.take()
     }
 }

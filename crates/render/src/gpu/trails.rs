@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::error::GpuError;
+use super::error::Result;
 use super::gl::Gl;
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
@@ -14,7 +14,9 @@ use mariana_field::limits::LAST_LIGHT_MAX;
 use mariana_field::world::{Feedback, WARP_CELLS};
 
 pub(super) struct Trails {
+    /// Adds trails to an image.
     pub(super) add: LazyProgram,
+    /// Adds trails to a last frame.
     pub(super) keep: LazyProgram,
     pub(super) mix: LazyProgram,
 }
@@ -27,38 +29,22 @@ pub(super) struct TrailSource {
 }
 
 impl TrailSource {
-    fn bind(&self, gl: &Gl, light: &Target) {
+    /// Adds trails to `light` with one of the programs of [`Trails`].
+    pub(super) fn draw(
+        &self,
+        passes: &Passes,
+        program: &LazyProgram,
+        light: &Target,
+        output: &Target,
+    ) -> Result<()> {
         light.bind_color(0, unit_of("picture"));
         self.last.bind_color(0, unit_of("last_frame"));
-        texel_list::bind(gl, unit_of("warp_grid"), self.grid.texture());
+        texel_list::bind(&passes.gl, unit_of("warp_grid"), self.grid.texture());
+        passes.draw(program, output)
     }
 }
 
 impl Trails {
-    /// Adds trails to `light`.
-    pub(super) fn add(
-        &self,
-        passes: &Passes,
-        light: &Target,
-        source: &TrailSource,
-        output: &Target,
-    ) -> Result<(), GpuError> {
-        source.bind(&passes.gl, light);
-        passes.draw(&self.add, output)
-    }
-
-    /// Adds trails to `light`, as a last frame.
-    pub(super) fn keep(
-        &self,
-        passes: &Passes,
-        light: &Target,
-        source: &TrailSource,
-        output: &Target,
-    ) -> Result<(), GpuError> {
-        source.bind(&passes.gl, light);
-        passes.draw(&self.keep, output)
-    }
-
     /// Mixes two last frames; `fraction` is the weight of the second one, 0..1.
     pub(super) fn mix(
         &self,
@@ -67,7 +53,7 @@ impl Trails {
         second: &Target,
         fraction: f32,
         output: &Target,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         first.bind_color(0, unit_of("picture"));
         second.bind_color(0, unit_of("last_frame"));
         passes.draw_with(&self.mix, output, [fraction, 0.0])
@@ -75,7 +61,7 @@ impl Trails {
 }
 
 /// Creates the list that [`fill_grid`] fills.
-pub(super) fn empty_grid(gl: &Gl) -> Result<TexelList, GpuError> {
+pub(super) fn empty_grid(gl: &Gl) -> Result<TexelList> {
     TexelList::new(gl, ListTexel::Rgba32F, &[0; 16])
 }
 

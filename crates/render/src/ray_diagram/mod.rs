@@ -4,8 +4,6 @@
 //! A diagram is a list of [`Mark`]s. The overlay of a window paints them, and [`RayDiagram::draw_over`] draws them over
 //! a finished image.
 
-mod contour;
-mod drawing;
 mod section;
 
 use glam::{DVec3, Vec2, vec2};

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec2, vec2};
 
-use super::contour::contour;
-use super::{FRAME, GROUND, Group, Ink, LEVEL, Mark, SURFACE, TEXT};
+use super::{FRAME, GROUND, Group, Ink, LEVEL, Mark, RayDiagram, SURFACE, TEXT};
+use crate::view::letters::Letters;
 
 /// Number of samples along the longer side of a contour's grid.
 const SAMPLES: usize = 72;
@@ -135,5 +135,149 @@ impl Section {
         }
         self.marks.sort_by_key(|mark| matches!(mark, Mark::Text { .. }));
         Group { clip: self.place, marks: self.marks }
+    }
+}
+
+// Lines of equal value in a grid of samples (marching squares, Lorensen and Cline 1987 in two dimensions).
+
+/// Returns the line segments on which the values equal `level`. The samples are at whole coordinates, row by row. Cells
+/// with a value that is not finite have no line.
+pub(super) fn contour(values: &[f32], columns: usize, level: f32) -> Vec<[Vec2; 2]> {
+    let mut lines = Vec::new();
+    for (row, two) in values.chunks_exact(columns.max(1)).collect::<Vec<_>>().windows(2).enumerate() {
+        let [upper, lower] = two else { continue };
+        for (column, (upper, lower)) in upper.windows(2).zip(lower.windows(2)).enumerate() {
+            let ([a, b], [d, c]) = (upper, lower) else { continue };
+            let corners = [a, b, c, d].map(|value| value - level);
+            if corners.iter().all(|value| value.is_finite()) {
+                let low = vec2(column as f32, row as f32);
+                let crossings = crossings(corners);
+                lines.extend(crossings.chunks_exact(2).map(|pair| [low + pair[0], low + pair[1]]));
+            }
+        }
+    }
+    lines
+}
+
+/// Returns the points at which the border of a cell crosses 0, clockwise.
+fn crossings(corners: [f32; 4]) -> Vec<Vec2> {
+    let places = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
+    let mut found = Vec::new();
+    for side in 0..4 {
+        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        if (from > 0.0) != (to > 0.0) {
+            found.push(places[side].lerp(places[(side + 1) % 4], from / (from - to)));
+        }
+    }
+    found
+}
+
+// Draws a diagram over an image on the CPU.
+
+impl RayDiagram {
+    /// Draws the diagram over an image of RGBA bytes, top row first, that has the diagram's size.
+    pub fn draw_over(&self, rgba: &mut [u8]) {
+        let mut letters = Letters::new();
+        let width = self.size.x as usize;
+        for group in &self.groups {
+            let mut canvas = Canvas { rgba, width, size: self.size, group };
+            for mark in &group.marks {
+                canvas.draw(mark, &mut letters);
+            }
+        }
+    }
+}
+
+struct Canvas<'a> {
+    rgba: &'a mut [u8],
+    width: usize,
+    size: Vec2,
+    group: &'a Group,
+}
+
+impl Canvas<'_> {
+    fn draw(&mut self, mark: &Mark, letters: &mut Letters) {
+        match mark {
+            Mark::Line { from, to, width, ink } => {
+                let (reach, way) = (0.5 * width, *to - *from);
+                let square = way.length_squared().max(1e-9);
+                self.fill(from.min(*to) - reach, from.max(*to) + reach, *ink, |at| {
+                    let along = ((at - *from).dot(way) / square).clamp(0.0, 1.0);
+                    reach - at.distance(*from + along * way)
+                });
+            }
+            Mark::Circle { center, radius, width, ink } => {
+                let reach = 0.5 * width;
+                let around = Vec2::splat(radius + reach);
+                self.fill(*center - around, *center + around, *ink, |at| {
+                    reach - (at.distance(*center) - radius).abs()
+                });
+            }
+            Mark::Disc { center, radius, ink } => {
+                let around = Vec2::splat(*radius);
+                self.fill(*center - around, *center + around, *ink, |at| radius - at.distance(*center));
+            }
+            Mark::Ground { low, high, ink } => self.fill(*low, *high, *ink, |_| 1.0),
+            Mark::Text { at, size, words, ink } => {
+                let line = letters.line(words, *size);
+                let corner = at.round();
+                for (index, cover) in line.cover.iter().enumerate().filter(|(_, cover)| **cover > 0) {
+                    let place = vec2((index % line.size.0) as f32, (index / line.size.0) as f32);
+                    self.put(corner + place, *ink, f32::from(*cover) / 255.0);
+                }
+            }
+        }
+    }
+
+    /// Fills the pixels in a rectangle. `inside` returns how far a point is inside the shape, in pixels.
+    fn fill(&mut self, low: Vec2, high: Vec2, ink: Ink, inside: impl Fn(Vec2) -> f32) {
+        if !(low.is_finite() && high.is_finite()) {
+            return;
+        }
+        let [clip_low, clip_high] = self.group.clip;
+        let low = (low - 1.0).max(clip_low).max(Vec2::ZERO).floor();
+        let high = (high + 1.0).min(clip_high).min(self.size).ceil();
+        for y in low.y as usize..(high.y.max(low.y) as usize) {
+            for x in low.x as usize..(high.x.max(low.x) as usize) {
+                let at = vec2(x as f32, y as f32);
+                let cover = (inside(at + 0.5) + 0.5).clamp(0.0, 1.0);
+                if cover > 0.0 {
+                    self.put(at, ink, cover);
+                }
+            }
+        }
+    }
+
+    fn put(&mut self, at: Vec2, [red, green, blue, opacity]: Ink, cover: f32) {
+        let [low, high] = self.group.clip;
+        let is_inside = at.cmpge(low.max(Vec2::ZERO)).all() && at.cmplt(high.min(self.size)).all();
+        let place = 4 * (at.y as usize * self.width + at.x as usize);
+        let Some(pixel) = self.rgba.get_mut(place..place + 4).filter(|_| is_inside) else { return };
+        let fraction = cover * f32::from(opacity) / 255.0;
+        for (to, from) in pixel.iter_mut().zip([red, green, blue, 255]) {
+            *to = (f32::from(*to) + (f32::from(from) - f32::from(*to)) * fraction).round() as u8;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_contour_of_a_disc_is_a_circle() {
+        let side = 21;
+        let values: Vec<f32> = (0..side * side)
+            .map(|index| vec2((index % side) as f32, (index / side) as f32).distance(Vec2::splat(10.0)) - 6.0)
+            .collect();
+        for level in [0.0, 2.0] {
+            let lines = contour(&values, side, level);
+            assert!(lines.len() > 20);
+            for end in lines.iter().flatten() {
+                assert!((end.distance(Vec2::splat(10.0)) - 6.0 - level).abs() < 0.1, "{end}");
+            }
+        }
+        assert!(contour(&[1.0, f32::NAN, -1.0, -1.0], 2, 0.0).is_empty());
+        assert!(contour(&[], 0, 0.0).is_empty());
     }
 }

@@ -24,11 +24,8 @@ const LEAST: f32 = 1.0 / 512.0;
 /// Returns the distances to the covered pixels at the points of a grid of `columns` by `rows`, negative inside. The
 /// coverage has [`FINER`] pixels per point along each side. No bilinear patch has a slope above 1. `None` if the grid
 /// is unusable.
-pub(super) fn grid(
-    coverage: &Coverage,
-    (columns, rows): (usize, usize),
-    points_per_unit: f32,
-) -> Option<ShapeGrid> {
+pub(super) fn grid(coverage: &Coverage, size: (usize, usize), points_per_unit: f32) -> Option<ShapeGrid> {
+    let (columns, rows) = size;
     if coverage.values.iter().all(|value| *value < 0.5) {
         return Some(ShapeGrid::empty(columns, rows, points_per_unit));
     }
@@ -182,7 +179,7 @@ mod tests {
     fn distances(path: &BezPath, (columns, rows): (usize, usize), per_unit: f32) -> ShapeGrid {
         let pixels = Affine::scale(FINER as f64) * path;
         let size = (FINER * columns, FINER * rows);
-        let coverage = Coverage::of(&pixels, Filling::Turning, size, &mut Steps(1 << 20)).unwrap();
+        let coverage = Coverage::of(&pixels, Filling::Turning, size.0, size.1, &mut Steps(1 << 20)).unwrap();
         grid(&coverage, (columns, rows), per_unit).unwrap()
     }
 
@@ -190,7 +187,7 @@ mod tests {
         let (columns, _) = found.size();
         for (at, value) in found.values().iter().enumerate() {
             let (x, y) = ((at % columns) as f64 + 0.5, (at / columns) as f64 + 0.5);
-            let wanted = off(x, y) / f64::from(found.points_per_unit());
+            let wanted = off(x, y) / f64::from(found.points_per_unit);
             // The steepest patch makes all values smaller.
             assert!(
                 (f64::from(*value) - wanted).abs() < error + 0.15 * wanted.abs(),

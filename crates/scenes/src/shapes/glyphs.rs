@@ -16,7 +16,7 @@ use skrifa::raw::types::Fixed;
 use skrifa::raw::{ReadError, TableProvider as _};
 use skrifa::{FontRef, GlyphId};
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Formats of outlines that are read. Glyphs made of variable parts (`VARC`) are drawn by one of the others.
 const FORMATS: [OutlineGlyphFormat; 3] =
@@ -32,7 +32,7 @@ pub(super) fn is_affordable(face: &FontRef<'_>, glyph: GlyphId) -> bool {
     let format = outlines(face).and_then(|outlines| outlines.format());
     match format {
         Some(OutlineGlyphFormat::Glyf) => {
-            let (tables, mut left) = (face.loca(None).ok().zip(face.glyf().ok()), LIMITS.glyph_parts_max);
+            let (tables, mut left) = (face.loca(None).ok().zip(face.glyf().ok()), limits::GLYPH_PARTS_MAX);
             tables.is_some_and(|tables| has_few_parts(&tables, glyph, &mut left))
         }
         Some(OutlineGlyphFormat::Cff) => face.cff().is_ok_and(|cff| {
@@ -69,7 +69,7 @@ fn has_few_calls(font: &CffFontRef<'_>, top: &[u8], is_cff2: bool, glyph: GlyphI
         .unwrap_or((Index::Empty, 0));
     let calls = Calls {
         programs: (font.data(), font.charstrings(), font.global_subrs(), &local),
-        left: Cell::new(LIMITS.glyph_program_bytes_max.saturating_sub(program.len())),
+        left: Cell::new(limits::GLYPH_PROGRAM_BYTES_MAX.saturating_sub(program.len())),
     };
     // skrifa also refuses a program with an error.
     cs::evaluate(&calls, blend(font, variation), program, &mut Nothing).is_ok() && calls.left.get() > 0

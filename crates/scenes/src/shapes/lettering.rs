@@ -17,7 +17,7 @@ use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use super::glyphs::{is_affordable, outlines};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// The program's own fonts. The first one draws texts without a font.
 const OWN: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
@@ -158,7 +158,7 @@ impl Line {
             let reach = |rect: Rect| {
                 [rect.x0, rect.y0, rect.x1, rect.y1].into_iter().all(|end| (end * scale).abs() <= REACH_MAX)
             };
-            let room = self.path.elements().len() + pen.0.elements().len() <= LIMITS.text_parts_max;
+            let room = self.path.elements().len() + pen.0.elements().len() <= limits::TEXT_PARTS_MAX;
             if drawn && room && (pen.0.is_empty() || reach(pen.0.control_box())) {
                 self.path.extend(Affine::translate(at) * (Affine::scale(scale) * pen.0));
             }

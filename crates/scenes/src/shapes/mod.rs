@@ -29,7 +29,7 @@ use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, TextBa
 use mariana_render::system_fonts::SystemFonts;
 
 use super::folder::Refusal;
-use crate::limits::LIMITS;
+use crate::limits;
 use distance::FINER;
 use lettering::{Font, Fonts, LINE};
 use outline::{Coverage, Filling, Steps, TooMuchWork};
@@ -191,7 +191,7 @@ impl Kept {
             (None, ShapeSource::Text { text, .. }, Some(font), _) => {
                 text_grid(text, &font).map_err(refused)?
             }
-            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(source, (name, span), &bytes)?,
+            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(source, name, span, &bytes)?,
             _ => no_words(),
         };
         self.grids.insert(key, grid.clone());
@@ -320,21 +320,17 @@ fn text_grid(text: &str, font: &Arc<Font>) -> Result<ShapeGrid, Refused> {
 }
 
 /// Returns the coverage of a path whose origin is the middle of a grid and whose y points up.
-fn covered(
-    path: &kurbo::BezPath,
-    per_unit: f64,
-    (columns, rows): (usize, usize),
-) -> Result<Coverage, TooMuchWork> {
-    let (width, height) = (FINER * columns, FINER * rows);
+fn covered(path: &kurbo::BezPath, per_unit: f64, size: (usize, usize)) -> Result<Coverage, TooMuchWork> {
+    let (width, height) = (FINER * size.0, FINER * size.1);
     let middle = Affine::translate((0.5 * width as f64, 0.5 * height as f64));
     let pixels = middle * Affine::scale(per_unit * FINER as f64) * path;
-    Coverage::of(&pixels, Filling::Turning, (width, height), &mut Steps(LIMITS.layers_max * width * height))
+    Coverage::of(&pixels, Filling::Turning, width, height, &mut Steps(limits::LAYERS_MAX * width * height))
 }
 
 /// Bakes a text of the song, broken into lines that fit. Letters that no font has are left out.
 fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
     let (columns, rows) = SONG_GRID;
-    let text: String = text.chars().take(LIMITS.song_letters_max).collect();
+    let text: String = text.chars().take(limits::SONG_LETTERS_MAX).collect();
     let text = text.replace(char::is_control, " ");
     let bake = || {
         let fonts = system_fonts(|system| Fonts::for_text(font, &text, system));
@@ -390,7 +386,8 @@ fn broken(text: &str, count: usize) -> Vec<&str> {
 
 fn image_grid(
     source: &dyn ShapeFiles,
-    (name, span): (&str, Span),
+    name: &str,
+    span: Span,
     bytes: &[u8],
 ) -> Result<ShapeGrid, Box<Diagnostic>> {
     let unusable = || {
@@ -451,7 +448,7 @@ fn within(mut coverage: Coverage, view: Rect) -> Coverage {
 
 /// Returns the opacity of a picture if it is transparent anywhere, else its brightness, in the middle of the fine pixels
 /// of a grid.
-fn coverage_of(picture: &RgbaImage, (columns, rows): (usize, usize), per_unit: f64) -> Coverage {
+fn coverage_of(picture: &RgbaImage, size: (usize, usize), per_unit: f64) -> Coverage {
     let is_opaque = picture.pixels().all(|pixel| pixel.0[3] == 255);
     let solid = |pixel: [u8; 4]| {
         let [red, green, blue, alpha] = pixel.map(|channel| f32::from(channel) / 255.0);
@@ -460,7 +457,7 @@ fn coverage_of(picture: &RgbaImage, (columns, rows): (usize, usize), per_unit: f
     let plane: Vec<f32> = picture.pixels().map(|pixel| solid(pixel.0)).collect();
     let (across, down) = (picture.width() as usize, picture.height() as usize);
     let at = |x: usize, y: usize| plane.get(y * across + x).copied().unwrap_or_default();
-    let (width, height) = (FINER * columns, FINER * rows);
+    let (width, height) = (FINER * size.0, FINER * size.1);
     let pixels_per_pixel = f64::from(picture.height()) / (per_unit * FINER as f64);
     // An edge between two pixels of a small picture is as sharp as one between two fine pixels.
     let contrast = (1.0 / pixels_per_pixel).max(1.0) as f32;
@@ -470,7 +467,7 @@ fn coverage_of(picture: &RgbaImage, (columns, rows): (usize, usize), per_unit: f
         let y = 0.5 * down as f64 - (row as f64 + 0.5 - 0.5 * height as f64) * pixels_per_pixel;
         for (column, value) in line.iter_mut().enumerate() {
             let x = 0.5 * across as f64 + (column as f64 + 0.5 - 0.5 * width as f64) * pixels_per_pixel;
-            let mean = mean(&at, (x, y), pixels_per_pixel, (across, down));
+            let mean = mean(&at, x, y, pixels_per_pixel, across, down);
             *value = (0.5 + (mean - 0.5) * contrast).clamp(0.0, 1.0);
         }
     }
@@ -478,12 +475,7 @@ fn coverage_of(picture: &RgbaImage, (columns, rows): (usize, usize), per_unit: f
 }
 
 /// Returns the mean of a square of pixels around a place, of at least one pixel; 0 outside of the picture.
-fn mean(
-    at: &impl Fn(usize, usize) -> f32,
-    (x, y): (f64, f64),
-    side: f64,
-    (width, height): (usize, usize),
-) -> f32 {
+fn mean(at: &impl Fn(usize, usize) -> f32, x: f64, y: f64, side: f64, width: usize, height: usize) -> f32 {
     let half = 0.5 * side.max(1.0);
     let range = |middle: f64, count: usize| {
         let (low, high) = (middle - half, middle + half);

@@ -55,7 +55,8 @@ impl Coverage {
     pub(super) fn of(
         path: &BezPath,
         filling: Filling,
-        (width, height): (usize, usize),
+        width: usize,
+        height: usize,
         steps: &mut Steps,
     ) -> Result<Self, TooMuchWork> {
         steps.spend(width * height)?;
@@ -122,7 +123,7 @@ impl Part {
         let (columns, rows) = (side(bounds.x0, bounds.x1, size.0), side(bounds.y0, bounds.y1, size.1));
         let (Some((left, right)), Some((top, bottom))) = (columns, rows) else { return Ok(None) };
         let moved = Affine::translate((-(left as f64), -(top as f64))) * path;
-        let coverage = Coverage::of(&moved, filling, (right - left, bottom - top), steps)?;
+        let coverage = Coverage::of(&moved, filling, right - left, bottom - top, steps)?;
         Ok(Some(Self { left, top, coverage }))
     }
 }
@@ -178,13 +179,13 @@ impl<'s> Edges<'s> {
         let x_at = |y: f64| (x0 + (y - y0) * slope).clamp(x0.min(x1), x0.max(x1));
         for row in top as usize..(bottom.ceil() as usize).min(self.height) {
             let (upper, lower) = (top.max(row as f64), bottom.min((row + 1) as f64));
-            self.add_in_row(row, (x_at(upper), x_at(lower)), sign * (lower - upper));
+            self.add_in_row(row, x_at(upper), x_at(lower), sign * (lower - upper));
         }
         Ok(())
     }
 
     /// Adds an edge within a row, which falls by `fall` pixels between its ends.
-    fn add_in_row(&mut self, row: usize, (x0, x1): (f64, f64), fall: f64) {
+    fn add_in_row(&mut self, row: usize, x0: f64, x1: f64, fall: f64) {
         let right = self.width as f64;
         let (left_end, right_end) = (x0.min(x1), x0.max(x1));
         let per_x = if right_end > left_end { fall / (right_end - left_end) } else { 0.0 };
@@ -248,7 +249,7 @@ mod tests {
     }
 
     fn covered(path: &BezPath, filling: Filling, size: (usize, usize)) -> Coverage {
-        Coverage::of(path, filling, size, &mut Steps(1_000)).unwrap()
+        Coverage::of(path, filling, size.0, size.1, &mut Steps(1_000)).unwrap()
     }
 
     fn area(text: &str, filling: Filling) -> f32 {

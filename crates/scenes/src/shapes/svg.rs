@@ -12,7 +12,7 @@ use kurbo::{
 
 use super::outline::{Coverage, Filling, Part, Steps, TooMuchWork};
 use super::xml::{Element, Tree, too_deep};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Largest deviation of a stroke's outline, relative to the size of the drawing.
 const STROKE_PRECISION: f64 = 1e-4;
@@ -34,6 +34,8 @@ struct Painted {
 /// Why an SVG cannot be drawn: a sentence, and true if it exceeds a limit.
 pub(super) type Refused = (String, bool);
 
+pub(super) type Result<T, E = Refused> = std::result::Result<T, E>;
+
 /// True if the bytes look like an SVG.
 pub(super) fn is_svg(name: &str, bytes: &[u8]) -> bool {
     let start = String::from_utf8_lossy(bytes.get(..512).unwrap_or(bytes));
@@ -45,7 +47,7 @@ impl Drawing {
     ///
     /// # Errors
     /// Fails with a reason if the text is no SVG, exceeds a limit, or paints nothing.
-    pub(super) fn of(bytes: &[u8]) -> Result<Self, Refused> {
+    pub(super) fn of(bytes: &[u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes)
             .map_err(|error| (format!("byte {} is not UTF-8", error.valid_up_to()), false))?;
         let tree = Tree::of(text.trim_start_matches('\u{feff}'))?;
@@ -74,8 +76,8 @@ impl Drawing {
                 .collect(),
             rules: Rules::of(&tree),
             shapes: Vec::new(),
-            parts_left: LIMITS.drawing_shapes_max.1,
-            visits_left: LIMITS.drawing_visits_max,
+            parts_left: limits::DRAWING_SHAPES_MAX.1,
+            visits_left: limits::DRAWING_VISITS_MAX,
             scale: view.map_or(100.0, |view| view.width().max(view.height())),
             has_text: false,
         };
@@ -95,10 +97,10 @@ impl Drawing {
     ///
     /// # Errors
     /// Fails with a reason if the drawing covers the picture too many times.
-    pub(super) fn coverage(&self, place: Affine, width: usize, height: usize) -> Result<Coverage, Refused> {
+    pub(super) fn coverage(&self, place: Affine, width: usize, height: usize) -> Result<Coverage> {
         let mut opacity = Coverage::none(width, height);
         let mut brightness = Coverage::none(width, height);
-        let layers = LIMITS.layers_max;
+        let layers = limits::LAYERS_MAX;
         let mut steps = Steps(layers * width * height);
         for shape in &self.shapes {
             let path = place * shape.path.clone();
@@ -152,26 +154,14 @@ impl Default for Style {
 }
 
 impl<'d> Reader<'d> {
-    fn children(
-        &mut self,
-        of: &'d Element,
-        style: &Style,
-        place: Affine,
-        depth: usize,
-    ) -> Result<(), Refused> {
+    fn children(&mut self, of: &'d Element, style: &Style, place: Affine, depth: usize) -> Result<()> {
         let tree = self.tree;
         let mut children = of.children.iter().filter_map(|child| tree.elements.get(*child));
         children.try_for_each(|child| self.element(child, style, place, depth))
     }
 
-    fn element(
-        &mut self,
-        element: &'d Element,
-        style: &Style,
-        place: Affine,
-        depth: usize,
-    ) -> Result<(), Refused> {
-        if depth > LIMITS.drawing_nesting_max {
+    fn element(&mut self, element: &'d Element, style: &Style, place: Affine, depth: usize) -> Result<()> {
+        if depth > limits::DRAWING_NESTING_MAX {
             return Err(too_deep());
         }
         let mut style = style.clone();
@@ -212,7 +202,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    fn paint(&mut self, path: &BezPath, style: &Style, place: Affine) -> Result<(), Refused> {
+    fn paint(&mut self, path: &BezPath, style: &Style, place: Affine) -> Result<()> {
         let [all, fill, stroke] = style.opacity;
         if let Some(brightness) = style.fill.filter(|_| all * fill >= 0.5) {
             self.count(path.elements().len())?;
@@ -231,8 +221,8 @@ impl<'d> Reader<'d> {
     }
 
     /// Counts a shape and the parts of its path, before the path is made.
-    fn count(&mut self, parts: usize) -> Result<(), Refused> {
-        let (shapes_max, parts_max) = LIMITS.drawing_shapes_max;
+    fn count(&mut self, parts: usize) -> Result<()> {
+        let (shapes_max, parts_max) = limits::DRAWING_SHAPES_MAX;
         let left = self.parts_left.checked_sub(parts).filter(|_| self.shapes.len() < shapes_max);
         let most =
             || (format!("it paints more than {shapes_max} shapes or {parts_max} parts of paths"), true);
@@ -240,9 +230,9 @@ impl<'d> Reader<'d> {
         Ok(())
     }
 
-    fn add(&mut self, shape: Painted) -> Result<(), Refused> {
+    fn add(&mut self, shape: Painted) -> Result<()> {
         let bounds = shape.path.control_box();
-        let most = LIMITS.drawing_reach_max;
+        let most = limits::DRAWING_REACH_MAX;
         if !bounds.is_finite()
             || [bounds.x0, bounds.y0, bounds.x1, bounds.y1].iter().any(|end| end.abs() > most)
         {
@@ -253,8 +243,8 @@ impl<'d> Reader<'d> {
     }
 
     /// Attributes, rules of style sheets, and the attribute `style`: later ones win.
-    fn properties(&mut self, element: &'d Element) -> Result<Vec<(&'d str, &'d str)>, Refused> {
-        let (elements_max, bytes_max) = LIMITS.drawing_visits_max;
+    fn properties(&mut self, element: &'d Element) -> Result<Vec<(&'d str, &'d str)>> {
+        let (elements_max, bytes_max) = limits::DRAWING_VISITS_MAX;
         let rules = self.rules.for_element(element);
         let own = element.attributes.iter().map(|(name, value)| name.len() + value.len());
         let bytes = own.chain(rules.iter().map(|rule| rule.0)).sum();
@@ -359,14 +349,14 @@ fn paint(value: &str, inherited: Option<f32>) -> Option<f32> {
 }
 
 /// The path of an element; `None` if the element is no shape.
-fn path_of(element: &Element) -> Result<Option<BezPath>, Refused> {
+fn path_of(element: &Element) -> Result<Option<BezPath>> {
     let number = |name: &str| element.attribute(name).and_then(length);
     let of = |name: &str| number(name).unwrap_or(0.0);
     const PRECISION: f64 = 1e-3;
     Ok(Some(match element.name.as_str() {
         "path" => {
             let text = element.attribute("d").unwrap_or_default();
-            let most = LIMITS.drawing_number_max;
+            let most = limits::DRAWING_NUMBER_MAX;
             // kurbo divides arcs of huge radii without end.
             if numbers(text).any(|number| number.abs() >= most) {
                 return Err((format!("a path has a number of {most:e} or more"), true));
@@ -410,7 +400,7 @@ fn path_of(element: &Element) -> Result<Option<BezPath>, Refused> {
     }))
 }
 
-/// Returns the numbers in a text, separated by any other characters, clamped to [`crate::limits::Limits::drawing_number_max`].
+/// Returns the numbers in a text, separated by any other characters, clamped to [`crate::limits::DRAWING_NUMBER_MAX`].
 fn numbers(text: &str) -> impl Iterator<Item = f64> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -432,7 +422,7 @@ fn numbers(text: &str) -> impl Iterator<Item = f64> {
             });
             let (number, after) = rest.split_at(end.map_or(rest.len(), |(at, _)| at.max(1)));
             rest = after;
-            let most = LIMITS.drawing_number_max;
+            let most = limits::DRAWING_NUMBER_MAX;
             if let Ok(number) = number.trim_end_matches(['e', 'E']).parse::<f64>() {
                 return Some(number.clamp(-most, most));
             }

@@ -8,8 +8,8 @@ use quick_xml::Reader;
 use quick_xml::escape::{resolve_predefined_entity, unescape_with};
 use quick_xml::events::{BytesStart, Event};
 
-use super::svg::Refused;
-use crate::limits::LIMITS;
+use super::svg::{Refused, Result};
+use crate::limits;
 
 /// An element, with its children as indices of [`Tree::elements`].
 #[derive(Debug, Default)]
@@ -38,13 +38,13 @@ impl Tree {
     ///
     /// # Errors
     /// Fails with a reason if the text is no XML or exceeds a limit.
-    pub(super) fn of(text: &str) -> Result<Self, Refused> {
-        if text.len() > LIMITS.drawing_bytes_max {
-            return Err((format!("it has more than {} bytes", LIMITS.drawing_bytes_max), true));
+    pub(super) fn of(text: &str) -> Result<Self> {
+        if text.len() > limits::DRAWING_BYTES_MAX {
+            return Err((format!("it has more than {} bytes", limits::DRAWING_BYTES_MAX), true));
         }
         let mut reader = Reader::from_str(text);
         let mut tree = Self { elements: Vec::new() };
-        let mut entities = Entities { known: HashMap::new(), left: Cell::new(LIMITS.drawing_bytes_max) };
+        let mut entities = Entities { known: HashMap::new(), left: Cell::new(limits::DRAWING_BYTES_MAX) };
         let mut open: Vec<usize> = Vec::new();
         loop {
             let event = reader.read_event().map_err(|error| {
@@ -53,7 +53,7 @@ impl Tree {
             match event {
                 Event::Start(start) => {
                     let index = tree.add(&start, &open, &entities)?;
-                    if open.len() > LIMITS.drawing_nesting_max {
+                    if open.len() > limits::DRAWING_NESTING_MAX {
                         return Err(too_deep());
                     }
                     open.push(index);
@@ -78,10 +78,10 @@ impl Tree {
         }
     }
 
-    fn add(&mut self, start: &BytesStart<'_>, open: &[usize], entities: &Entities) -> Result<usize, Refused> {
+    fn add(&mut self, start: &BytesStart<'_>, open: &[usize], entities: &Entities) -> Result<usize> {
         let index = self.elements.len();
-        if index >= LIMITS.drawing_elements_max {
-            return Err((format!("it has more than {} elements", LIMITS.drawing_elements_max), true));
+        if index >= limits::DRAWING_ELEMENTS_MAX {
+            return Err((format!("it has more than {} elements", limits::DRAWING_ELEMENTS_MAX), true));
         }
         let name = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let mut element = Element { name: name(start.local_name().as_ref()), ..Element::default() };
@@ -92,7 +92,7 @@ impl Tree {
             let value = String::from_utf8_lossy(&attribute.value);
             let value = unescape_with(&value, |name| entities.text(name)).map(|value| value.into_owned());
             if entities.left.get() == 0 {
-                let most = LIMITS.drawing_bytes_max;
+                let most = limits::DRAWING_BYTES_MAX;
                 return Err((format!("its entities expand to more than {most} bytes"), true));
             }
             let value = value.map_err(|error| (error.to_string(), false))?;
@@ -115,7 +115,7 @@ impl Tree {
 }
 
 pub(super) fn too_deep() -> Refused {
-    (format!("its groups and uses are nested more than {} deep", LIMITS.drawing_nesting_max), true)
+    (format!("its groups and uses are nested more than {} deep", limits::DRAWING_NESTING_MAX), true)
 }
 
 /// The entities that the document's type declares.

@@ -6,8 +6,6 @@
 //! need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
 
 mod drawing;
-mod moving;
-mod shipped;
 
 use std::collections::VecDeque;
 use std::fs;
@@ -22,12 +20,11 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
 use mariana_files::Folders;
 
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::{SceneSource, first_comment};
+pub use drawing::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, frame_time, shipped};
 use drawing::{NotDrawn, draw};
 use mariana_files::atomic_file::AtomicFile;
-pub use moving::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, frame_time};
-pub use shipped::shipped;
 
 /// Size of a thumbnail in pixels.
 pub const SIZE: (u32, u32) = (320, 180);
@@ -241,7 +238,7 @@ impl Worker {
                 (source, about)
             }
             Request::Motion(source) => {
-                let about = About::Motion(moving::frames_of(&source));
+                let about = About::Motion(drawing::frames_of(&source));
                 (source, about)
             }
             Request::Picture(source) => {
@@ -357,7 +354,7 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     for path in source.files(Some(&compiled)).into_iter().skip(1) {
         let mut bytes = Vec::new();
         let read = fs::File::open(&path)
-            .and_then(|file| file.take(LIMITS.texture_bytes_max as u64).read_to_end(&mut bytes));
+            .and_then(|file| file.take(limits::TEXTURE_BYTES_MAX as u64).read_to_end(&mut bytes));
         (path.file_name(), read.is_ok(), bytes).hash(&mut hasher);
     }
     match compiled.diagnostics.first() {
@@ -411,7 +408,7 @@ fn forget_oldest(folder: &Path) {
         .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
         .collect();
     files.sort();
-    let surplus = files.len().saturating_sub(LIMITS.thumbnails_kept_max);
+    let surplus = files.len().saturating_sub(limits::THUMBNAILS_KEPT_MAX);
     for (_, path) in files.into_iter().take(surplus) {
         let _ = fs::remove_file(path);
     }

@@ -294,7 +294,9 @@ impl Lowering<'_> {
         let count = self.arguments.len() - mark;
         let takes = function.parameters.len();
         if count != takes {
-            self.wrong_count(callee, function.name.symbol, count, (takes, takes), span);
+            let name = function.name.symbol;
+            let hint = format!("it is declared as `{}`", self.signature(callee, name));
+            self.reports.count_message(name, count, (takes, takes), hint, span);
             return false;
         }
         let mut fit = true;
@@ -336,12 +338,6 @@ impl Lowering<'_> {
         }
         let span = self.ast.span(ExprId(self.ast.extra(first + index as u32)));
         if span == Span::default() { call } else { span }
-    }
-
-    #[cold]
-    fn wrong_count(&mut self, callee: Callee, name: Symbol, count: usize, takes: (usize, usize), span: Span) {
-        let hint = format!("it is declared as `{}`", self.signature(callee, name));
-        self.reports.count_message(name, count, takes, hint, span);
     }
 
     #[cold]

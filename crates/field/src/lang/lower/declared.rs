@@ -9,6 +9,7 @@ use super::super::symbol::Symbol;
 use super::super::value::Value;
 use super::foreign::Foreign;
 
+#[derive(Default)]
 pub(super) struct Declared<'a> {
     /// Indexed by symbol.
     pub globals: Vec<Global>,
@@ -22,16 +23,7 @@ pub(super) struct Declared<'a> {
 
 impl Declared<'_> {
     pub(super) fn new(names: usize) -> Self {
-        let globals = vec![Global::default(); names];
-        Self {
-            globals,
-            lets: Vec::new(),
-            functions: Vec::new(),
-            params: Vec::new(),
-            textures: Vec::new(),
-            shapes: Vec::new(),
-            foreign: Foreign::default(),
-        }
+        Self { globals: vec![Global::default(); names], ..Self::default() }
     }
 
     /// Returns the declarations of a name; empty for an undeclared name.

@@ -9,9 +9,9 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
-use super::choice::Choice;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
+use super::statements::Choice;
 use crate::graph::{Graph, NodeId, Op};
 
 impl Lowering<'_> {
@@ -332,10 +332,7 @@ impl Lowering<'_> {
         let own = locals.chain(globals);
         let unknown = match glsl_names::value(name) {
             // A similar name of the scene is more likely than an input of GLSL.
-            Some(hint) => match suggest::nearest(name, own) {
-                near @ Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(hint),
-            },
+            Some(hint) => unknown.hint(hint).did_you_mean(suggest::nearest(name, own)),
             None => {
                 unknown.did_you_mean(suggest::nearest(name, own.chain(INPUTS.iter().map(|row| row.name))))
             }
@@ -357,22 +354,10 @@ pub(super) fn is_swizzle(text: &str) -> bool {
 }
 
 /// Returns the set (`xyzw`, `rgba` or `stpq`) that contains a component's letter, and the letter's index in the set.
-pub(super) fn component(letter: u8) -> Option<(u8, usize)> {
-    Some(match letter {
-        b'x' => (0, 0),
-        b'y' => (0, 1),
-        b'z' => (0, 2),
-        b'w' => (0, 3),
-        b'r' => (1, 0),
-        b'g' => (1, 1),
-        b'b' => (1, 2),
-        b'a' => (1, 3),
-        b's' => (2, 0),
-        b't' => (2, 1),
-        b'p' => (2, 2),
-        b'q' => (2, 3),
-        _ => return None,
-    })
+pub(super) fn component(letter: u8) -> Option<(usize, usize)> {
+    let sets = [*b"xyzw", *b"rgba", *b"stpq"];
+    let index_in = |set: &[u8; 4]| set.iter().position(|own| *own == letter);
+    sets.iter().enumerate().find_map(|(number, set)| Some((number, index_in(set)?)))
 }
 
 /// Applies a function of two numbers to each pair of components. The sizes must fit.

@@ -7,28 +7,22 @@
 
 mod builtins;
 mod call;
-mod choice;
-mod composites;
 mod declare;
 mod declared;
 mod expr;
 mod foreign;
-mod lights;
 mod lowering;
 mod objects;
 mod parts;
-mod picture;
-mod ranges;
+mod reads;
 mod reports;
 mod scene;
 mod scope;
 mod sections;
-mod shape_read;
 mod statements;
-mod texture_read;
 mod unused;
 
-pub(crate) use picture::{FORGOTTEN, VISIBLE, outlasting};
+pub(crate) use objects::{FORGOTTEN, VISIBLE, outlasting};
 pub(in crate::lang) use sections::word;
 pub use sections::{plural, section_fields};
 

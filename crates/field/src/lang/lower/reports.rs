@@ -1,11 +1,10 @@
 //! Reports of mistakes, always at a location in the scene's own text rather than in the library.
 
 use super::super::diagnostic::{Diagnostic, Diagnostics};
-use super::super::library;
 use super::super::source::Span;
-use super::super::suggest;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
+use super::super::{library, suggest};
 use crate::graph::Part;
 use crate::limits::Limits;
 
@@ -109,11 +108,11 @@ impl Reports<'_> {
         &mut self,
         name: Symbol,
         count: usize,
-        (least, most): (usize, usize),
+        takes: (usize, usize),
         hint: String,
         span: Span,
     ) {
-        let number = match (least, most) {
+        let number = match takes {
             (1, 1) => "1 argument".to_owned(),
             (least, most) if least == most => format!("{most} arguments"),
             (least, most) => format!("{least} to {most} arguments"),

@@ -1,7 +1,7 @@
 //! Sections, the blocks with fields: objects, materials, lights, cameras, `sky`, `picture` and `about`.
 //!
 //! The fields of each section are listed in rows (see `lang::fields`). This module evaluates and checks the fields.
-//! `objects.rs` and `lights.rs` then combine the fields of an object or a light.
+//! `objects.rs` then combines the fields of an object or a light.
 
 use super::super::about::{About, TransitionStyle};
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
@@ -49,52 +49,33 @@ const fn of_object(name: &'static str, holds: Holds, uses: u16, doc: &'static st
 }
 
 pub(super) fn fields(section: Section) -> &'static [Field] {
-    match section {
-        Section::Object => OBJECT,
-        Section::Material => Material::FIELDS,
-        Section::Light => Light::FIELDS,
-        Section::Medium => Medium::FIELDS,
-        Section::Swarm => Swarm::FIELDS,
-        Section::Camera => Camera::FIELDS,
-        Section::Sky => Sky::FIELDS,
-        Section::Picture => Picture::FIELDS,
-        Section::About => About::FIELDS,
-    }
+    SECTIONS[section as usize].3
 }
 
-const SECTIONS: [Section; 9] = [
-    Section::Object,
-    Section::Material,
-    Section::Light,
-    Section::Medium,
-    Section::Swarm,
-    Section::Camera,
-    Section::Sky,
-    Section::Picture,
-    Section::About,
+/// Each section: its word, what a scene's text describes by it, and its fields.
+const SECTIONS: [(Section, &str, &str, &[Field]); 9] = [
+    (Section::Object, "object", "a shape", OBJECT),
+    (Section::Material, "material", "a material", Material::FIELDS),
+    (Section::Light, "light", "a light", Light::FIELDS),
+    (Section::Medium, "medium", "a medium", Medium::FIELDS),
+    (Section::Swarm, "swarm", "a swarm", Swarm::FIELDS),
+    (Section::Camera, "camera", "the camera", Camera::FIELDS),
+    (Section::Sky, "sky", "the sky", Sky::FIELDS),
+    (Section::Picture, "picture", "the picture", Picture::FIELDS),
+    (Section::About, "about", "the block `about`", About::FIELDS),
 ];
 
 fn is_field(name: &str) -> bool {
-    SECTIONS.into_iter().flat_map(fields).any(|field| field.name == name)
+    SECTIONS.iter().flat_map(|row| row.3).any(|field| field.name == name)
 }
 
 /// Returns the keyword and the fields of each section.
 pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])> {
-    SECTIONS.into_iter().map(|section| (word(section), fields(section)))
+    SECTIONS.iter().map(|(_, word, _, fields)| (*word, *fields))
 }
 
 pub(in crate::lang) fn word(section: Section) -> &'static str {
-    match section {
-        Section::Object => "object",
-        Section::Material => "material",
-        Section::Light => "light",
-        Section::Medium => "medium",
-        Section::Swarm => "swarm",
-        Section::Camera => "camera",
-        Section::Sky => "sky",
-        Section::Picture => "picture",
-        Section::About => "about",
-    }
+    SECTIONS[section as usize].1
 }
 
 /// Returns the plural of a word for a part of a scene.
@@ -103,17 +84,7 @@ pub fn plural(word: &str) -> String {
 }
 
 fn place(section: Section) -> &'static str {
-    match section {
-        Section::Object => "a shape",
-        Section::Material => "a material",
-        Section::Light => "a light",
-        Section::Medium => "a medium",
-        Section::Swarm => "a swarm",
-        Section::Camera => "the camera",
-        Section::Sky => "the sky",
-        Section::Picture => "the picture",
-        Section::About => "the block `about`",
-    }
+    SECTIONS[section as usize].2
 }
 
 #[derive(Default)]
@@ -369,24 +340,15 @@ impl SceneBuilder<'_> {
         let known = fields(section).iter().map(|field| field.name);
         let near = suggest::nearest(text, known.clone());
         let owner = place_of_field(section);
-        let message = format!("{owner} has no field `{text}`");
-        let wrong = Diagnostic::new(name.span, message);
-        let wrong = match near {
-            Some(_) => wrong.did_you_mean(near),
-            None => {
-                let all: Vec<String> = known.map(|name| format!("`{name}`")).collect();
-                let others = SECTIONS
-                    .into_iter()
-                    .filter(|other| fields(*other).iter().any(|field| field.name == text));
-                let others: Vec<String> = others.map(|other| format!("`{}`", word(other))).collect();
-                let all = all.join(", ");
-                wrong.hint(match others.is_empty() {
-                    true => format!("its fields are {all}; introduce other names with `let`"),
-                    false => format!("this is a field of {}; {owner} has {all}", others.join(" and ")),
-                })
-            }
+        let all = known.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let others = section_fields().filter(|(_, fields)| fields.iter().any(|field| field.name == text));
+        let others: Vec<String> = others.map(|(other, _)| format!("`{other}`")).collect();
+        let hint = match others.is_empty() {
+            true => format!("its fields are {all}; introduce other names with `let`"),
+            false => format!("this is a field of {}; {owner} has {all}", others.join(" and ")),
         };
-        self.lowering.reports.add(wrong);
+        let wrong = Diagnostic::new(name.span, format!("{owner} has no field `{text}`"));
+        self.lowering.reports.add(wrong.hint(hint).did_you_mean(near));
     }
 
     /// Evaluates an expression that must be one of the names in `known`, and returns the number of that name.
@@ -403,10 +365,7 @@ impl SceneBuilder<'_> {
                     return Value::scalar(self.lowering.constant(*number));
                 }
                 let unknown = Diagnostic::new(span, format!("there is no {what} `{name}`"));
-                match suggest::nearest(name, names()) {
-                    near @ Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint(all),
-                }
+                unknown.hint(all).did_you_mean(suggest::nearest(name, names()))
             }
             _ => Diagnostic::new(span, format!("a {what} must be given by its name")).hint(all),
         };
@@ -506,14 +465,8 @@ impl SceneBuilder<'_> {
         let names = globals.map(|(index, _)| self.lowering.names.name(Symbol(index as u32)));
         let near = suggest::nearest(self.lowering.name(symbol), names);
         let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.lowering.name(symbol)));
-        let unknown = match near {
-            Some(_) => unknown.did_you_mean(near),
-            None => unknown.hint(format!(
-                "declare it: `material {} {{ color = vec3(0.5) }}`",
-                self.lowering.name(symbol)
-            )),
-        };
-        self.lowering.reports.add(unknown);
+        let hint = format!("declare it: `material {} {{ color = vec3(0.5) }}`", self.lowering.name(symbol));
+        self.lowering.reports.add(unknown.hint(hint).did_you_mean(near));
         None
     }
 }
@@ -564,5 +517,17 @@ fn only<T>(reports: &mut Reports, place: &mut Option<T>, made: T, section: Secti
     if place.replace(made).is_some() {
         let message = format!("the scene has a second block `{}`", word(section));
         reports.add(Diagnostic::new(span, message).hint("leave one of them out"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SECTIONS;
+
+    #[test]
+    fn the_rows_have_the_order_of_the_sections() {
+        for (place, (section, ..)) in SECTIONS.iter().enumerate() {
+            assert_eq!(*section as usize, place);
+        }
     }
 }

@@ -3,12 +3,11 @@
 //! A name counts as used if any expression mentions it, also one in a function that is never called. Names of included
 //! files are not reported, because a file with functions for several scenes is useful.
 
-use std::collections::{HashMap, HashSet};
-
 use super::super::ast::{Ast, Expr, Item, Name, Section};
 use super::super::diagnostic::{Diagnostic, Diagnostics};
 use super::super::source::{Sources, Span};
 use super::super::symbol::{Interner, Symbol};
+use std::collections::{HashMap, HashSet};
 
 pub(super) fn warn(
     ast: &Ast,

@@ -10,27 +10,6 @@ use super::Parser;
 /// The binding power of prefix operators: below a power and above a product, so that -x^2 is -(x^2).
 const PREFIX: u8 = 7;
 
-/// Returns the binary operator of a token, and the binding powers to the left and to the right.
-fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
-    Some(match kind {
-        Kind::Or => (BinaryOp::Or, 1, 2),
-        Kind::And => (BinaryOp::And, 2, 3),
-        Kind::Equal => (BinaryOp::Equal, 3, 4),
-        Kind::NotEqual => (BinaryOp::NotEqual, 3, 4),
-        Kind::Less => (BinaryOp::Less, 4, 5),
-        Kind::LessEqual => (BinaryOp::LessEqual, 4, 5),
-        Kind::Greater => (BinaryOp::Greater, 4, 5),
-        Kind::GreaterEqual => (BinaryOp::GreaterEqual, 4, 5),
-        Kind::Plus => (BinaryOp::Add, 5, 6),
-        Kind::Minus => (BinaryOp::Subtract, 5, 6),
-        Kind::Star => (BinaryOp::Multiply, 6, 7),
-        Kind::Slash => (BinaryOp::Divide, 6, 7),
-        Kind::Percent => (BinaryOp::Modulo, 6, 7),
-        Kind::Caret => (BinaryOp::Power, 8, 8),
-        _ => return None,
-    })
-}
-
 /// An operator between two expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Operator {
@@ -47,23 +26,8 @@ pub const PREFIX_BINDS: u8 = PREFIX;
 
 /// Returns the operators between two expressions, from the loosest to the tightest.
 pub fn operators() -> impl Iterator<Item = Operator> {
-    let kinds = [
-        Kind::Or,
-        Kind::And,
-        Kind::Equal,
-        Kind::NotEqual,
-        Kind::Less,
-        Kind::LessEqual,
-        Kind::Greater,
-        Kind::GreaterEqual,
-        Kind::Plus,
-        Kind::Minus,
-        Kind::Star,
-        Kind::Slash,
-        Kind::Percent,
-        Kind::Caret,
-    ];
-    kinds.into_iter().filter_map(infix).map(|(op, binds, right_least)| Operator {
+    let infix = BinaryOp::TOKENS.iter().copied().filter_map(BinaryOp::infix);
+    infix.map(|(op, binds, right_least)| Operator {
         sign: op.sign(),
         binds,
         groups_from_the_right: right_least <= binds,
@@ -98,14 +62,13 @@ impl Parser<'_> {
                 left = self.behind_unknown();
                 continue;
             }
-            let Some((op, binds, right_least)) = infix(token.kind) else { break };
+            let Some((op, binds, right_least)) = BinaryOp::infix(token.kind) else { break };
             if binds < least || self.begins_negation() {
                 break;
             }
             self.advance();
             let right = self.binary(right_least);
-            let span = self.since(start);
-            left = self.ast.push(Expr::Binary(op, left, right), span);
+            left = self.push(Expr::Binary(op, left, right), start);
         }
         self.nesting -= 1;
         left
@@ -173,8 +136,7 @@ impl Parser<'_> {
         while self.kind() == Kind::Dot {
             self.advance();
             if self.kind() != Kind::Name {
-                let wrong = self.expected("the components of a vector, as in `p.xz`");
-                self.report(wrong);
+                self.report_expected("the components of a vector, as in `p.xz`");
                 break;
             }
             let member = self.advance();
@@ -184,8 +146,7 @@ impl Parser<'_> {
                 inner = self.part_band(inner, components, start);
                 continue;
             }
-            let span = self.since(start);
-            inner = self.ast.push(Expr::Swizzle(inner, components), span);
+            inner = self.push(Expr::Swizzle(inner, components), start);
         }
         inner
     }
@@ -226,11 +187,12 @@ impl Parser<'_> {
 
     #[cold]
     fn no_expression(&mut self) -> ExprId {
-        let wrong = self.expected("an expression");
-        self.report(wrong);
+        self.report_expected("an expression");
         let node = self.error_node();
         // Skip an operator, so that parsing continues with the next expression.
-        if self.kind() == Kind::Unknown || infix(self.kind()).is_some() && self.kind() != Kind::Minus {
+        if self.kind() == Kind::Unknown
+            || BinaryOp::infix(self.kind()).is_some() && self.kind() != Kind::Minus
+        {
             self.advance();
         }
         node
@@ -289,8 +251,7 @@ impl Parser<'_> {
         });
         let (first, count) = self.move_list(mark);
         let closed = self.close_paren(open, "`,` or `)`");
-        let span = self.since(open);
-        self.ast.push(if closed { Expr::Record(first, count / 2) } else { Expr::Error }, span)
+        self.push(if closed { Expr::Record(first, count / 2) } else { Expr::Error }, open)
     }
 
     /// Consumes the `)` that matches `open`. If another token is there, reports it, skips to the `)` and returns false.
@@ -367,8 +328,7 @@ impl Parser<'_> {
     /// Parses `then a else b`, after the condition of an `if` that begins at `start`.
     pub(super) fn choice(&mut self, start: Span, condition: ExprId) -> ExprId {
         if !self.eat_word(word::THEN) {
-            let wrong = self.expected("`then` after the condition");
-            self.report(wrong.hint("write a choice as `if a then b else c`"));
+            self.report_missing("`then` after the condition", "write a choice as `if a then b else c`");
             if self.kind() == Kind::OpenBrace {
                 // This `if` is written with braces, as in GLSL. The code below parses the braces as a block.
             } else if !self.token().is_word(word::ELSE) {
@@ -377,13 +337,11 @@ impl Parser<'_> {
         }
         let yes = self.expression();
         if !self.eat_word(word::ELSE) {
-            let wrong = self.expected("`else`");
-            self.report(wrong.hint("an `if` needs a value in both cases: `if a then b else c`"));
+            self.report_missing("`else`", "an `if` needs a value in both cases: `if a then b else c`");
             return self.ast.push(Expr::Error, start);
         }
         let no = self.expression();
-        let span = self.since(start);
-        self.ast.push(Expr::If(condition, yes, no), span)
+        self.push(Expr::If(condition, yes, no), start)
     }
 
     #[cold]
@@ -397,8 +355,7 @@ impl Parser<'_> {
             return self.ast.push(Expr::Error, sign);
         }
         let no = self.expression();
-        let span = self.since(start);
-        self.ast.push(Expr::If(condition, yes, no), span)
+        self.push(Expr::If(condition, yes, no), start)
     }
 
     fn for_expression(&mut self) -> ExprId {
@@ -407,8 +364,7 @@ impl Parser<'_> {
             return self.ast.push(Expr::Error, start);
         };
         if !self.eat(Kind::Colon) {
-            let wrong = self.expected("`:` before the loop's body");
-            self.report(wrong.hint("write a loop as `for i in 0..8: expression`"));
+            self.report_missing("`:` before the loop's body", "write a loop as `for i in 0..8: expression`");
         }
         self.ast.record(NameEvent::Opens);
         self.ast.record(NameEvent::Declares(NameKind::LoopVariable, variable));
@@ -416,8 +372,7 @@ impl Parser<'_> {
         self.ast.record(NameEvent::Closes(self.end_before));
         let index = self.ast.extra.len() as u32;
         self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
-        let span = self.since(start);
-        self.ast.push(Expr::For(index), span)
+        self.push(Expr::For(index), start)
     }
 
     /// Parses `for variable in first..end`. `example` shows how to write such a loop. `None` if a mistake was reported.
@@ -425,20 +380,17 @@ impl Parser<'_> {
         self.advance();
         let hint = format!("write a loop as `{example}`");
         if self.kind() == Kind::OpenParen {
-            let wrong = self.expected("the loop's variable");
-            self.report(wrong.hint(hint));
+            self.report_missing("the loop's variable", hint);
             return None;
         }
         let variable = self.name("the loop's variable")?;
         if !self.eat_word(word::IN) {
-            let wrong = self.expected("`in` after the loop's variable");
-            self.report(wrong.hint(hint));
+            self.report_missing("`in` after the loop's variable", hint);
             return None;
         }
         let first = self.expression();
         if !self.eat(Kind::Range) {
-            let wrong = self.expected("`..` and the loop's end");
-            self.report(wrong.hint(hint));
+            self.report_missing("`..` and the loop's end", hint);
             return None;
         }
         Some((variable, first, self.expression()))

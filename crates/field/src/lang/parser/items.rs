@@ -144,17 +144,13 @@ impl Parser<'_> {
             let known = KEYWORDS.iter().map(|(name, _)| *name).chain(["fn", "let"]);
             let unknown = Diagnostic::new(token.span, format!("{} is not a keyword", self.found()));
             let near = suggest::nearest(typed, known);
-            let diagnostic = match near {
-                _ if typed == "struct" => {
-                    unknown.hint("a function returns several values by names: `(near = a, index = b)`")
-                }
-                Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(
-                    "keywords are `object`, `material`, `light`, `medium`, `swarm`, `camera`, `sky`, \
-                     `picture`, `about`, `param`, `include`, `fn` and `let`",
-                ),
-            };
-            self.report(diagnostic);
+            self.report(if typed == "struct" {
+                unknown.hint("a function returns several values by names: `(near = a, index = b)`")
+            } else {
+                let keywords = "keywords are `object`, `material`, `light`, `medium`, `swarm`, `camera`, `sky`, \
+                     `picture`, `about`, `param`, `include`, `fn` and `let`";
+                unknown.hint(keywords).did_you_mean(near)
+            });
             self.advance();
             return None;
         }
@@ -164,8 +160,7 @@ impl Parser<'_> {
         let value = self.expression();
         let next = self.token();
         if next.kind != Kind::End && next.kind != Kind::Semicolon && !next.newline {
-            let wrong = self.expected("an operator or the end of the expression");
-            self.report(wrong);
+            self.report_expected("an operator or the end of the expression");
             self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
         }
         Some(Item::Bare(value))
@@ -283,8 +278,10 @@ impl Parser<'_> {
         if self.eat_word(word::IN) {
             let first = self.expression();
             if !self.eat(Kind::Range) {
-                let wrong = self.expected("`..` and the parameter's largest value");
-                self.report(wrong.hint("write a parameter as `param melt = 1.3 in 0.1 .. 3`"));
+                self.report_missing(
+                    "`..` and the parameter's largest value",
+                    "write a parameter as `param melt = 1.3 in 0.1 .. 3`",
+                );
                 return self.broken(name);
             }
             range = Some((first, self.expression()));
@@ -305,8 +302,7 @@ impl Parser<'_> {
         self.advance();
         let token = self.token();
         if token.kind != Kind::Text {
-            let wrong = self.expected("a file's name in quotes");
-            self.report(wrong.hint("write `include \"shapes.scene\"`"));
+            self.report_missing("a file's name in quotes", "write `include \"shapes.scene\"`");
             return None;
         }
         self.advance();
@@ -341,8 +337,7 @@ impl Parser<'_> {
         } else if self.eat(Kind::Assign) {
             self.expression()
         } else {
-            let wrong = self.expected("the function's body");
-            self.report(wrong.hint("write `fn f(p) { … }` or `fn f(p) = …`"));
+            self.report_missing("the function's body", "write `fn f(p) { … }` or `fn f(p) = …`");
             return self.broken(name);
         };
         self.ast.record(NameEvent::Closes(self.end_before));
@@ -379,11 +374,8 @@ impl Parser<'_> {
         if known.is_none() {
             let unknown = Diagnostic::new(of.span, format!("there is no type `{text}`"));
             let near = suggest::nearest(text, Type::ALL.iter().map(|one| one.name()));
-            let unknown = match near {
-                Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint("types are number, bool, vec2, vec3, vec4, mat2, mat3 and texture"),
-            };
-            self.diagnostics.push(unknown);
+            let unknown = unknown.hint("types are number, bool, vec2, vec3, vec4, mat2, mat3 and texture");
+            self.diagnostics.push(unknown.did_you_mean(near));
         }
         Some(Parameter { name, of: known })
     }
@@ -409,8 +401,7 @@ impl Parser<'_> {
         } else if named(section).is_some() {
             name = Some(self.name_of(section)?);
         } else if self.token().is_name() {
-            let wrong = self.expected("`{`");
-            self.report(wrong.hint("`sky`, `picture` and `about` have no names: a scene has one of each"));
+            self.report_missing("`{`", "`sky`, `picture` and `about` have no names: a scene has one of each");
             self.advance();
         }
         let span = self.since(head);
@@ -444,8 +435,7 @@ impl Parser<'_> {
                 if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
             } else {
                 broken = true;
-                let wrong = self.expected("a field, as in `name = value`");
-                self.report(wrong.hint("a block ends with `}`"));
+                self.report_missing("a field, as in `name = value`", "a block ends with `}`");
                 self.advance();
                 self.skip_to_field();
             }
@@ -469,8 +459,7 @@ impl Parser<'_> {
     }
 
     fn stray_comma(&mut self) -> bool {
-        let wrong = self.expected("a field");
-        self.report(wrong.hint("separate fields by a line end, a space or `;`"));
+        self.report_missing("a field", "separate fields by a line end, a space or `;`");
         self.advance();
         true
     }

@@ -41,7 +41,7 @@ mod statements;
 #[cfg(test)]
 mod tests;
 
-use super::ast::{Ast, Item};
+use super::ast::{Ast, BinaryOp, Expr, ExprId, Item};
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::Span;
 use super::symbol::{Interner, Symbol};
@@ -177,11 +177,28 @@ impl Parser<'_> {
         }
     }
 
+    /// Reports that `what` is missing here.
+    fn report_expected(&mut self, what: &str) {
+        let wrong = self.expected(what);
+        self.report(wrong);
+    }
+
+    /// Reports that `what` is missing here, with a hint.
+    fn report_missing(&mut self, what: &str, hint: impl Into<String>) {
+        let wrong = self.expected(what).hint(hint);
+        self.report(wrong);
+    }
+
+    /// Adds an expression that began at `start` and ends here.
+    fn push(&mut self, expr: Expr, start: Span) -> ExprId {
+        let span = self.since(start);
+        self.ast.push(expr, span)
+    }
+
     fn demand(&mut self, kind: Kind, after: &str) -> bool {
         let found = self.eat(kind);
         if !found {
-            let wrong = self.expected(&format!("`{}` {after}", sign(kind)));
-            self.report(wrong);
+            self.report_expected(&format!("`{}` {after}", sign(kind)));
         }
         found
     }
@@ -234,22 +251,8 @@ fn sign(kind: Kind) -> &'static str {
         Kind::Question => "?",
         Kind::Dot => ".",
         Kind::Range => "..",
-        Kind::Plus => "+",
-        Kind::Minus => "-",
-        Kind::Star => "*",
-        Kind::Slash => "/",
-        Kind::Percent => "%",
-        Kind::Caret => "^",
         Kind::Assign => "=",
-        Kind::Equal => "==",
-        Kind::NotEqual => "!=",
-        Kind::Less => "<",
-        Kind::LessEqual => "<=",
-        Kind::Greater => ">",
-        Kind::GreaterEqual => ">=",
-        Kind::And => "&&",
-        Kind::Or => "||",
         Kind::Not => "!",
-        Kind::Number | Kind::Name | Kind::Text | Kind::Unknown | Kind::End => "",
+        other => BinaryOp::infix(other).map_or("", |(op, ..)| op.sign()),
     }
 }

@@ -56,8 +56,7 @@ impl Parser<'_> {
         });
         self.ast.record(NameEvent::Closes(self.end_before));
         let (first, count) = self.move_list(mark);
-        let span = self.since(open);
-        self.ast.push(Expr::Block(first, count, result), span)
+        self.push(Expr::Block(first, count, result), open)
     }
 
     fn block_result(&mut self, open: Span) -> ExprId {
@@ -290,8 +289,8 @@ impl StatementParser<'_, '_> {
                 Some(Statements { first, count })
             }
             Parsed::Choice(_) | Parsed::Nothing => {
-                let wrong = self.outer.expected("statements in braces");
-                self.outer.report(wrong.hint("write `if a > b { z = a } else { z = b }`"));
+                self.outer
+                    .report_missing("statements in braces", "write `if a > b { z = a } else { z = b }`");
                 None
             }
         }
@@ -301,8 +300,7 @@ impl StatementParser<'_, '_> {
     fn body(&mut self, what: &str, example: &str) -> Option<Statements> {
         let open = self.outer.token().span;
         if !self.outer.eat(Kind::OpenBrace) {
-            let wrong = self.outer.expected(what);
-            self.outer.report(wrong.hint(format!("write `{example}`")));
+            self.outer.report_missing(what, format!("write `{example}`"));
             return None;
         }
         if self.outer.nesting >= self.outer.nesting_max {

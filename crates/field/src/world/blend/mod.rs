@@ -99,11 +99,8 @@ pub enum BlendError {
         max: usize,
     },
     /// A scene depends on its earlier frames, which a blend does not have.
-    #[error("the scene {scene} shows its last frame, so it cannot melt or open a portal: fade instead")]
-    Feedback {
-        /// The scene.
-        scene: String,
-    },
+    #[error("the scene {0} shows its last frame, so it cannot melt or open a portal: fade instead")]
+    Feedback(String),
     /// The blended scene exceeds the limits of expressions.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -238,7 +235,7 @@ fn whole(name: String, shape: NodeId) -> Object {
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
-        return Err(BlendError::Feedback { scene: world.name.clone() });
+        return Err(BlendError::Feedback(world.name.clone()));
     }
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
     let fraction = 1;

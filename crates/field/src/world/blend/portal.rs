@@ -6,7 +6,7 @@
 
 use super::alignment::Vector;
 use super::side::{self, Before, Side, Steps};
-use crate::graph::{Graph, GraphError, NodeId, Op};
+use crate::graph::{Graph, NodeId, Op, Result};
 use crate::lang::{Camera, Scene};
 
 /// The shape in which the second scene appears.
@@ -105,7 +105,7 @@ fn own_shape(
     shape: NodeId,
     before: Before,
     s: NodeId,
-) -> Result<NodeId, GraphError> {
+) -> Result<NodeId> {
     let grown = growth(graph, s);
     let least = graph.constant(LEFT_MIN);
     let grown = graph.max(grown, least);
@@ -136,7 +136,7 @@ pub(super) fn distance(
     before: Before,
     camera: &Camera,
     s: NodeId,
-) -> Result<NodeId, GraphError> {
+) -> Result<NodeId> {
     let seen = Seen::by(graph, camera);
     Ok(match (shape, to.about.portal) {
         (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, to, shape, before, s)?,

@@ -4,7 +4,7 @@ use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
+use crate::graph::{Graph, Input, Node, NodeId, Op, Result, SHAPE_NUMBERS};
 use crate::lang::{Camera, Light, Picture, Scene, Sky, Swarm};
 use crate::world::World;
 
@@ -51,7 +51,7 @@ impl Side {
         world: &World,
         before: Before,
         alignment: &Alignment,
-    ) -> Result<Self, GraphError> {
+    ) -> Result<Self> {
         let mut scene = world.scene.clone();
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene, world.non_lipschitz)?;
@@ -129,12 +129,7 @@ impl Side {
 pub(super) type Steps = [NodeId; 2];
 
 /// Copies the swarms of a scene. The number of a point is the x of its expressions, and a blend does not move it.
-fn swarms(
-    graph: &mut Graph,
-    scene: &Scene,
-    before: Before,
-    alignment: &Alignment,
-) -> Result<Vec<Swarm>, GraphError> {
+fn swarms(graph: &mut Graph, scene: &Scene, before: Before, alignment: &Alignment) -> Result<Vec<Swarm>> {
     let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
     let own = Own { point: position(graph), ..Own::of(graph, alignment) };
     let copies = copied_roots(graph, &scene.graph, &roots, before, &|input| own.value(input))?;
@@ -202,7 +197,7 @@ pub(super) fn copied_at(
     root: NodeId,
     before: Before,
     place: Vector,
-) -> Result<NodeId, GraphError> {
+) -> Result<NodeId> {
     let value = |input| match input {
         Input::X => Some(place[0]),
         Input::Y => Some(place[1]),
@@ -219,7 +214,7 @@ fn copied_roots(
     roots: &[NodeId],
     before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
-) -> Result<Vec<NodeId>, GraphError> {
+) -> Result<Vec<NodeId>> {
     let mut moved = vec![NodeId::default(); from.len()];
     for id in from.order(roots)?.nodes {
         let copy = copy(graph, from.node(id), before, value, &moved);
@@ -262,7 +257,7 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
 }
 
 /// Returns the value at the point `place`, with a zero normal.
-pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
+pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
     for id in graph.order(&[value])?.nodes {
@@ -289,7 +284,7 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
 }
 
 /// Divides a plane by its slope, so that the value is comparable to a distance.
-fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
+fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let origin = at(graph, plane, [zero; 3])?;
     let mut slopes = [zero; 3];

@@ -8,7 +8,7 @@ use super::{ProgramJob, ProgramProduct, Sources, texts_of};
 use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::{GpuError, Result};
 use crate::gpu::gl::Gl;
 use crate::gpu::program::{Program, ProgramBinary, ReadyProgram};
 use crate::gpu::program_store::{ProgramKey, Work};
@@ -45,13 +45,13 @@ pub(super) struct Made {
 }
 
 impl CompileWorker {
-    pub(super) fn new(gl: Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: Gl, library: &ShaderLibrary) -> Result<Self> {
         let renderer = Renderer::new(&gl, library, Counting::Off)?;
         let stand_ins = StandIns::new(&gl)?;
         Ok(Self { gl, renderer, stand_ins })
     }
 
-    pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
+    pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made> {
         let Sources { library, cache } = sources;
         let is_interpreter = job.can_be_given_up;
         if faults::strikes(Fault::SlowCompiler) || is_interpreter && faults::strikes(Fault::SlowInterpreter) {
@@ -125,20 +125,15 @@ impl CompileWorker {
     }
 
     /// Draws with a program, so that the driver finishes compiling. All data in this context can be dropped afterwards.
-    fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
+    fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<()> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let (block, picture) = (&asked.block, &asked.picture);
-        let drawn = match asked.product {
-            ProgramProduct::Frames => self.renderer.draw_block(WARM_UP_SIZE, block, picture, &scene, program),
-            ProgramProduct::Paths => {
-                self.renderer.draw_path_block(WARM_UP_SIZE, block, picture, &scene, program)
-            }
-            ProgramProduct::Views => {
-                let view = [[0.0, 1.0, 0.0, 0.0]; 2];
-                self.renderer.draw_view_block(WARM_UP_SIZE, block, picture, &scene, program, &view)
-            }
+        let drawn = if asked.product == ProgramProduct::Paths {
+            self.renderer.draw_path_block(WARM_UP_SIZE, block, picture, &scene, program)
+        } else {
+            let view = (asked.product == ProgramProduct::Views).then_some(&[[0.0, 1.0, 0.0, 0.0]; 2]);
+            self.renderer.draw_block(WARM_UP_SIZE, block, picture, &scene, program, view)
         };
-        // The program can be used even if the warm-up fails.
         if let Err(error) = drawn {
             tracing::debug!("warming up a program: {error}");
         }

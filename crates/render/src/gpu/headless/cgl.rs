@@ -13,13 +13,13 @@ use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
 use super::no_context;
 use crate::gpu::api::Api;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
 
 pub(super) type Current = PossiblyCurrentContext;
 pub(super) const KIND: &str = "CGL without a window";
 
-pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current), GpuError> {
+pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current)> {
     let (display, context) = current_context(apis).map_err(|error| no_context(&error))?;
     Ok((Gl::load(|name| display.get_proc_address(name), log_debug)?, context))
 }

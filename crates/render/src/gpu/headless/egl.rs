@@ -13,7 +13,7 @@ use glutin::error::{Error, ErrorKind};
 
 use super::no_context;
 use crate::gpu::api::Api;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
 
 pub(super) type Current = PossiblyCurrentContext;
@@ -22,7 +22,7 @@ pub(super) const KIND: &str = "EGL without a window";
 /// One thread at a time: Mesa's first initialization is not thread-safe (`lp_build_init` in 22.3).
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current), GpuError> {
+pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current)> {
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let mut devices: Vec<Device> = Device::query_devices().map_err(|error| no_context(&error))?.collect();
     devices.sort_by_key(is_software);

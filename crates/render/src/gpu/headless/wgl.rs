@@ -26,7 +26,7 @@ use windows_sys::core::w;
 
 use super::no_context;
 use crate::gpu::api::Api;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
 
 pub(super) const KIND: &str = "WGL with a hidden window";
@@ -38,7 +38,7 @@ pub(super) struct Current {
     _window: HiddenWindow,
 }
 
-pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current), GpuError> {
+pub(super) fn open(apis: &[Api], log_debug: bool) -> Result<(Gl, Current)> {
     let window = HiddenWindow::open().map_err(|error| no_context(&error))?;
     let (display, current) = current_context(window, apis).map_err(|error| no_context(&error))?;
     Ok((Gl::load(|name| display.get_proc_address(name), log_debug)?, current))

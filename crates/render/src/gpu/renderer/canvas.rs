@@ -4,7 +4,7 @@ use super::making::{Making, Product};
 use super::targets::{Targets, TargetsKind};
 use crate::frame::picture::Picture;
 use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::evaluations::Counting;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::Target;
@@ -28,7 +28,7 @@ impl Canvas {
         kind: TargetsKind,
         samples: EdgeSamples,
         counting: Counting,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         if !self.targets.as_ref().is_some_and(|targets| targets.fit(kind)) {
             Target::check_size(gl, kind.size)?;
             self.put_targets_away();
@@ -43,7 +43,7 @@ impl Canvas {
         if let Some(targets) = self.targets.take()
             && self.stands.is_none()
         {
-            self.stands = Some(targets.post.into_finished());
+            self.stands = Some(targets.post.finished);
         }
     }
 
@@ -59,7 +59,7 @@ impl Canvas {
     }
 
     pub(super) fn finished(&self) -> Option<&Target> {
-        self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
+        self.stands.as_ref().or(self.targets.as_ref().map(|targets| &targets.post.finished))
     }
 
     pub(super) fn finished_light(&self) -> Option<(&Picture, &Targets)> {

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 
 use glow::HasContext;
 
-use super::fade::Fade;
+use super::presenter::Fade;
 use super::sampling::{Sample, Sampling};
 use super::targets::{Edges, Targets};
 use crate::frame::picture::Picture;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
@@ -70,7 +70,7 @@ pub(super) struct Making {
     /// Estimated seconds of the draws since the last flush.
     held_back: f64,
     /// Number of draws of samples so far, and the number of pixels of the largest draw.
-    draws: (u32, u64),
+    pub(super) draws: (u32, u64),
 }
 
 /// Assumed fraction of a frame's time that further samples take.
@@ -96,7 +96,7 @@ impl Making {
         if media.is_some() {
             self.pass = Pass::Media;
         }
-        let size = media.map_or(&targets.first, MediaTargets::rays).size();
+        let size = media.map_or(&targets.first, |media| &media.rays).size();
         self.parts = Parts::of(vec![Part::whole(size)], size, cost);
         self.parts.are_one(cost)
     }
@@ -108,10 +108,6 @@ impl Making {
         self.parts.seconds().map(|seconds| seconds / fraction)
     }
 
-    pub(super) fn draws(&self) -> (u32, u64) {
-        self.draws
-    }
-
     pub(super) fn resume(
         &mut self,
         tools: &Tools<'_>,
@@ -120,7 +116,7 @@ impl Making {
         cost: &mut PixelCost,
         begun: Instant,
         patience: Duration,
-    ) -> Result<bool, GpuError> {
+    ) -> Result<bool> {
         let mut is_finished = false;
         while !is_finished && begun.elapsed() < patience {
             is_finished = match self.parts.next(*cost) {
@@ -142,7 +138,7 @@ impl Making {
         cost: &mut PixelCost,
         part: Part,
     ) {
-        let gl = sampling.gl();
+        let gl = &sampling.gl;
         // If the GPU measures a pass of a single draw, do not measure it here: measuring would wait for the draw.
         let is_measured = !gl.info().has_timers() || !self.parts.were_one();
         let timer = DrawTimer::start(gl.info().software);
@@ -163,12 +159,7 @@ impl Making {
         }
     }
 
-    fn finish_pass(
-        &mut self,
-        tools: &Tools<'_>,
-        targets: &mut Targets,
-        cost: PixelCost,
-    ) -> Result<bool, GpuError> {
+    fn finish_pass(&mut self, tools: &Tools<'_>, targets: &mut Targets, cost: PixelCost) -> Result<bool> {
         if self.product == Product::View {
             return Ok(true);
         }
@@ -176,7 +167,7 @@ impl Making {
         (self.pass, self.parts) = match (self.pass, &mut targets.edges) {
             (Pass::Media, _) => {
                 if let Some(media) = &targets.media {
-                    sampling.media_filter.draw(tools.post.passes(), media)?;
+                    sampling.media_filter.draw(&tools.post.passes, media)?;
                 }
                 (Pass::First, Parts::of(vec![Part::whole(size)], size, cost))
             }
@@ -188,9 +179,9 @@ impl Making {
                 (Pass::Further(sample + 1), Parts::of(vec![Part::whole(size)], size, cost))
             }
             (Pass::First, Edges::List(list)) => {
-                sampling.mark_in_list(&targets.first, list.marks())?;
+                sampling.mark_in_list(&targets.first, &list.marks)?;
                 let areas = list.prepare(&targets.first.read_last_red32f())?;
-                (Pass::Listed, Parts::of(areas, list.samples().size(), cost))
+                (Pass::Listed, Parts::of(areas, list.samples.size(), cost))
             }
             (Pass::Post, _) => return Ok(true),
             _ => {
@@ -204,9 +195,9 @@ impl Making {
     fn draw_part(&self, sampling: &Sampling, targets: &Targets, program: &Program, part: Part) {
         let is_view = self.product == Product::View;
         match (&targets.edges, self.pass) {
-            _ if is_view => targets.post.finished().bind(),
-            (_, Pass::Media) => targets.media.iter().for_each(|media| media.rays().bind()),
-            (Edges::List(list), Pass::Listed) => list.samples().bind(),
+            _ if is_view => targets.post.finished.bind(),
+            (_, Pass::Media) => targets.media.iter().for_each(|media| media.rays.bind()),
+            (Edges::List(list), Pass::Listed) => list.samples.bind(),
             (Edges::Stencil(sum), Pass::Further(_)) => sum.bind(),
             _ => targets.first.bind(),
         }
@@ -223,7 +214,7 @@ impl Making {
         }
         targets.media.iter().for_each(MediaTargets::bind_mean);
         let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view && self.pass != Pass::Media;
-        let gl = sampling.gl();
+        let gl = &sampling.gl;
         // SAFETY: sets state and clears the target bound above, in the current context.
         unsafe {
             if has_stencil {
@@ -245,7 +236,7 @@ impl Making {
             Pass::Further(sample) => sampling.draw_further(sample),
             Pass::Listed => sampling.draw(Sample::Listed),
             Pass::Media => {
-                let height = targets.media.as_ref().map_or(1, MediaTargets::layer_height);
+                let height = targets.media.as_ref().map_or(1, |media| media.mean.size().1);
                 sampling.draw(Sample::Media(height));
             }
             // A view has no further samples.
@@ -260,13 +251,13 @@ impl Making {
         }
     }
 
-    fn finish_light(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<(), GpuError> {
+    fn finish_light(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<()> {
         resolve(tools, targets)?;
         self.finish_resolved(tools, targets)
     }
 
     /// Finishes the image of light that is resolved.
-    pub(super) fn finish_resolved(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<(), GpuError> {
+    pub(super) fn finish_resolved(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<()> {
         if let Some(trails) = &self.trails {
             tools.post.add_trails(&mut targets.post, trails)?;
         }
@@ -279,15 +270,11 @@ impl Making {
 }
 
 /// Warms up the driver: draws all passes that follow the first samples, with the content of `targets`.
-pub(super) fn rehearse_passes(
-    tools: &Tools<'_>,
-    targets: &mut Targets,
-    picture: &Picture,
-) -> Result<(), GpuError> {
+pub(super) fn rehearse_passes(tools: &Tools<'_>, targets: &mut Targets, picture: &Picture) -> Result<()> {
     match &mut targets.edges {
         Edges::Stencil(sum) => tools.sampling.mark_in_stencil(&targets.first, sum)?,
         Edges::List(list) => {
-            tools.sampling.mark_in_list(&targets.first, list.marks())?;
+            tools.sampling.mark_in_list(&targets.first, &list.marks)?;
             list.prepare(&[])?;
         }
     }
@@ -295,7 +282,7 @@ pub(super) fn rehearse_passes(
     tools.post.finish(&targets.post, picture, &targets.first, None)
 }
 
-fn resolve(tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
+fn resolve(tools: &Tools<'_>, targets: &Targets) -> Result<()> {
     targets.first.bind_color(0, unit_of("picture"));
     match &targets.edges {
         Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),

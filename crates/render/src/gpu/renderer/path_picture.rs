@@ -3,6 +3,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::Renderer;
 use super::making::{Making, Product, Tools};
 use super::painter::Painter;
 use super::paths::{
@@ -12,7 +13,7 @@ use super::targets::Targets;
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::path_state::PathState;
 use crate::gpu::program::Program;
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
@@ -36,73 +37,87 @@ impl PathPicture {
     }
 }
 
-impl Painter {
-    /// Draws the paths of a frame, then the finished image. The lens and the media are part of the paths.
-    pub(super) fn draw_paths(
+impl Renderer {
+    /// Draws `frame` by paths of light, with a program of [`crate::gpu::scene_program::link_paths`]. The lens and the
+    /// media are part of the paths.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn draw_paths(
         &mut self,
         frame: &Frame,
         scene: &SceneResources,
         program: &Program,
         order: PathOrder,
         watcher: &mut dyn PathWatcher,
-    ) -> Result<PathProgress, GpuError> {
-        let Some(targets) = self.prepare_paths(frame, scene)? else {
+    ) -> Result<PathProgress> {
+        let painter = &mut self.painter;
+        let Some(targets) = painter.prepare_paths(frame, scene)? else {
             return Ok(PathProgress { fraction: 0.0, paths: 0 });
         };
-        let mut cost = scene.costs().of(program);
+        let mut cost = scene.costs.of(program);
         let mut paths = 0;
         let areas = areas(frame.size);
         let mut state = None;
         for (number, area) in areas.iter().copied().enumerate() {
             let size = (area.width, area.height);
-            let own = match state.take().filter(|state: &PathState| state.size() == size) {
+            let own = match state.take().filter(|state: &PathState| state.size == size) {
                 Some(state) => state,
-                None => PathState::new(&self.gl, size)?,
+                None => PathState::new(&painter.gl, size)?,
             };
             let mut run = PathRun::over(own);
             if let Some(kept) = watcher.begin(frame, area.pixels() as usize) {
                 run.resume(&kept);
             }
-            scene.names().bind(&self.gl);
-            let (sampling, passes) = (&self.sampling, self.post.passes());
+            scene.names().bind(&painter.gl);
+            let (sampling, passes) = (&painter.sampling, &painter.post.passes);
             let drawing = PathArea { sampling, passes, program, order, area };
             paths += drawing.draw(&mut run, &mut cost, &mut |so_far, state| {
                 let fraction = (number as f64 + so_far.fraction) / areas.len() as f64;
                 watcher.resume(PathProgress { fraction, paths: paths + so_far.paths }, &|| state.kept())
             });
             watcher.end(number + 1 == areas.len(), &|| run.state.kept());
-            let mut guides = self.guides(order, size)?;
+            let mut guides = painter.guides(order, size)?;
             guides.iter_mut().for_each(|guides| {
                 drawing.guide(guides, &mut cost, endless());
             });
             let guides = guides.as_ref().map(|guides| &guides.state);
-            drawing.resolve(&run.state, guides, &self.path_results, targets.post.light())?;
+            drawing.resolve(&run.state, guides, &painter.path_results, &targets.post.light)?;
             state = Some(run.state);
         }
-        scene.costs().keep(program, cost);
-        self.finish_paths(frame, scene, targets)?;
+        scene.costs.keep(program, cost);
+        painter.finish_paths(frame, scene, targets)?;
         Ok(PathProgress { fraction: 1.0, paths })
     }
 
-    /// Begins an image that [`Self::refine`] draws.
-    pub(super) fn begin_paths(&self, frame: Frame, order: PathOrder) -> Result<PathPicture, GpuError> {
-        let (run, guides) = (self.run(frame.size)?, self.guides(order, frame.size)?);
+    /// Begins an image by paths of light that [`Renderer::refine`] draws.
+    ///
+    /// # Errors
+    /// Fails if the driver has no memory for the paths of an image of this size.
+    pub fn begin_paths(&self, frame: Frame, order: PathOrder) -> Result<PathPicture> {
+        let run = self.painter.run(frame.size)?;
+        let guides = self.painter.guides(order, frame.size)?;
         Ok(PathPicture { frame, order, run, guides, cost: PixelCost::default(), shown: 0 })
     }
 
-    /// Continues an image for about `patience`. Returns its progress when there is a better image.
-    pub(super) fn refine(
+    /// Continues an image by paths of light for about `patience`, with the same scene and a program of
+    /// [`crate::gpu::scene_program::as_paths`]. Returns the progress if the image has become better; its fraction is 1 at
+    /// the end. The previous image stays until the first paths are finished.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn refine(
         &mut self,
         picture: &mut PathPicture,
         scene: &SceneResources,
         program: &Program,
         patience: Duration,
-    ) -> Result<Option<PathProgress>, GpuError> {
-        let patience = (Instant::now(), patience);
+    ) -> Result<Option<PathProgress>> {
+        let (painter, patience) = (&mut self.painter, (Instant::now(), patience));
         let PathPicture { frame, order, run, guides, cost, shown } = picture;
-        let Some(targets) = self.prepare_paths(frame, scene)? else { return Ok(None) };
+        let Some(targets) = painter.prepare_paths(frame, scene)? else { return Ok(None) };
         let area = Part::whole(frame.size);
-        let (sampling, passes) = (&self.sampling, self.post.passes());
+        let (sampling, passes) = (&painter.sampling, &painter.post.passes);
         let drawing = PathArea { sampling, passes, program, order: *order, area };
         let most = order.samples.clamp(1, PATHS_MAX);
         let is_guided = guides.as_mut().is_none_or(|guides| drawing.guide(guides, cost, patience));
@@ -110,71 +125,73 @@ impl Painter {
         // Another image is worth its filter if it has many more paths.
         let look = look.filter(|look| look.is_finished || 4 * look.paths >= 5 * *shown);
         let Some(Look { paths, is_finished }) = look.filter(|look| look.paths > 0) else {
-            self.canvas.targets = Some(targets);
-            self.gl.check("drawing paths")?;
+            painter.canvas.targets = Some(targets);
+            painter.gl.check("drawing paths")?;
             return Ok(None);
         };
         let guides = guides.as_ref().map(|guides| &guides.state);
-        drawing.resolve(&run.state, guides, &self.path_results, targets.post.light())?;
+        drawing.resolve(&run.state, guides, &painter.path_results, &targets.post.light)?;
         *shown = paths;
-        self.finish_paths(frame, scene, targets)?;
+        painter.finish_paths(frame, scene, targets)?;
+        self.presenter.flashes.is_limited = false;
         let fraction = paths as f64 / (u64::from(most) * area.pixels()) as f64;
         Ok(Some(PathProgress { fraction: if is_finished { 1.0 } else { fraction.min(0.999) }, paths }))
     }
 
-    /// Draws a few rays with a program, so that the driver finishes compiling.
-    pub(super) fn warm_up_paths(
+    /// Draws a few paths of light from a frame's blocks and the bound objects of a scene. The image is of no use.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn draw_path_block(
         &mut self,
         size: (u32, u32),
         block: &FrameBlock,
         picture: &Picture,
         scene: &SceneNames,
         program: &Program,
-    ) -> Result<(), GpuError> {
-        self.begin_block(Product::Light, size, block, picture)?;
-        self.canvas.making = None;
-        self.post.passes().prepare();
-        if let Some(targets) = &self.canvas.targets {
-            self.sampling.settle_samplers(&targets.first)?;
+    ) -> Result<()> {
+        let painter = &mut self.painter;
+        painter.begin_block(Product::Light, size, block, picture)?;
+        painter.canvas.making = None;
+        painter.post.passes.prepare();
+        if let Some(targets) = &painter.canvas.targets {
+            painter.sampling.settle_samplers(&targets.first)?;
         }
-        scene.bind(&self.gl);
+        scene.bind(&painter.gl);
         let sampling = PathSampling::Both;
         let order = PathOrder { samples: 1, noise: 0.0, first: 0, sampling, is_filtered: false };
-        let (sampling, passes, area) = (&self.sampling, self.post.passes(), Part::whole(size));
+        let (sampling, passes, area) = (&painter.sampling, &painter.post.passes, Part::whole(size));
         let drawing = PathArea { sampling, passes, program, order, area };
-        drawing.draw(&mut self.run(size)?, &mut PixelCost::default(), &mut |_, _| false);
-        self.gl.check("drawing paths")
+        drawing.draw(&mut painter.run(size)?, &mut PixelCost::default(), &mut |_, _| false);
+        painter.gl.check("drawing paths")
     }
+}
 
-    fn run(&self, size: (u32, u32)) -> Result<PathRun, GpuError> {
+impl Painter {
+    fn run(&self, size: (u32, u32)) -> Result<PathRun> {
         PathState::new(&self.gl, size).map(PathRun::over)
     }
 
-    fn guides(&self, order: PathOrder, size: (u32, u32)) -> Result<Option<PathRun>, GpuError> {
+    fn guides(&self, order: PathOrder, size: (u32, u32)) -> Result<Option<PathRun>> {
         order.is_filtered.then(|| self.run(size)).transpose()
     }
 
     /// Sets everything that the paths of a frame read. Returns the targets of the image, or `None` without targets.
-    fn prepare_paths(&mut self, frame: &Frame, scene: &SceneResources) -> Result<Option<Targets>, GpuError> {
+    fn prepare_paths(&mut self, frame: &Frame, scene: &SceneResources) -> Result<Option<Targets>> {
         let tree = scene.tree_of(frame);
         scene.upload_inputs(frame)?;
         self.need_targets(frame.size, &of_paths(frame))?;
         let Some(targets) = self.canvas.targets.take() else { return Ok(None) };
         self.sampling.set_frame(&frame.block(scene.world(), &tree));
         self.post.bind_picture(&frame.picture, self.sampling.edge_samples);
-        self.post.passes().prepare();
+        self.post.passes.prepare();
         self.sampling.settle_samplers(&targets.first)?;
         scene.names().bind(&self.gl);
         Ok(Some(targets))
     }
 
     /// Finishes the image of the light of paths.
-    fn finish_paths(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        mut targets: Targets,
-    ) -> Result<(), GpuError> {
+    fn finish_paths(&mut self, frame: &Frame, scene: &SceneResources, mut targets: Targets) -> Result<()> {
         let picture = of_paths(frame);
         let mut making = Making::new(picture, Product::Picture);
         making.trails = scene.feedback().and_then(|feedback| feedback.trails(frame));

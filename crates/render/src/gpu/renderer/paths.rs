@@ -9,11 +9,10 @@ use glow::HasContext;
 
 use super::sampling::Sampling;
 use crate::frame::Frame;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
-use crate::gpu::kept_paths::KeptPaths;
 use crate::gpu::passes::Passes;
-use crate::gpu::path_state::PathState;
+use crate::gpu::path_state::{KeptPaths, PathState};
 use crate::gpu::program::{LazyProgram, Program, unit_of};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::{Target, Texel};
@@ -36,7 +35,7 @@ pub(super) struct PathResults {
 }
 
 impl PathResults {
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let [mean, first, middle, last] = PATH_RESULT_SHADERS
             .map(|(name, defines)| LazyProgram::new(gl, library, name, &Variant::of(defines)));
         Ok(Self { mean: mean?, filter_first: first?, filter: middle?, filter_last: last? })
@@ -142,7 +141,7 @@ pub(super) struct PathRun {
 
 impl PathRun {
     pub(super) fn over(state: PathState) -> Self {
-        let parts = vec![Part::whole(state.size())];
+        let parts = vec![Part::whole(state.size)];
         Self { state, parts, unfinished_before: None, queue: None, passes: 0 }
     }
 
@@ -221,7 +220,7 @@ impl PathArea<'_> {
         }
         let pixels = run.state.read();
         let paths = pixels.iter().map(|(paths, _)| u64::from(*paths)).sum();
-        let unfinished = unfinished_blocks(&pixels, run.state.size());
+        let unfinished = unfinished_blocks(&pixels, run.state.size);
         let is_finished = unfinished.is_empty();
         // A block that has just finished is drawn once more, so that both states hold its end.
         if let Some(before) = run.unfinished_before.replace(unfinished) {
@@ -243,11 +242,11 @@ impl PathArea<'_> {
         let PathOrder { noise, first, sampling, .. } = self.order;
         let (x, y) = (self.area.x as f32, self.area.y as f32);
         let numbers = [x, y, first as f32, f32::from(sampling as u8), most as f32, noise, kind, 0.0];
-        let gl = self.sampling.gl();
+        let gl = &self.sampling.gl;
         run.state.bind();
         self.program.bind();
         let mut queue =
-            run.queue.take().unwrap_or_else(|| Parts::of(run.parts.clone(), run.state.size(), *cost));
+            run.queue.take().unwrap_or_else(|| Parts::of(run.parts.clone(), run.state.size, *cost));
         let mut is_finished = true;
         while let Some(part) = queue.next(*cost) {
             let timer = DrawTimer::start(gl.info().software);
@@ -295,8 +294,8 @@ impl PathArea<'_> {
         guides: Option<&PathState>,
         programs: &PathResults,
         light: &Target,
-    ) -> Result<(), GpuError> {
-        let gl = self.sampling.gl();
+    ) -> Result<()> {
+        let gl = &self.sampling.gl;
         let corner = [self.area.x as f32, self.area.y as f32];
         let Part { x, y, width, height } = self.area;
         let area = [x, y, width, height].map(u32::cast_signed);
@@ -305,7 +304,7 @@ impl PathArea<'_> {
             return self.passes.draw_within(&programs.mean, light, corner, area);
         };
         guides.bind_current("path_guides");
-        let target = || Target::new(gl, state.size(), &[Texel::Rgba32F], None);
+        let target = || Target::new(gl, state.size, &[Texel::Rgba32F], None);
         let (mut from, mut to) = (target()?, target()?);
         self.passes.draw(&programs.filter_first, &from)?;
         for pass in 0..FILTER_PASSES {

@@ -1,6 +1,6 @@
 //! Dims finished images and places them in windows.
 
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
 use crate::gpu::passes::{Block, Passes};
 use crate::gpu::program::{LazyProgram, unit_of};
@@ -15,33 +15,20 @@ pub(super) struct Placing {
     dim: LazyProgram,
     place: LazyProgram,
     block: Block,
-    gain: f32,
+    pub(super) gain: f32,
     /// The dimmed image; `None` at full brightness.
-    dimmed: Option<Target>,
+    pub(super) dimmed: Option<Target>,
 }
 
 impl Placing {
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         let [dim, place] =
             PLACING_SHADERS.map(|name| move || LazyProgram::new(gl, library, name, &Variant::default()));
         let block = Block::new(gl, "PlaceBlock")?;
         Ok(Self { dim: dim()?, place: place()?, block, gain: 1.0, dimmed: None })
     }
 
-    pub(super) fn gain(&self) -> f32 {
-        self.gain
-    }
-
-    pub(super) fn dimmed(&self) -> Option<&Target> {
-        self.dimmed.as_ref()
-    }
-
-    pub(super) fn dim(
-        &mut self,
-        passes: &Passes,
-        finished: Option<&Target>,
-        gain: f32,
-    ) -> Result<(), GpuError> {
+    pub(super) fn dim(&mut self, passes: &Passes, finished: Option<&Target>, gain: f32) -> Result<()> {
         self.gain = gain.clamp(0.0, 1.0);
         let room = self.dimmed.take();
         let Some(finished) = finished.filter(|_| self.gain < 1.0) else { return Ok(()) };
@@ -65,7 +52,7 @@ impl Placing {
         area: Area,
         map: &Map,
         part: Area,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.block.set(&numbers(map, part));
         passes.prepare();
         picture.bind_color(0, unit_of("picture"));
@@ -84,7 +71,7 @@ impl Placing {
         target: &Target,
         map: &Map,
         part: Area,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         // OpenGL's first row is the lowest row.
         self.block.set(&numbers(&within([0.0, 1.0, 1.0, 0.0], map), part));
         passes.prepare();

@@ -1,16 +1,13 @@
 //! Presents finished images: dims them, limits their flashes and places them in windows. An undimmed image that fills
 //! its window is copied byte for byte.
 
-use super::flashes::Flashes;
 use super::placing::Placing;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
+use crate::gpu::flash_pass::FlashPass;
 use crate::gpu::gl::Gl;
 use crate::gpu::passes::Passes;
-use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::program::{LazyProgram, unit_of};
-use crate::gpu::shader_source::{ShaderLibrary, Variant};
-use crate::gpu::target::Target;
-use crate::placement::{Area, Map};
+use crate::gpu::target::{Target, Texel};
 
 /// The shader that enlarges an image for a window.
 pub const UPSCALE_SHADER: &str = "upscale.frag";
@@ -18,52 +15,28 @@ pub const UPSCALE_SHADER: &str = "upscale.frag";
 #[derive(Default)]
 pub(super) struct Presenter {
     /// Enlarges images for a window; `None` without a window.
-    upscale: Option<LazyProgram>,
+    pub(super) upscale: Option<LazyProgram>,
     pub(super) placing: Option<Placing>,
     pub(super) flashes: Flashes,
 }
 
 impl Presenter {
-    pub(super) fn prepare_for_window(&mut self, gl: &Gl, library: &ShaderLibrary) -> Result<(), GpuError> {
-        self.upscale = Some(LazyProgram::new(gl, library, UPSCALE_SHADER, &Variant::default())?);
-        Ok(())
-    }
-
-    pub(super) fn is_for_window(&self) -> bool {
-        self.upscale.is_some()
-    }
-
-    pub(super) fn dim(
-        &mut self,
-        passes: &Passes,
-        finished: Option<&Target>,
-        gain: f32,
-    ) -> Result<(), GpuError> {
+    pub(super) fn dim(&mut self, passes: &Passes, finished: Option<&Target>, gain: f32) -> Result<()> {
         let Some(placing) = &mut self.placing else { return Ok(()) };
         if self.upscale.is_some() {
-            self.flashes.forget_copy();
+            self.flashes.has_copy = false;
         }
         placing.dim(passes, finished, gain)
     }
 
-    pub(super) fn limit_flashes(
-        &mut self,
-        gl: &Gl,
-        finished: Option<&Target>,
-        seconds: f64,
-    ) -> Result<(), GpuError> {
+    pub(super) fn limit_flashes(&mut self, gl: &Gl, finished: Option<&Target>, seconds: f64) -> Result<()> {
         let Self { upscale, placing, flashes } = self;
         let Some(picture) = bright(placing.as_ref(), finished) else { return Ok(()) };
         flashes.measure(picture, seconds);
         if upscale.is_none() { flashes.make_copy(gl, picture) } else { Ok(()) }
     }
 
-    pub(super) fn show(
-        &self,
-        passes: &Passes,
-        finished: Option<&Target>,
-        window: (u32, u32),
-    ) -> Result<(), GpuError> {
+    pub(super) fn show(&self, passes: &Passes, finished: Option<&Target>, window: (u32, u32)) -> Result<()> {
         let Some(picture) = bright(self.placing.as_ref(), finished) else { return Ok(()) };
         if self.upscale.is_some() && picture.size() != window {
             self.enlarge(passes, picture, window, None)?;
@@ -83,45 +56,19 @@ impl Presenter {
         picture: &Target,
         window: (u32, u32),
         area: Option<[i32; 4]>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         let Some(upscale) = &self.upscale else { return Ok(()) };
         picture.bind_color(0, unit_of("picture"));
         passes.bind_vertices();
         passes.draw_in_window(upscale, window, area)
     }
 
-    pub(super) fn show_in_part(
-        &mut self,
-        passes: &Passes,
-        finished: Option<&Target>,
-        window: (u32, u32),
-        area: Area,
-        map: &Map,
-        part: Area,
-    ) -> Result<(), GpuError> {
-        let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(()) };
-        placing.place(passes, picture, window, area, map, part)
-    }
-
-    /// Sends an image to `reader`. Returns `false` if the reader is still busy with earlier images.
-    pub(super) fn send(
-        &mut self,
-        passes: &Passes,
-        finished: Option<&Target>,
-        reader: &mut PictureReader,
-        map: &Map,
-        part: Area,
-    ) -> Result<bool, GpuError> {
-        let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(false) };
-        placing.place_in(passes, picture, reader.target(), map, part)?;
-        Ok(reader.begin())
-    }
-
-    fn placed<'a>(
+    /// The image with limited flashes and the programs that place it; `None` without either.
+    pub(super) fn placed<'a>(
         &'a mut self,
         passes: &Passes,
         finished: Option<&'a Target>,
-    ) -> Result<Option<(&'a Placing, &'a Target)>, GpuError> {
+    ) -> Result<Option<(&'a Placing, &'a Target)>> {
         let Self { placing, flashes, .. } = self;
         let Some(picture) = bright(placing.as_ref(), finished) else { return Ok(None) };
         flashes.make_copy(&passes.gl, picture)?;
@@ -139,7 +86,7 @@ impl Presenter {
         passes: &Passes,
         finished: &Target,
         is_wanted: &mut dyn FnMut() -> bool,
-    ) -> Result<(), GpuError> {
+    ) -> Result<()> {
         self.enlarge(passes, finished, finished.size(), Some([0; 4]))?;
         self.flashes.pass.iter_mut().for_each(|pass| pass.warm_up(finished, is_wanted));
         Ok(())
@@ -148,5 +95,69 @@ impl Presenter {
 
 /// The dimmed image, or the finished image at full brightness. Its flashes are not limited yet.
 fn bright<'a>(placing: Option<&'a Placing>, finished: Option<&'a Target>) -> Option<&'a Target> {
-    placing.and_then(Placing::dimmed).or(finished)
+    placing.and_then(|placing| placing.dimmed.as_ref()).or(finished)
+}
+
+// Fades between images: mixes the light of an earlier image into new images, before the tone map.
+
+pub(super) struct Fade {
+    pub(super) light: Target,
+    pub(super) fraction: f32,
+}
+
+impl Fade {
+    pub(super) fn mixed_in(&self) -> (&Target, f32) {
+        (&self.light, self.fraction)
+    }
+}
+
+// Limits the flashes of finished images, in the window or in a copy.
+
+#[derive(Default)]
+pub(super) struct Flashes {
+    pub(super) pass: Option<FlashPass>,
+    pub(super) is_limited: bool,
+    copy: Option<Target>,
+    pub(super) has_copy: bool,
+}
+
+impl Flashes {
+    pub(super) fn remove(&mut self) {
+        self.pass = None;
+        self.is_limited = false;
+    }
+
+    pub(super) fn measure(&mut self, picture: &Target, seconds: f64) {
+        if let Some(pass) = &mut self.pass {
+            pass.measure(picture, seconds);
+            self.is_limited = true;
+            self.has_copy = false;
+        }
+    }
+
+    pub(super) fn limiting(&self) -> Option<&FlashPass> {
+        self.pass.as_ref().filter(|_| self.is_limited)
+    }
+
+    pub(super) fn limited(&self) -> Option<&Target> {
+        self.copy.as_ref().filter(|_| self.is_limited && self.has_copy)
+    }
+
+    /// Copies `picture` and limits the flashes of the copy, unless the copy is up to date or limiting is off.
+    pub(super) fn make_copy(&mut self, gl: &Gl, picture: &Target) -> Result<()> {
+        if self.has_copy || !self.is_limited {
+            return Ok(());
+        }
+        let room = self.copy.take();
+        let Some(pass) = &self.pass else { return Ok(()) };
+        let copy = match room.filter(|copy| copy.size() == picture.size()) {
+            Some(copy) => copy,
+            None => Target::new(gl, picture.size(), &[Texel::Rgba8], None)?,
+        };
+        picture.blit_to(&copy);
+        pass.limit(picture, &copy);
+        self.copy = Some(copy);
+        self.has_copy = true;
+        Ok(())
+    }
 }

@@ -6,7 +6,7 @@ use glow::HasContext;
 
 use crate::frame::block::FrameBlock;
 use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::gl::Gl;
 use crate::gpu::media::MediaFilter;
 use crate::gpu::passes::Block;
@@ -39,7 +39,7 @@ pub(super) enum Sample {
 }
 
 pub(super) struct Sampling {
-    gl: Gl,
+    pub(super) gl: Gl,
     edges: LazyProgram,
     samplers: Option<Samplers>,
     frame_block: Block,
@@ -50,7 +50,7 @@ pub(super) struct Sampling {
 }
 
 impl Sampling {
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
         Ok(Self {
             gl: gl.clone(),
             edges: LazyProgram::new(gl, library, EDGE_SHADER, &Variant::default())?,
@@ -63,10 +63,6 @@ impl Sampling {
         })
     }
 
-    pub(super) fn gl(&self) -> &Gl {
-        &self.gl
-    }
-
     pub(super) fn set_frame(&self, block: &FrameBlock) {
         self.frame_block.set(block.as_flattened());
     }
@@ -76,12 +72,12 @@ impl Sampling {
     }
 
     /// Resets a scene program's samplers. `edges.frag` needs no reset after it: it changes only the first slot.
-    pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
+    pub(super) fn settle_samplers(&self, target: &Target) -> Result<()> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
 
     /// Sets the stencil at edges. `sum` and `first` share this stencil. Clears the colours of `sum`.
-    pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
+    pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<()> {
         // SAFETY: sets state and draws without attributes into the target bound here, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -101,7 +97,7 @@ impl Sampling {
         Ok(())
     }
 
-    pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
+    pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<()> {
         marks.bind();
         // SAFETY: clears and draws without attributes into the target bound above, in the current context.
         unsafe {
@@ -128,11 +124,7 @@ impl Sampling {
 
     /// Unbinds the edge list's texture, because the next draw might write to this texture.
     pub(super) fn unbind_edge_pixels(&self) {
-        // SAFETY: sets state of the current context.
-        unsafe {
-            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
-            self.gl.bind_texture(glow::TEXTURE_2D, None);
-        }
+        self.gl.bind_unit(unit_of("edge_pixels"), glow::TEXTURE_2D, None);
     }
 
     pub(super) fn draw(&self, sample: Sample) {

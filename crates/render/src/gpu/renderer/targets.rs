@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::gpu::edge_list::EdgeList;
 use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::error::GpuError;
+use crate::gpu::error::Result;
 use crate::gpu::evaluations::{Counting, Evaluations};
 use crate::gpu::gl::Gl;
 use crate::gpu::media::MediaTargets;
@@ -38,18 +38,13 @@ impl Edges {
     fn samples(&self) -> &Target {
         match self {
             Edges::Stencil(sum) => sum,
-            Edges::List(list) => list.samples(),
+            Edges::List(list) => &list.samples,
         }
     }
 }
 
 impl Targets {
-    pub(super) fn new(
-        gl: &Gl,
-        kind: TargetsKind,
-        samples: EdgeSamples,
-        counting: Counting,
-    ) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, kind: TargetsKind, samples: EdgeSamples, counting: Counting) -> Result<Self> {
         let TargetsKind { size, has_lens, has_media } = kind;
         // Counts replace the shader outputs of the lens: images with counts are never shown, so they need no blur.
         let texels: &[Texel] = match (counting, has_lens) {
@@ -86,7 +81,7 @@ impl Targets {
 
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
-        let media = self.media.as_ref().map(MediaTargets::rays);
+        let media = self.media.as_ref().map(|media| &media.rays);
         for target in [&self.first, self.edges.samples()].into_iter().chain(media) {
             let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
             for texel in kinds.as_chunks::<4>().0 {
