@@ -1,7 +1,7 @@
 //! The settings of a run, from the command line and earlier runs. [`PlaySettings`] has all settings of the window.
 
 pub use mariana_files::Folders;
-pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;
+pub use mariana_settings::limits as setting_limits;
 pub use mariana_settings::{
     Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, KnobsError,
     LastShow, PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile,

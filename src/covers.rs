@@ -7,7 +7,7 @@ use std::io::{self, Cursor};
 
 use image::{ImageFormat, ImageReader, Limits, Rgba, RgbaImage};
 
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::song_structures::SongReader;
 use mariana_player::covers::cover_of;
 use mariana_player::decode::{Cover, CoverKind};
@@ -79,15 +79,15 @@ fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
     // Look at the size first: decoding a huge image takes seconds even if its memory is limited.
     let (width, height) = reader().into_dimensions().map_err(|error| error.to_string())?;
     let pixels = u64::from(width) * u64::from(height);
-    if pixels > LIMITS.cover_pixels_max {
+    if pixels > limits::COVER_PIXELS_MAX {
         return Err(format!(
             "it has {pixels} pixels, more than {}: make it smaller",
-            LIMITS.cover_pixels_max
+            limits::COVER_PIXELS_MAX
         ));
     }
     let mut reader = reader();
     let mut limits = Limits::default();
-    limits.max_alloc = Some(8 * LIMITS.cover_pixels_max);
+    limits.max_alloc = Some(8 * limits::COVER_PIXELS_MAX);
     reader.limits(limits);
     let image = reader.decode().map_err(|error| error.to_string())?;
     let is_small = width <= SIDE && height <= SIDE;

@@ -13,7 +13,8 @@ pub enum Chroma {
 const HEAD: &[u8] = b"FRAME\n";
 
 /// Returns the header of the stream.
-pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> {
+pub fn header(size: (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> {
+    let (width, height) = size;
     let (frames, seconds) = ratio(fps);
     let chroma = match chroma {
         Chroma::Whole => "C444",
@@ -60,7 +61,8 @@ pub fn frame_of_quarter(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
 }
 
 /// Returns the three planes (luma, blue and red difference) of a frame with 4:2:0 chroma, known as I420 or YU12.
-pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
+pub fn quarter_planes(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
+    let (width, _) = size;
     let pixels = rgba.as_chunks::<4>().0;
     let width = (width as usize).max(2);
     let mut bytes = Vec::with_capacity(pixels.len() + pixels.len() / 2);

@@ -10,7 +10,7 @@ use crate::config::Folders;
 use crate::demo_track::DEMO_TRACK;
 use crate::export::output::STANDARD;
 use crate::export::print::print_message;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::scenes::{SceneError, SceneSource, import_shader, is_scene_file, is_shader_file};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_player::song::Song;
@@ -68,7 +68,7 @@ pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
 
 /// Reads a song from standard input into memory, because decoders seek in it.
 fn song_of_standard_input() -> anyhow::Result<Song> {
-    let bytes = standard_input(LIMITS.standard_input_bytes_max, "a song", "mariana analyze - < song.ogg")?;
+    let bytes = standard_input(limits::STANDARD_INPUT_BYTES_MAX, "a song", "mariana analyze - < song.ogg")?;
     // Leak the bytes, once per run: the song is needed until the program ends.
     Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
 }

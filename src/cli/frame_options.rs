@@ -6,7 +6,7 @@ use super::common::refuse_a_terminal;
 use super::parse::{parse_fps, parse_size};
 use crate::config::PlaySettings;
 use crate::export::output::Output;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::sending::SenderTarget;
 
 #[derive(Args)]
@@ -14,7 +14,7 @@ pub(super) struct StagingArguments {
     /// Show the image without panels on a whole monitor, given by name or number, in addition to the window; 'list'
     /// lists the monitors, 'off' uses none [default: the last choice in the window]
     #[arg(long, value_name = "MONITOR")]
-    output: Option<String>,
+    pub(crate) output: Option<String>,
     /// Be the desktop's wallpaper, on X11 or on Wayland with layer shell: below all windows, on all monitors, without
     /// input; at most 30 frames a second unless --fps-cap is given. Pauses drawing while covered and on battery. Media
     /// keys pause the song
@@ -33,19 +33,15 @@ pub(super) struct StagingArguments {
 }
 
 impl StagingArguments {
-    pub(super) fn lists_monitors(&self) -> bool {
-        self.output.as_deref() == Some("list")
-    }
-
     /// Writes these flags into `settings`.
     ///
     /// # Errors
     /// Fails if there are too many targets, or if a target is a terminal.
     pub(super) fn apply(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
-            self.send.len() <= LIMITS.sends_max,
+            self.send.len() <= limits::SENDS_MAX,
             "frames can be sent to at most {} targets, not {}: leave out some --send flags",
-            LIMITS.sends_max,
+            limits::SENDS_MAX,
             self.send.len()
         );
         if self.send.contains(&SenderTarget::Y4m(None)) {

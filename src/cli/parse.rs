@@ -4,9 +4,9 @@ use mariana_control::limits as control_limits;
 use mariana_field::world::BlendKind;
 use mariana_player::limits as player_limits;
 
-use crate::config::SETTING_LIMITS;
+use crate::config::setting_limits;
 use crate::export::video::Part;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::placement::{Corners, Crop};
 use crate::y4m::ntsc_rate;
 
@@ -16,7 +16,7 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| {
         let value: u32 =
             text.trim().parse().map_err(|_| format!("'{text}' is not a whole number of pixels"))?;
-        let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
+        let (low, high) = (limits::PICTURE_SIDE_MIN, limits::PICTURE_SIDE_MAX);
         if (low..=high).contains(&value) {
             Ok(value)
         } else {
@@ -25,8 +25,8 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     };
     let (width, height) = (side(width)?, side(height)?);
     let pixels = u64::from(width) * u64::from(height);
-    if pixels > LIMITS.picture_pixels_max {
-        return Err(format!("an image can have at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
+    if pixels > limits::PICTURE_PIXELS_MAX {
+        return Err(format!("an image can have at most {} pixels, not {pixels}", limits::PICTURE_PIXELS_MAX));
     }
     Ok((width, height))
 }
@@ -76,11 +76,11 @@ pub(super) fn parse_shutter(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn parse_exposures(text: &str) -> Result<u32, String> {
-    parse_whole(text, 2, LIMITS.exposures_max, "exposures").map(u32::from)
+    parse_whole(text, 2, limits::EXPOSURES_MAX, "exposures").map(u32::from)
 }
 
 pub(super) fn parse_samples(text: &str) -> Result<u16, String> {
-    parse_whole(text, 1, LIMITS.path_samples_max, "paths")
+    parse_whole(text, 1, limits::PATH_SAMPLES_MAX, "paths")
 }
 
 pub(super) fn parse_noise(text: &str) -> Result<f32, String> {
@@ -94,7 +94,7 @@ pub(super) fn parse_eye_distance(text: &str) -> Result<f64, String> {
 /// Parses a part of a video: `3/8`.
 pub(super) fn parse_part(text: &str) -> Result<Part, String> {
     let (number, of) = text.split_once('/').ok_or("write the part as NUMBER/PARTS, such as 3/8")?;
-    let of = u64::from(parse_whole(of, 1, LIMITS.parts_of_video_max, "parts")?);
+    let of = u64::from(parse_whole(of, 1, limits::PARTS_OF_VIDEO_MAX, "parts")?);
     match number.trim().parse() {
         Ok(number) if (1..=of).contains(&number) => Ok(Part { number, of }),
         _ => Err(format!("'{}' is none of the parts 1 to {of}", number.trim())),
@@ -138,7 +138,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let value = value.ok_or_else(|| {
         format!("'{text}' is no time: write seconds, such as 80, or minutes and seconds, such as 1:20.5")
     })?;
-    within(value, 0.0, LIMITS.seconds_max, "seconds")
+    within(value, 0.0, limits::SECONDS_MAX, "seconds")
 }
 
 pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
@@ -153,12 +153,12 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
     let (frames, seconds) = text.split_once('/').unwrap_or((text, "1"));
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number"));
     let fps =
-        within(number(frames)? / number(seconds)?, LIMITS.fps_min, LIMITS.fps_max, "frames per second")?;
+        within(number(frames)? / number(seconds)?, limits::FPS_MIN, limits::FPS_MAX, "frames per second")?;
     Ok(ntsc_rate(fps).unwrap_or(fps))
 }
 
 pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, SETTING_LIMITS.fade_seconds_max, "seconds")
+    parse_within(text, 0.0, setting_limits::FADE_SECONDS_MAX, "seconds")
 }
 
 fn parse_numbers<const COUNT: usize>(text: &str, example: &str) -> Result<[f64; COUNT], String> {

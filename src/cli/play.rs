@@ -21,7 +21,7 @@ use crate::config::{
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, print_message};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::program_cache::ProgramCache;
 use crate::scenes::SceneSource;
 use crate::session::Prepared;
@@ -151,7 +151,7 @@ fn check_scale_factor() -> anyhow::Result<()> {
 pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     arguments.common.start_log();
     check_scale_factor()?;
-    if arguments.frame_options.lists_monitors() {
+    if arguments.frame_options.output.as_deref() == Some("list") {
         return list_monitors();
     }
     if is_plain() && hands_over(&arguments.files) {
@@ -290,10 +290,11 @@ fn list_monitors() -> anyhow::Result<()> {
 
 const SIZE: (u32, u32) = (1280, 720);
 
-fn fits((width, height): (u32, u32)) -> bool {
-    let sides = LIMITS.picture_side_min.max(64)..=LIMITS.picture_side_max;
+fn fits(size: (u32, u32)) -> bool {
+    let (width, height) = size;
+    let sides = limits::PICTURE_SIDE_MIN.max(64)..=limits::PICTURE_SIDE_MAX;
     let pixels = u64::from(width) * u64::from(height);
-    sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
+    sides.contains(&width) && sides.contains(&height) && pixels <= limits::PICTURE_PIXELS_MAX
 }
 
 /// Returns the scene of the last show, and the scene to show if that one cannot be loaded.

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::export::print::print_message;
+use crate::ui::overlay::clock_time;
 
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
@@ -83,17 +84,10 @@ fn line(noun: &str, done: u64, of: Option<u64>, rate: f64) -> String {
         Some(of) => format!(
             "{noun} {done} of {of}, {} %, {rate:.1} a second, {} left",
             100 * done / of,
-            clock(of.saturating_sub(done) as f64 / rate.max(1e-3))
+            clock_time((of.saturating_sub(done) as f64 / rate.max(1e-3)).round())
         ),
         None => format!("{noun} {done}, {rate:.1} a second"),
     }
-}
-
-/// Seconds as 1:20 or 1:02:03.
-fn clock(seconds: f64) -> String {
-    let seconds = seconds.round() as u64;
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes}:{seconds:02}") }
 }
 
 fn style(template: &str) -> ProgressStyle {
@@ -101,7 +95,7 @@ fn style(template: &str) -> ProgressStyle {
         let _ = write!(to, "{:.1}", state.per_sec());
     };
     let left = |state: &ProgressState, to: &mut dyn fmt::Write| {
-        let _ = to.write_str(&clock(state.eta().as_secs_f64()));
+        let _ = to.write_str(&clock_time(state.eta().as_secs_f64().round()));
     };
     // The templates are constants, and a test checks them.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());

@@ -35,7 +35,8 @@ impl Coverage {
         &mut self,
         renderer: &mut Renderer,
         frame: &mut Frame,
-        (resources, program): (&SceneResources, &Program),
+        resources: &SceneResources,
+        program: &Program,
     ) -> Result<(), ExportError> {
         frame.picture.grain = 0.0;
         let mut covering = frame.clone();

@@ -5,6 +5,7 @@ use std::io::Write;
 use serde::Serialize;
 
 use super::error::ExportError;
+use super::print::is_open;
 use super::song_features::SongFeatures;
 use mariana_music::{Features, Gain, SongMoment};
 use mariana_player::song::Song;
@@ -61,15 +62,11 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
         } else {
             columns(t, &features) + &place.map_or_else(String::new, |place| song_columns(&place))
         };
-        match writeln!(out, "{line}") {
-            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(()),
-            other => other.map_err(ExportError::Print)?,
+        if !is_open(writeln!(out, "{line}"))? {
+            return Ok(());
         }
     }
-    match out.flush() {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.map_err(ExportError::Print),
-    }
+    is_open(out.flush()).map(drop)
 }
 
 fn song_columns(place: &SongMoment) -> String {

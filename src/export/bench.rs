@@ -160,7 +160,7 @@ impl Bench<'_> {
         // In interpreted mode, the rows with and without regions have the same program.
         let mut made = None;
         for &regions in ways {
-            let (run, program) = self.start_run(renderer, (mode, regions), made.take())?;
+            let (run, program) = self.start_run(renderer, mode, regions, made.take())?;
             runs.push(run);
             made = Some(program);
         }
@@ -171,7 +171,8 @@ impl Bench<'_> {
     fn start_run(
         &self,
         renderer: &mut Renderer,
-        (mode, regions): (Mode, bool),
+        mode: Mode,
+        regions: bool,
         made: Option<Made>,
     ) -> Result<(Run, Made), ExportError> {
         let (resources, frame, library) = (&self.resources, &self.frame, &self.request.scene.shaders);
@@ -187,7 +188,7 @@ impl Bench<'_> {
                 Made { variant: variant.clone(), program, shader_ms, again: None }
             }
         };
-        let (built, build_ms, next_build_ms) = build(resources, (frame, &self.following), regions, mode);
+        let (built, build_ms, next_build_ms) = build(resources, frame, &self.following, regions, mode);
         resources.upload_regions(built.clone());
         let start = Instant::now();
         renderer.draw(frame, resources, &program)?;
@@ -195,7 +196,7 @@ impl Bench<'_> {
         let first_draw_ms = milliseconds(start.elapsed());
         let again = match again {
             Some(known) => known,
-            None => first_draw(renderer, (frame, resources), library, &variant)?,
+            None => first_draw(renderer, frame, resources, library, &variant)?,
         };
         let made = Made { variant, program: program.clone(), shader_ms, again: Some(again) };
         let (wall, cpu, gpu) = Default::default();
@@ -267,7 +268,8 @@ impl Bench<'_> {
 /// Links a program and draws a frame with it; returns both times in ms.
 fn first_draw(
     renderer: &mut Renderer,
-    (frame, resources): (&Frame, &SceneResources),
+    frame: &Frame,
+    resources: &SceneResources,
     library: &ShaderLibrary,
     variant: &Variant,
 ) -> Result<[f64; 2], ExportError> {
@@ -362,7 +364,8 @@ const FRAME_SECONDS: f64 = 1.0 / 60.0;
 /// and light are not shortened if the first attempt saves little.
 fn build(
     resources: &SceneResources,
-    (frame, following): (&Frame, &[Frame]),
+    frame: &Frame,
+    following: &[Frame],
     cells: bool,
     mode: Mode,
 ) -> (Arc<BuiltRegions>, f64, f64) {

@@ -1,10 +1,11 @@
 //! The destination of an image or a video.
 
 use std::fmt;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::error::ExportError;
+use super::print::is_open;
 
 /// The name of standard output and standard input on the command line.
 pub const STANDARD: &str = "-";
@@ -47,8 +48,5 @@ pub(super) fn pieces_of(path: &Path) -> PathBuf {
 /// [`ExportError::Print`] if standard output cannot be written.
 pub(super) fn write_standard(bytes: &[u8]) -> Result<bool, ExportError> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        written => written.map(|()| true).map_err(ExportError::Print),
-    }
+    is_open(out.write_all(bytes).and_then(|()| out.flush()))
 }

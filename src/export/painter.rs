@@ -81,7 +81,7 @@ impl From<SceneSource> for SceneChoice {
 }
 
 pub(super) struct HeadlessRenderer {
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
     coverage: Option<Coverage>,
     textures: ExactTextures,
@@ -89,7 +89,7 @@ pub(super) struct HeadlessRenderer {
     earlier: Option<EarlierSound>,
     paths: Option<PathDrawing>,
     /// True if images of later moments follow.
-    is_video: bool,
+    pub(crate) is_video: bool,
     /// True after the first image.
     has_drawn: bool,
     // The last field, so that the context is dropped after the objects that use it.
@@ -183,18 +183,15 @@ impl HeadlessRenderer {
         Ok(())
     }
 
-    /// Expects images of later moments, which share frames of feedback.
-    pub(super) fn expect_video(&mut self) {
-        self.is_video = true;
-    }
-
     /// Draws the frames of feedback that an image at `time` shows. `frame_at` returns the frame at an earlier moment,
     /// in the image's size; without a song, the earlier sound is `sound`. Views show none, because their colours stand
     /// for numbers.
     pub(super) fn feed_back(
         &mut self,
         model: &Model,
-        (time, sound, size): (f64, &Sound, (u32, u32)),
+        time: f64,
+        sound: &Sound,
+        size: (u32, u32),
         frame_at: &dyn Fn(f64, Sound) -> Frame,
     ) -> Result<(), ExportError> {
         let Model { program, resources, .. } = model;
@@ -224,7 +221,7 @@ impl HeadlessRenderer {
         let mut frame = frame.projected(resources.world(), self.projection);
         self.textures.put_into(&mut frame, resources.world());
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
-            coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
+            coverage.draw(&mut self.renderer, &mut frame, resources, program)?;
         }
         if let Some((drawing, (program, scene))) = self.paths.as_mut().zip(model.paths.as_ref()) {
             drawing.scene = *scene;
@@ -296,24 +293,6 @@ impl HeadlessRenderer {
             }
         }
         Ok(())
-    }
-
-    pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
-        Ok(self.renderer.add_dimming(shaders)?)
-    }
-
-    /// Multiplies the last frame's light by `brightness`, 0..1.
-    pub(super) fn dim(&mut self, brightness: f32) -> Result<(), ExportError> {
-        Ok(self.renderer.dim(brightness)?)
-    }
-
-    pub(super) fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
-        Ok(self.renderer.add_flash_limiter(shaders)?)
-    }
-
-    /// Dims areas of the last frame that flash too often. The frame is shown `seconds` after the previous frame.
-    pub(super) fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
-        Ok(self.renderer.limit_flashes(seconds)?)
     }
 
     /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.
@@ -400,7 +379,7 @@ impl Painter {
         let Self { model, held, headless_renderer } = self;
         let frame_options = FrameOptions { params: &[], held, camera: None };
         let frame_at = |time, sound| Frame::staged(model.world(), time, sound, size, &frame_options);
-        headless_renderer.feed_back(model, (time, &sound, size), &frame_at)?;
+        headless_renderer.feed_back(model, time, &sound, size, &frame_at)?;
         headless_renderer.draw(model, frame_at(time, sound))
     }
 

@@ -4,7 +4,8 @@ use crate::frame::projection::{Projection, ProjectionKind, Stereo};
 
 /// Returns the XMP of a picture of `size` pixels; `None` if viewers need none, or if no metadata describes it: domes,
 /// and pictures for two eyes.
-fn xmp(projection: &Projection, (width, height): (u32, u32)) -> Option<String> {
+fn xmp(projection: &Projection, size: (u32, u32)) -> Option<String> {
+    let (width, height) = size;
     let whole = match (projection.kind, projection.stereo) {
         (ProjectionKind::Sphere, Stereo::None) => width,
         (ProjectionKind::Vr180, Stereo::None) => 2 * width,
@@ -65,7 +66,8 @@ fn jpeg(file: &[u8], xmp: &str) -> Option<Vec<u8>> {
     Some([head, &[0xff, 0xe1], &length, &content, rest].concat())
 }
 
-fn webp(file: &[u8], xmp: &str, (width, height): (u32, u32)) -> Option<Vec<u8>> {
+fn webp(file: &[u8], xmp: &str, size: (u32, u32)) -> Option<Vec<u8>> {
+    let (width, height) = size;
     let picture = file.get(12..)?;
     let chunk = |name: &[u8; 4], content: &[u8]| {
         let padding = &[0][..content.len() % 2];

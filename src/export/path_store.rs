@@ -116,7 +116,9 @@ impl PathStore {
     /// Fails if the song cannot be read.
     pub(super) fn shared(
         path: &Path,
-        (song, at, size): (&Song, f64, (u32, u32)),
+        song: &Song,
+        at: f64,
+        size: (u32, u32),
         every: Duration,
     ) -> Result<SharedStore, ExportError> {
         let now = Instant::now();
@@ -145,7 +147,8 @@ impl PathStore {
     pub(super) fn begin(
         &mut self,
         scene: u64,
-        (frame, pixels): (&Frame, usize),
+        frame: &Frame,
+        pixels: usize,
         order: &PathOrder,
     ) -> Option<KeptPaths> {
         let mut inputs = Fingerprint::default();

@@ -99,7 +99,7 @@ impl PathDrawing {
 impl PathWatcher for PathDrawing {
     fn begin(&mut self, frame: &Frame, pixels: usize) -> Option<KeptPaths> {
         let mut store = self.store.as_ref()?.borrow_mut();
-        store.begin(self.scene, (frame, pixels), &self.order())
+        store.begin(self.scene, frame, pixels, &self.order())
     }
 
     fn resume(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool {

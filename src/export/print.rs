@@ -3,15 +3,24 @@
 use std::io::{ErrorKind, Write};
 
 use super::error::ExportError;
+use super::output::write_standard;
 
 /// Prints a line on standard output. A closed pipe is no error.
 ///
 /// # Errors
 /// [`ExportError::Print`] if standard output cannot be written.
 pub fn print_line(text: &str) -> Result<(), ExportError> {
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        written => written.map_err(ExportError::Print),
+    is_open(writeln!(std::io::stdout(), "{text}")).map(drop)
+}
+
+/// Returns false if the reader of an output has closed it.
+///
+/// # Errors
+/// [`ExportError::Print`] if the output could not be written for another reason.
+pub(super) fn is_open(written: std::io::Result<()>) -> Result<bool, ExportError> {
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        written => written.map(|()| true).map_err(ExportError::Print),
     }
 }
 
@@ -20,11 +29,7 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError::Print`] if standard output cannot be written.
 pub fn print_text(text: &str) -> Result<(), ExportError> {
-    let mut output = std::io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        written => written.map_err(ExportError::Print),
-    }
+    write_standard(text.as_bytes()).map(drop)
 }
 
 /// Prints a message for the user on standard error, after the program's name. Does nothing if standard error is closed.

@@ -41,7 +41,7 @@ pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> 
     let text = prepared_show.text(&comments);
     match file {
         Some(file) => file.write(text.as_bytes())?,
-        None => write_standard(text.as_bytes()).map(|_| ())?,
+        None => write_standard(text.as_bytes()).map(drop)?,
     }
     Ok(prepared_show.clips().len())
 }

@@ -74,7 +74,7 @@ impl ShowPainter {
         require_inputs(&known, set)?;
         let mut headless_renderer = HeadlessRenderer::open(choice)?;
         if timeline.dims() {
-            headless_renderer.add_dimming(&choice.shaders)?;
+            headless_renderer.renderer.add_dimming(&choice.shaders)?;
         }
         let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
             if choice.alpha {
@@ -126,31 +126,33 @@ impl ShowPainter {
             }
         }
         self.held = alone;
-        self.headless_renderer.dim(self.timeline.picture_at(time).brightness)
+        Ok(self.headless_renderer.renderer.dim(self.timeline.picture_at(time).brightness)?)
     }
 
     /// Draws the oldest frozen frame, then mixes the later frozen frames and the frame of the moment over it.
     fn draw_anew(
         &mut self,
-        (time, sound): Heard,
+        heard: Heard,
         mut held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
+        let (time, sound) = heard;
         let Some((Held { since, mut fraction }, then)) = held.pop() else {
             return self.draw_live(time, sound, size);
         };
         self.draw_live(since, then, size)?;
         while let Some((later, then)) = held.pop() {
-            self.draw_over((later.since, then), fraction, size)?;
+            self.draw_over(later.since, then, fraction, size)?;
             fraction = later.fraction;
         }
-        if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
+        if fraction < 1.0 { self.draw_over(time, sound, fraction, size) } else { Ok(()) }
     }
 
     /// Mixes the frame of a moment over the last frame. If a scene is fading out at that moment, leaves it out.
     fn draw_over(
         &mut self,
-        (time, sound): Heard,
+        time: f64,
+        sound: Sound,
         fraction: f32,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
@@ -195,7 +197,7 @@ impl ShowPainter {
     ) -> Result<(Rc<Model>, Frame), ExportError> {
         let read = self.read(clip)?;
         let (ready, held) = (read.ready.clone(), read.held.clone());
-        let camera = camera_of(&ready.world, clip);
+        let camera = camera_number(&ready.world, clip.camera.as_deref());
         let model = self.model(Drawn::Scene(clip.scene.clone()), |_| Ok(ready))?;
         let frame_at = |time: f64, sound: Sound| {
             let params = params_of(model.world(), clip, time);
@@ -203,7 +205,7 @@ impl ShowPainter {
             let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
             frame.by_hand(model.world(), OrbitControls::of_turns(clip.turns_at(time)))
         };
-        self.headless_renderer.feed_back(&model, (time, &sound, size), &frame_at)?;
+        self.headless_renderer.feed_back(&model, time, &sound, size, &frame_at)?;
         let frame = frame_at(time, sound);
         Ok((model, frame))
     }
@@ -252,10 +254,6 @@ impl ShowPainter {
         let read = self.scenes.iter().find(|read| read.name == clip.scene);
         read.ok_or_else(|| ExportError::NotInShow { scene: clip.scene.clone() })
     }
-}
-
-fn camera_of(world: &World, clip: &Clip) -> Option<usize> {
-    camera_number(world, clip.camera.as_deref())
 }
 
 fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {

@@ -3,6 +3,7 @@
 use super::error::ExportError;
 use super::show_painter::Heard;
 use super::song_features::SongFeatures;
+use mariana_music::Sound;
 
 /// A camera's shutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +24,8 @@ impl Shutter {
     pub(super) fn exposures(
         &self,
         song: &mut SongFeatures,
-        (time, sound): Heard,
+        time: f64,
+        sound: Sound,
         seconds: f64,
     ) -> Result<Vec<Heard>, ExportError> {
         if self.degrees <= 0.0 {

@@ -112,8 +112,7 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
     };
     let store = match (&request.output, request.scene.paths) {
         (Output::Path(path), Some(_)) => {
-            let moment = (&request.song, request.at, request.size);
-            Some(PathStore::shared(path, moment, watch.save_every)?)
+            Some(PathStore::shared(path, &request.song, request.at, request.size, watch.save_every)?)
         }
         _ => None,
     };
@@ -128,11 +127,11 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
             painter.headless_renderer.watch_paths(watch, store.clone());
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
-            let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
+            let exposures = request.shutter.exposures(&mut song, request.at, sound, STILL_SECONDS)?;
             painter.draw(request.at, exposures, held, request.size)?;
             painter.headless_renderer.read()
         }
-        None => drawn(request, &mut song, sound, (watch, store.clone()))?,
+        None => drawn(request, &mut song, sound, watch, store.clone())?,
     };
     let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
@@ -153,7 +152,8 @@ fn drawn(
     request: &StillRequest,
     song: &mut SongFeatures,
     mut sound: Sound,
-    (watch, store): (PathWatch, Option<SharedStore>),
+    watch: PathWatch,
+    store: Option<SharedStore>,
 ) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
@@ -172,7 +172,7 @@ fn drawn(
         return Err(ExportError::RayOutside { x, y, width, height });
     }
     let frame = request.ray.map(|_| painter.frame(request.at, sound.clone(), request.size));
-    let exposures = request.shutter.exposures(song, (request.at, sound), STILL_SECONDS)?;
+    let exposures = request.shutter.exposures(song, request.at, sound, STILL_SECONDS)?;
     painter.draw_exposures(exposures, request.size)?;
     let mut rgba = painter.read();
     if let Some(((x, y), frame)) = request.ray.zip(frame) {
@@ -238,14 +238,16 @@ impl Pixels {
         if self.has_alpha { ColorType::Rgba8 } else { ColorType::Rgb8 }
     }
 
-    fn png(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    fn png(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let (width, height) = size;
         let mut file = Cursor::new(Vec::new());
         let color = self.color();
         image::write_buffer_with_format(&mut file, &self.bytes, width, height, color, ImageFormat::Png)?;
         Ok(file.into_inner())
     }
 
-    fn jpeg(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    fn jpeg(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let (width, height) = size;
         let mut file = Vec::new();
         let mut encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
         encoder.encode(&self.bytes, width, height, self.color().into())?;
@@ -253,7 +255,8 @@ impl Pixels {
     }
 
     /// Encodes a lossless WebP.
-    fn webp(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    fn webp(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let (width, height) = size;
         let mut file = Vec::new();
         let encoder = WebPEncoder::new_lossless(&mut file);
         encoder.encode(&self.bytes, width, height, self.color().into())?;

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::error::ExportError;
+use super::print::is_open;
 use super::song_page::page;
 use super::still::same_file;
 use crate::atomic_file::AtomicFile;
@@ -77,10 +78,7 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
     } else {
         text(&name, &structure) + &stems
     };
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.map_err(ExportError::Print),
-    }
+    is_open(out.write_all(text.as_bytes()).and_then(|()| out.flush())).map(drop)
 }
 
 /// Returns a line about the stems of a song; empty if it has none and no program on the path makes them.

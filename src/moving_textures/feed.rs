@@ -19,17 +19,17 @@ const RETRY: Duration = Duration::from_secs(2);
 
 /// A source on its own thread. Dropping this ends the thread without waiting.
 pub(super) struct Feed {
-    shared: Arc<Shared>,
+    shared: Arc<SharedFeed>,
 }
 
-struct Shared {
-    state: Mutex<State>,
+struct SharedFeed {
+    state: Mutex<FeedState>,
     changed: Condvar,
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
 #[derive(Default)]
-struct State {
+struct FeedState {
     /// The time of the show's last frame, in seconds of the song.
     time: f64,
     info: Option<VideoInfo>,
@@ -47,8 +47,8 @@ impl Feed {
     /// Starts the thread of a video or a camera. It calls `wake` when a picture comes that the show lacks, and when the
     /// source fails.
     pub(super) fn start(source: TextureSource, time: f64, wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let state = Mutex::new(State { time, ..State::default() });
-        let shared = Arc::new(Shared { state, changed: Condvar::new(), wake: Box::new(wake) });
+        let state = Mutex::new(FeedState { time, ..FeedState::default() });
+        let shared = Arc::new(SharedFeed { state, changed: Condvar::new(), wake: Box::new(wake) });
         let of_thread = shared.clone();
         let started = Builder::new().name("moving texture".into()).spawn(move || of_thread.run(&source));
         if let Err(error) = started {
@@ -88,7 +88,7 @@ impl Drop for Feed {
     }
 }
 
-impl State {
+impl FeedState {
     /// The number of the wanted frame. A camera always shows its newest frame.
     fn number(&self) -> u64 {
         self.info.map_or(u64::MAX, |info| info.number_at(self.time))
@@ -124,8 +124,8 @@ impl State {
     }
 }
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
+impl SharedFeed {
+    fn lock(&self) -> MutexGuard<'_, FeedState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -214,12 +214,12 @@ impl Shared {
 mod tests {
     use super::*;
 
-    fn state(time: f64) -> State {
+    fn state(time: f64) -> FeedState {
         let info = VideoInfo { size: (2, 2), rate: (25, 1), frames: 75 };
-        State { time, info: Some(info), ..State::default() }
+        FeedState { time, info: Some(info), ..FeedState::default() }
     }
 
-    fn fill(state: &mut State) -> Vec<u64> {
+    fn fill(state: &mut FeedState) -> Vec<u64> {
         let mut decoded = Vec::new();
         while let Some(number) = state.next() {
             assert!(decoded.len() < 100, "{decoded:?}");

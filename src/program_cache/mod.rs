@@ -32,7 +32,7 @@ use std::time::SystemTime;
 use crate::atomic_file::AtomicFile;
 use crate::attempt::{self, Attempt};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::reading::read_at_most;
 
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
@@ -83,10 +83,6 @@ impl ProgramCache {
         attempt::begin(&self.path(key, ATTEMPT)?, word)
     }
 
-    fn is_left_out(&self, key: ProgramKey) -> bool {
-        self.folder.as_ref().is_some_and(|folder| folder.left_out().contains(&key))
-    }
-
     fn give_up(&self, key: ProgramKey, why: GivenUp) {
         let word = REASONS.iter().find(|(known, _)| *known == why).map_or("", |(_, word)| word);
         self.write(key, GIVEN_UP, word.as_bytes());
@@ -114,7 +110,7 @@ impl ProgramCache {
     fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
         let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
         match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
-            Ok(()) => make_room(&folder.path, LIMITS.program_cache_bytes_max),
+            Ok(()) => make_room(&folder.path, limits::PROGRAM_CACHE_BYTES_MAX),
             Err(error) => folder.complain(&error.reason),
         }
     }
@@ -123,7 +119,7 @@ impl ProgramCache {
 impl ProgramStore for ProgramCache {
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
-        let bytes = match read_at_most(&path, LIMITS.kept_program_bytes_max + entry::HEADER) {
+        let bytes = match read_at_most(&path, limits::KEPT_PROGRAM_BYTES_MAX + entry::HEADER) {
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidInput) => {
                 return None;
             }
@@ -139,7 +135,7 @@ impl ProgramStore for ProgramCache {
     }
 
     fn save(&self, key: ProgramKey, content: &[u8]) {
-        if content.len() <= LIMITS.kept_program_bytes_max {
+        if content.len() <= limits::KEPT_PROGRAM_BYTES_MAX {
             self.write(key, PROGRAM, &entry::encode(key, content));
         }
     }
@@ -178,7 +174,10 @@ impl ProgramStore for ProgramCache {
 
     /// Returns the reason why the program must not be tried in this run, and the file that records the reason.
     fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
-        let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
+        let is_retried = |why| {
+            why == GivenUp::DiedOnce
+                && !self.folder.as_ref().is_some_and(|folder| folder.left_out().contains(&key))
+        };
         self.noted(key).filter(|(why, _)| !is_retried(*why))
     }
 }

@@ -52,7 +52,7 @@ fn a_damaged_or_foreign_file_is_removed() {
     }
     fs::create_dir(&path).unwrap();
     assert_eq!(cache.load(key), None);
-    let large = vec![0; LIMITS.kept_program_bytes_max + 1];
+    let large = vec![0; limits::KEPT_PROGRAM_BYTES_MAX + 1];
     cache.save(other, &large);
     fs::write(cache.path(other, PROGRAM).unwrap(), entry::encode(other, &large)).unwrap();
     assert_eq!(cache.load(other), None);

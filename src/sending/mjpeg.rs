@@ -14,7 +14,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
 const BOUNDARY: &str = "mariana-picture";
@@ -58,7 +58,7 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             continue;
         };
         // Count the reader before its thread starts, so that the limit also bounds the number of threads.
-        if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
+        if readers.count.fetch_add(1, Ordering::AcqRel) >= limits::SEND_READERS_MAX {
             readers.count.fetch_sub(1, Ordering::AcqRel);
             let words = "too many programs read these frames already: close one of them";
             answer_in_words(&stream, "503 Service Unavailable", words, QUESTION_TIME);
@@ -84,8 +84,8 @@ impl Drop for Place {
 
 fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     let bounds = HeadBounds {
-        bytes_max: LIMITS.send_request_bytes_max,
-        fields_max: LIMITS.send_request_fields_max,
+        bytes_max: limits::SEND_REQUEST_BYTES_MAX,
+        fields_max: limits::SEND_REQUEST_FIELDS_MAX,
         time_max: QUESTION_TIME,
     };
     let refuse = |status: &str, words: &str| answer_in_words(&stream, status, words, QUESTION_TIME);
@@ -228,9 +228,9 @@ mod tests {
     fn other_requests_are_refused_with_a_status() {
         let (latest_frame, port) = sending();
         latest_frame.put(picture(1));
-        let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(LIMITS.send_request_bytes_max));
+        let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(limits::SEND_REQUEST_BYTES_MAX));
         let fields =
-            format!("GET / HTTP/1.1\r\n{}\r\n", "X: y\r\n".repeat(LIMITS.send_request_fields_max + 1));
+            format!("GET / HTTP/1.1\r\n{}\r\n", "X: y\r\n".repeat(limits::SEND_REQUEST_FIELDS_MAX + 1));
         for (question, status) in [
             ("GET /etc/passwd HTTP/1.1\r\n\r\n", "404"),
             ("POST / HTTP/1.1\r\n\r\n", "405"),
@@ -253,7 +253,7 @@ mod tests {
         let (latest_frame, port) = sending();
         latest_frame.put(picture(1));
         let question = "GET / HTTP/1.1\r\n\r\n";
-        let readers = (0..LIMITS.send_readers_max).map(|_| BufReader::new(send_request(port, question)));
+        let readers = (0..limits::SEND_READERS_MAX).map(|_| BufReader::new(send_request(port, question)));
         let mut readers: Vec<_> = readers.collect();
         for reader in &mut readers {
             assert_eq!(line(reader), "HTTP/1.1 200 OK");

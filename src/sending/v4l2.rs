@@ -60,7 +60,8 @@ const LIMITED: u32 = 2;
 /// `VIDIOC_S_FMT`.
 const SET_FORMAT: rustix::ioctl::Opcode = opcode::read_write::<Format>(b'V', 5);
 
-fn format_of((width, height): (u32, u32)) -> Format {
+fn format_of(size: (u32, u32)) -> Format {
+    let (width, height) = size;
     let pixels = PixelFormat {
         width,
         height,

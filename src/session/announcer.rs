@@ -44,16 +44,16 @@ impl Sentence {
 
 impl Announcer {
     /// Shows `text` after the current notices.
-    pub(crate) fn announce(&mut self, text: String) {
+    pub(crate) fn announce(&mut self, text: impl Into<String>) {
         if self.waiting.len() == WAITING_MAX {
             self.waiting.pop_front();
         }
-        self.waiting.push_back(text);
+        self.waiting.push_back(text.into());
     }
 
     /// Shows `text` at once, replacing the current notice.
-    pub(crate) fn answer(&mut self, text: String) {
-        self.answer_fraction(text, None);
+    pub(crate) fn answer(&mut self, text: impl Into<String>) {
+        self.answer_fraction(text.into(), None);
     }
 
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
@@ -252,7 +252,7 @@ mod tests {
         now += Duration::from_secs(10);
         announcer.update(now);
         assert_eq!(text(&announcer), Some("6"));
-        announcer.answer("now".into());
+        announcer.answer("now");
         assert_eq!(text(&announcer), Some("now"));
     }
 }

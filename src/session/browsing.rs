@@ -82,7 +82,7 @@ impl Interface {
         if let Some(list) = &list {
             self.lists.tags.follow_list(list);
         }
-        let list = list.filter(|_| self.ui_state.panels.open() == Some(Panel::Tracks));
+        let list = list.filter(|_| self.ui_state.panels.open == Some(Panel::Tracks));
         match (list, &mut self.ui_state.tracks) {
             (Some(list), Some(panel)) => panel.update(&list),
             (Some(list), none) => {
@@ -98,14 +98,13 @@ impl Interface {
         if !open {
             return;
         }
-        let waker = self.waker.clone();
         let folder = self.lists.last_folder.clone().or_else(|| playback.folder_of_track());
         let settings = playback.listening.sound.settings();
         let remembered = RememberedFolders {
             favourites: settings.favourite_folders.clone(),
             recent: settings.recent_folders.clone(),
         };
-        let files = FileBrowser::start(folder, remembered, self.lists.tags.clone(), move || waker.wake());
+        let files = FileBrowser::start(folder, remembered, self.lists.tags.clone(), self.waker.waking());
         self.ui_state.files = Some(files);
     }
 

@@ -16,7 +16,7 @@ impl Session {
         }
         match command {
             Command::Pause(_) => {
-                self.playback.set_paused(!self.playback.listening.is_paused());
+                self.playback.set_paused(!self.playback.listening.paused);
                 self.playback.answer_position(&mut *self.screen);
             }
             Command::Refine => {
@@ -142,7 +142,7 @@ impl Session {
             Command::NextView => self.playback.switch_view(true),
             Command::PreviousView => self.playback.switch_view(false),
             Command::StepView(larger) => self.playback.scene.step_view(larger),
-            Command::ToggleSliders => self.interface.ui_state.panels.toggle_sliders(),
+            Command::ToggleSliders => self.interface.ui_state.panels.sliders ^= true,
             Command::Bind(bind) => self.playback.bind(bind),
             Command::WriteBinding(name) => self.write_binding(&name),
             Command::Snapshot(number) => self.snapshot_desk().press(number),
@@ -150,7 +150,7 @@ impl Session {
             Command::Morph(_) => self.snapshot_desk().toggle_morph(),
             Command::MorphBeats(beats) => self.snapshot_desk().morph_over(beats),
             Command::WriteSnapshots => self.snapshot_desk().write(),
-            Command::ToggleSceneLine => self.interface.ui_state.panels.toggle_corner(),
+            Command::ToggleSceneLine => self.interface.ui_state.panels.corner ^= true,
             Command::Blackout(_) => self.toggle_blackout(),
             Command::Freeze(_) => self.playback.toggle_freeze(),
             Command::Brightness(fraction) => {
@@ -190,7 +190,7 @@ impl Session {
         let song = self.playback.listening.with_song(|player| player.status());
         let playing = &self.playback.reports.playing;
         ShowState {
-            paused: self.playback.listening.is_paused(),
+            paused: self.playback.listening.paused,
             muted: song.as_ref().is_some_and(|song| song.muted),
             shuffled: song.as_ref().is_some_and(|song| song.shuffled),
             follows: self.playback.follows(),
@@ -251,7 +251,7 @@ impl Interface {
 
     fn show_scene_in_editor(&mut self, playback: &mut Playback) {
         if let Some(editor) =
-            self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open() == Some(Panel::Editor))
+            self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open == Some(Panel::Editor))
         {
             editor.show_scene(&playback.scene.preparation.library.wanted);
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands;
-use crate::config::SETTING_LIMITS;
+use crate::config::setting_limits;
 use crate::export::print::print_message;
 use crate::session::screen::Screen;
 use mariana_control::action::Action;
@@ -28,7 +28,7 @@ impl Session {
         let before = self.playback.scene.revision();
         for change in &params {
             if !self.playback.scene.parameters_in_hand_mut().turn(change) {
-                self.playback.controllers.report_unknown();
+                self.playback.controllers.input_queue.refuse(|refusals| refusals.unknown += 1);
             }
         }
         let mut levels = Vec::new();
@@ -80,7 +80,8 @@ impl Session {
         let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
         if self.playback.controllers.wants_scenes(&scene) {
             let scenes = self.playback.numbered_scenes();
-            self.playback.controllers.publish_scenes(scene.clone(), scenes);
+            self.playback.controllers.scenes =
+                (scene.clone(), scenes.into_iter().map(|source| (source.title(), source)).collect());
         }
         let playing = &self.playback.reports.playing;
         let track = match &playing.artist {
@@ -104,7 +105,7 @@ impl Playback {
     }
 
     pub(super) fn set_fade(&mut self, seconds: f32) {
-        let seconds = f64::from(seconds).clamp(0.0, SETTING_LIMITS.fade_seconds_max);
+        let seconds = f64::from(seconds).clamp(0.0, setting_limits::FADE_SECONDS_MAX);
         let words = self.scene.composer.fading.set_seconds(seconds);
         self.reports.answer(words);
     }

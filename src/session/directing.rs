@@ -23,7 +23,7 @@ impl Session {
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };
         self.change_setting(SetSetting { setting: Setting::FollowSong(follow), settled: true });
-        self.playback.reports.answer(words.to_owned());
+        self.playback.reports.answer(words);
     }
 }
 
@@ -45,7 +45,7 @@ impl Playback {
                 self.live = None;
                 self.cues.set_show(track, prepared_show.clone(), song);
                 match prepared_show {
-                    Some(prepared_show) if track.is_none() && prepared_show.is_directed() => {
+                    Some(prepared_show) if track.is_none() && (prepared_show.is_directed()) => {
                         self.live = Some(LiveDirector::new((*prepared_show).clone()));
                     }
                     other => {
@@ -106,11 +106,11 @@ impl Playback {
             }
             Jump::Nowhere if self.cues.rows.is_empty() => {
                 let words = "no show is running: press A to let scenes follow the song";
-                self.reports.answer(words.to_owned());
+                self.reports.answer(words);
             }
             Jump::Nowhere => {
                 let words = "the show cannot go there: this entry is missing, or follows an entry that waits";
-                self.reports.answer(words.to_owned());
+                self.reports.answer(words);
             }
         }
     }
@@ -128,6 +128,6 @@ impl Playback {
             true if self.scene.show.toggle_lock() => "this scene stays until K is pressed again",
             true => "the scenes follow the song again",
         };
-        self.reports.answer(words.to_owned());
+        self.reports.answer(words);
     }
 }

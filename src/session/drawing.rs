@@ -38,7 +38,7 @@ impl Session {
         let size = self.screen.size();
         let placement = self.placement();
         let screen = self.screen.picture_size().map(|screen| (screen, placement.picture_size(screen)));
-        self.playback.pace.set_window_size(screen.map(|(_, whole)| whole));
+        self.playback.pace.window_size = screen.map(|(_, whole)| whole);
         let Some((screen, whole)) = screen else { return Ok(false) };
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
@@ -278,7 +278,7 @@ impl Playback {
 
     /// Reads the parts of the song while scenes need them.
     pub(super) fn follow_parts(&mut self) {
-        self.listening.request_parts(self.scene.scenes.read_parts());
+        self.listening.parts.wanted = self.scene.scenes.all().any(|scene| scene.hears_parts);
         if self.listening.parts_arrive() {
             // While paused, a frame is drawn only if the last one is outdated.
             self.scene.composer.outdate();
@@ -287,11 +287,13 @@ impl Playback {
 
     /// Takes the pictures of moving textures that have come.
     pub(super) fn follow_textures(&mut self) {
-        let cover = self.scene.scenes.show_covers().then(|| self.listening.cover_or_painted());
+        let shows_cover = self.scene.scenes.all().any(|scene| scene.shows_cover);
+        let cover = shows_cover.then(|| self.listening.cover_or_painted());
         for message in self.scene.composer.follow_textures(cover) {
             self.reports.announce(message);
         }
-        let texts = self.scene.scenes.show_song_texts().then(|| self.listening.song_texts());
+        let has_texts = self.scene.scenes.all().any(|scene| scene.has_song_texts);
+        let texts = has_texts.then(|| self.listening.song_texts());
         self.scene.composer.follow_song_texts(texts);
     }
 
@@ -397,7 +399,7 @@ impl Interface {
         self.ui_state.hidden.by_blackout = playback.master_output.is_black && !screen.has_output();
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         // The panel of videos needs the seek bar with its marks.
-        let needs_bar = self.ui_state.panels.open() == Some(Panel::Video);
+        let needs_bar = self.ui_state.panels.open == Some(Panel::Video);
         let awake = self.pointer_rest.is_awake(busy, now) || needs_bar;
         let shows_bar = awake && !self.ui_state.is_quiet();
         // Measure the loudness of the track only if the bar, which shows it, is visible.
@@ -407,7 +409,7 @@ impl Interface {
         let song = playback.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.is_assisted(), playback.follows());
         let fullscreen = screen.is_fullscreen();
-        let cues = (self.ui_state.panels.open() == Some(Panel::Cues)).then(|| playback.cue_sheet());
+        let cues = (self.ui_state.panels.open == Some(Panel::Cues)).then(|| playback.cue_sheet());
         Seen { awake, assisted, fullscreen, cues, cover, shape, follows, song }
     }
 
@@ -425,7 +427,7 @@ impl Interface {
     }
 
     fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
-        let wanted = self.ui_state.panels.corner();
+        let wanted = self.ui_state.panels.corner;
         wanted
             .then(|| {
                 playback
@@ -453,11 +455,11 @@ impl Waiting<'_> {
         listening: &mut Listening,
     ) -> Result<Painted, SessionError> {
         let is_late = clock::since(self.since) >= SONG_WAIT;
-        if is_late && self.screen.is_awaited() && !listening.has_started() {
+        if is_late && self.screen.is_awaited() && !listening.started {
             tracing::info!("the song starts before the first frame");
             listening.follow_request();
         }
-        let bands = listening.now().filter(|_| listening.has_started()).map(|now| now.features.bands);
+        let bands = listening.now().filter(|_| listening.started).map(|now| now.features.bands);
         let title = scene.preparation.library.wanted.title();
         let bands = bands.as_ref().map_or(&[][..], |bands| bands);
         let content = OverlayContent { bands, ..content_of(scene, None, PanelSwitches::default()) };

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::clock;
 use crate::config::QualityChoice;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::session::dynamic_resolution::{DynamicResolution, Level};
 use crate::session::frame_times::FrameTimes;
 use crate::session::pacing::Pacing;
@@ -60,7 +60,7 @@ pub(crate) struct DrawingPace {
     pub(crate) times: FrameTimes,
     /// The last shown frame. An equal frame is not drawn again.
     pub(crate) shown: Option<Shown>,
-    window_size: Option<(u32, u32)>,
+    pub(crate) window_size: Option<(u32, u32)>,
     moved: Instant,
     pictured: Option<Instant>,
     rate: PictureRate,
@@ -87,10 +87,6 @@ impl DrawingPace {
         Self { shown: None, pictured: None, moved: now, ..self }
     }
 
-    pub(crate) fn set_quality(&mut self, quality: QualityChoice) {
-        self.resolution = self.resolution.chosen_anew(quality);
-    }
-
     /// Returns when the next frame is due. `answers` is true if the frame shows new controller input.
     pub(crate) fn due(&self, answers: bool) -> Instant {
         self.pacing.due(answers)
@@ -98,11 +94,6 @@ impl DrawingPace {
 
     pub(crate) fn begun(&mut self, now: Instant, answers: bool) {
         self.pacing.begun(now, answers);
-    }
-
-    /// Sets the window's size; `None` while it has no area.
-    pub(crate) fn set_window_size(&mut self, size: Option<(u32, u32)>) {
-        self.window_size = size;
     }
 
     /// The moment of the next frame: `now`, or the moment of the last frame if both would look the same.
@@ -165,7 +156,7 @@ impl DrawingPace {
             Verdict::GoOn
         } else if self.resolution.expects(now, seconds) {
             Verdict::DrawSmaller
-        } else if seconds > LIMITS.picture_seconds_max {
+        } else if seconds > limits::PICTURE_SECONDS_MAX {
             Verdict::TakeBack
         } else {
             Verdict::GoOn
@@ -193,7 +184,7 @@ impl DrawingPace {
 /// Returns the size of a frame at `level`: at most the maximum number of pixels, with sides of at most `side_max`.
 pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u32, u32) {
     let within = (window.0.min(side_max), window.1.min(side_max));
-    level.size_in(within_pixels(within, LIMITS.picture_pixels_max))
+    level.size_in(within_pixels(within, limits::PICTURE_PIXELS_MAX))
 }
 
 /// A size of at most `max` pixels with the aspect ratio of `size`, up to rounding.
@@ -219,7 +210,7 @@ mod tests {
 
     fn shows(moment: Moment, now: Instant) -> DrawingPace {
         let mut pace = DrawingPace::new(QualityChoice::Auto, 60.0, false, now);
-        pace.set_window_size(Some(WINDOW));
+        pace.window_size = Some(WINDOW);
         let level = pace.level(now, false);
         let shown = Shown { moment, size: WINDOW, edges: level.edges, revision: 3 };
         assert!(pace.show(shown) && !pace.show(shown), "only the first call reports the first frame");
@@ -274,7 +265,7 @@ mod tests {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
         let (moving, still) = (pace.level(now, false), pace.level(now + STANDS_STILL, false));
-        let too_long = LIMITS.picture_seconds_max + 1.0;
+        let too_long = limits::PICTURE_SECONDS_MAX + 1.0;
         assert_eq!(pace.weigh(still, too_long, now), Verdict::GoOn);
         assert_eq!(pace.weigh(moving, 0.01, now), Verdict::GoOn);
         assert_eq!(pace.weigh(moving, too_long, now), Verdict::DrawSmaller);
@@ -302,7 +293,7 @@ mod tests {
         assert_eq!(drawn_size(level, (4000, 300), 2048), (2048, 300));
         assert_eq!(drawn_size(level, (300, 4000), 2048), (300, 2048));
         let (width, height) = drawn_size(level, (SIDE_MAX, SIDE_MAX), SIDE_MAX);
-        assert!(width == height && u64::from(width) * u64::from(height) <= LIMITS.picture_pixels_max);
+        assert!(width == height && u64::from(width) * u64::from(height) <= limits::PICTURE_PIXELS_MAX);
         assert_eq!(drawn_size(level, (1, 9), SIDE_MAX), (1, 9));
     }
 }

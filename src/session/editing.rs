@@ -18,14 +18,16 @@ impl Session {
 
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.interface.ui_state.editor.is_none() {
-            let waker = self.interface.waker.clone();
-            match Editor::start(self.interface.drafts.clone(), &self.interface.folders, move || waker.wake())
-            {
+            match Editor::start(
+                self.interface.drafts.clone(),
+                &self.interface.folders,
+                self.interface.waker.waking(),
+            ) {
                 Ok(editor) => self.interface.ui_state.editor = Some(editor),
                 Err(error) => self.playback.reports.answer(format!("cannot open the editor: {error}")),
             }
         }
-        self.playback.scene.preparation.library.set_written(open);
+        self.playback.scene.preparation.library.is_written = open;
         self.screen.allow_composing(open);
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         editor.set_focus(open);
@@ -71,7 +73,7 @@ impl Session {
             _ => return false,
         };
         self.follow_editor();
-        self.interface.typing_times.record_input(clock::since(begun));
+        self.interface.typing_times.taken += clock::since(begun);
         taken
     }
 
@@ -88,7 +90,7 @@ impl Session {
         editor.await_scene(self.surprises.keeping.is_some());
         editor.update();
         if editor.tells_mistakes() {
-            self.interface.typing_times.record_mistake();
+            self.interface.typing_times.drafted = None;
         }
         let wanted = &self.playback.scene.preparation.library.wanted;
         if open && !self.surprises.is_unsaved(wanted) {
@@ -104,7 +106,7 @@ impl Session {
         let Some(bound) = slider.and_then(|slider| slider.bound.clone()) else {
             return self.playback.reports.answer(format!("{name} follows no sound: bind it first"));
         };
-        if self.interface.ui_state.panels.open() != Some(Panel::Editor) {
+        if self.interface.ui_state.panels.open != Some(Panel::Editor) {
             self.toggle_panel(Panel::Editor);
         }
         if let Some(editor) = &mut self.interface.ui_state.editor {
@@ -136,6 +138,6 @@ impl Interface {
     }
 
     pub(super) fn is_edited(&self) -> bool {
-        self.ui_state.panels.open() == Some(Panel::Editor)
+        self.ui_state.panels.open == Some(Panel::Editor)
     }
 }

@@ -12,7 +12,7 @@ type Reader = crate::song_structures::SongReader<Parts>;
 pub(super) struct HeardParts {
     /// Reads the stems; `None` if its thread could not start.
     reader: Option<Reader>,
-    wanted: bool,
+    pub(crate) wanted: bool,
     /// The last track whose parts were found.
     found: Option<u64>,
 }
@@ -20,11 +20,6 @@ pub(super) struct HeardParts {
 impl HeardParts {
     pub(super) fn new(reader: Option<Reader>) -> Self {
         Self { reader, ..Self::default() }
-    }
-
-    /// Sets whether a scene needs the parts.
-    pub(super) fn set_wanted(&mut self, wanted: bool) {
-        self.wanted = wanted;
     }
 
     /// Requests the parts of these tracks, the current one first, if a scene needs them.

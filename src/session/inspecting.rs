@@ -57,7 +57,8 @@ impl Interface {
 
     /// Returns a position in the window, in pixels, as fractions of the picture from the upper left corner; `None`
     /// outside the picture.
-    fn in_picture(&self, place: [f64; 2], (width, height): (u32, u32)) -> Option<[f64; 2]> {
+    fn in_picture(&self, place: [f64; 2], size: (u32, u32)) -> Option<[f64; 2]> {
+        let (width, height) = size;
         let fraction = [place[0] / f64::from(width), place[1] / f64::from(height)];
         let at = self.probing.map.and_then(|map| led(&map, fraction));
         at.filter(|at| at.iter().all(|fraction| (0.0..=1.0).contains(fraction)))
@@ -109,7 +110,7 @@ impl Interface {
         let is_on = self.probing.ray.is_none();
         self.probing.ray = is_on.then(ShownRay::default);
         let words = if is_on { "the ray under the pointer is shown" } else { "the ray is hidden" };
-        playback.reports.answer(words.to_owned());
+        playback.reports.answer(words);
     }
 
     fn request_ray(&mut self, playback: &Playback) {
@@ -136,8 +137,7 @@ impl Interface {
 
     fn with_prober(&mut self, ask: impl FnOnce(&Prober)) {
         if self.probing.prober.is_none() {
-            let waker = self.waker.clone();
-            match Prober::start(move || waker.wake()) {
+            match Prober::start(self.waker.waking()) {
                 Ok(prober) => self.probing.prober = Some(prober),
                 Err(error) => {
                     return self.show_in_editor(&format!("cannot inspect the frame: {error}"));

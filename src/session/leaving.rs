@@ -81,7 +81,7 @@ impl Session {
     }
 
     pub(super) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
-        if !settings.remembered || !self.playback.listening.has_started() || !self.legacy.is_due(now) {
+        if !settings.remembered || !self.playback.listening.started || !self.legacy.is_due(now) {
             return;
         }
         self.remember_tracks();

@@ -31,7 +31,7 @@ pub(crate) struct Listening {
     pub(crate) sound: Sound,
     /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
-    parts: HeardParts,
+    pub(crate) parts: HeardParts,
     /// Finds the covers of tracks; `None` if its thread could not start.
     covers: Option<SongReader<RgbaImage>>,
     energy: LiveEnergy,
@@ -41,8 +41,8 @@ pub(crate) struct Listening {
     /// The device's clock in seconds at the last update, and the time of that update.
     clock_now: (f64, Instant),
     /// True if the user has paused the sound. The initial wait for the first frame does not count.
-    paused: bool,
-    started: bool,
+    pub(crate) paused: bool,
+    pub(crate) started: bool,
     /// Volume of the sound at the last call of `now`, 0..1.
     pub(crate) level: f32,
     playing: Playing,
@@ -94,21 +94,9 @@ impl Listening {
         }
     }
 
-    pub(crate) fn is_paused(&self) -> bool {
-        self.paused
-    }
-
-    pub(crate) fn has_started(&self) -> bool {
-        self.started
-    }
-
     /// Returns `true` if a song is running. An input does not count: the clock of an input stops in silence.
     pub(crate) fn runs(&mut self) -> bool {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
-    }
-
-    pub(crate) fn request_pause(&mut self, paused: bool) {
-        self.paused = paused;
     }
 
     pub(crate) fn follow_request(&mut self) {
@@ -201,7 +189,7 @@ impl Listening {
             monitors: Vec::new(),
             output_for_this_run: names_output,
             shift: self.sound.shift_ms(),
-            device: self.sound.device_name(),
+            device: self.sound.device.as_ref().map(|device| &*device.name),
         }
     }
 
@@ -247,11 +235,6 @@ impl Listening {
         self.taps.apply(song_time, &mut sound.features);
         sound.parts = self.parts(Moment { song_time, ..*now });
         sound
-    }
-
-    /// Sets whether a scene reads parts of the song.
-    pub(crate) fn request_parts(&mut self, wanted: bool) {
-        self.parts.set_wanted(wanted);
     }
 
     /// Returns true when the parts of the current song become known. Then reports problems with its stems.

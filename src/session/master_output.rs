@@ -7,7 +7,7 @@ use crate::show::Picture;
 #[derive(Debug, Clone)]
 pub(crate) struct MasterOutput {
     /// Fraction of the light, 0..1.
-    brightness: f32,
+    pub(crate) brightness: f32,
     /// Duration of fades to and from black, and of the fade after a freeze.
     pub(crate) fade: Duration,
     pub(crate) is_black: bool,
@@ -56,10 +56,6 @@ impl MasterOutput {
     pub(crate) fn toggle_freeze(&mut self) -> bool {
         self.is_frozen = !self.is_frozen;
         self.is_frozen
-    }
-
-    pub(crate) fn follow_show(&mut self, shown: Picture) -> Picture {
-        std::mem::replace(&mut self.shown, shown)
     }
 
     /// True if the frame is frozen by the user or held by the show.

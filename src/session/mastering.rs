@@ -22,7 +22,7 @@ impl Session {
         if *is_hidden {
             self.close_panels();
         } else {
-            self.playback.reports.answer("texts and panels are visible again".to_owned());
+            self.playback.reports.answer("texts and panels are visible again");
         }
         self.screen.request_redraw();
     }
@@ -31,7 +31,7 @@ impl Session {
     pub(super) fn toggle_blackout(&mut self) {
         let is_black = self.playback.master_output.toggle_blackout(clock::now());
         let words = if is_black { "blackout: press X to end it" } else { "the blackout ends" };
-        self.playback.reports.answer(words.to_owned());
+        self.playback.reports.answer(words);
         if is_black && !self.screen.has_output() {
             self.close_panels();
         }
@@ -85,7 +85,7 @@ impl Playback {
                 "no longer frozen"
             }
         };
-        self.reports.answer(words.to_owned());
+        self.reports.answer(words);
     }
 
     pub(super) fn holds_picture(&self) -> bool {
@@ -94,7 +94,7 @@ impl Playback {
 
     pub(super) fn follow_master_output(&mut self, time: f64) {
         let shown = self.scene.show.picture_at(time);
-        let before = self.master_output.follow_show(shown);
+        let before = std::mem::replace(&mut self.master_output.shown, shown);
         let fraction = |picture: Picture| picture.held.map(|held| held.fraction);
         let (was, is) = (fraction(before), fraction(shown));
         if was == is || self.master_output.is_frozen {

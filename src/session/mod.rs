@@ -79,7 +79,6 @@ use crate::session::controllers::Controllers;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
 use crate::session::frame_senders::FrameSenders;
-use crate::session::frame_times::FrameTimes;
 use crate::session::listening::Listening;
 use crate::session::master_output::MasterOutput;
 use crate::session::recording::Recording;
@@ -177,7 +176,7 @@ impl Session {
 
     /// Passes a key to the table of keys, which is above all panels. Returns `true` if the table consumed it.
     fn pass_to_help(&mut self, input: &Input) -> bool {
-        if !self.interface.ui_state.panels.help() {
+        if !self.interface.ui_state.panels.help {
             return false;
         }
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
@@ -197,7 +196,7 @@ impl Session {
         if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
-        let panel = self.interface.ui_state.panels.open().map(Command::TogglePanel);
+        let panel = self.interface.ui_state.panels.open.map(Command::TogglePanel);
         if panel.is_some()
             && Command::of_key(key, held, false) == panel
             && !self.interface.ui_state.is_searching()
@@ -227,7 +226,8 @@ impl Session {
         let taken = taken.or_else(|| {
             self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.handle_key(key))
         });
-        let taken = taken.or_else(|| self.interface.pass_to_videos(key));
+        let taken =
+            taken.or_else(|| self.interface.ui_state.video.panel.as_mut().map(|panel| panel.handle_key(key)));
         if let Some((true, command)) = taken {
             self.carry_out_all(command);
             return true;
@@ -255,7 +255,7 @@ impl Session {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);
         }
-        let moves = !self.playback.listening.is_paused() && self.screen.is_seen();
+        let moves = !self.playback.listening.paused && self.screen.is_seen();
         self.screen.keep_awake(self.choices.stay_awake && (moves || self.screen.has_output()));
         for complaint in self.playback.listening.sound.drain_reported_problems() {
             self.playback.reports.announce(complaint);
@@ -263,7 +263,7 @@ impl Session {
         let mut notes = self.playback.scene.report().notes();
         notes.extend(self.videos.title_note());
         if let Some(live) = self.playback.listening.sound.live_status() {
-            let paused = self.playback.listening.is_paused();
+            let paused = self.playback.listening.paused;
             self.playback.reports.report_input(&live, paused);
             self.playback.set_title(&mut *self.screen, live_title(&live, notes, paused));
             return Ok(false);
@@ -278,7 +278,7 @@ impl Session {
         }
         self.playback.reports.report_song(
             &status,
-            self.playback.listening.has_started(),
+            self.playback.listening.started,
             self.screen.is_fullscreen(),
         );
         self.playback.set_title(&mut *self.screen, title(notes, &status, silence_asked));
@@ -289,7 +289,7 @@ impl Session {
         let dropped = self.interface.input.drain_dropped();
         if !dropped.is_empty() {
             let append = self.interface.input.shift_held()
-                || self.interface.ui_state.panels.open() == Some(Panel::Tracks);
+                || self.interface.ui_state.panels.open == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }
     }
@@ -340,7 +340,7 @@ impl Session {
         if self.playback.holds_picture() {
             self.playback.record_again(now);
         }
-        if !self.playback.listening.is_paused() {
+        if !self.playback.listening.paused {
             self.playback.scene.refine_only(None);
         }
         // A frozen frame does not change.
@@ -359,7 +359,8 @@ impl Session {
             if seen {
                 self.update_preview(now, None)?;
             }
-            let idle = now + self.playback.idle_interval(seen);
+            let listens = seen && !self.playback.listening.paused;
+            let idle = now + if listens { LISTEN_INTERVAL } else { IDLE_INTERVAL };
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.playback.pace.due(self.playback.controllers.are_unseen())
             || self.playback.scene.composer.regions.have_come()
@@ -377,7 +378,7 @@ impl Session {
 
 impl Playback {
     pub(crate) fn set_paused(&mut self, paused: bool) {
-        self.listening.request_pause(paused);
+        self.listening.paused = paused;
         if self.pace.shown.is_some() {
             self.listening.follow_request();
         }
@@ -398,7 +399,7 @@ impl Playback {
             Some((volume, false)) => {
                 self.reports.answer_fraction(format!("volume {:.0} %", 100.0 * volume), Some(volume));
             }
-            None => self.reports.answer("no song is playing: an audio input has no volume here".to_owned()),
+            None => self.reports.answer("no song is playing: an audio input has no volume here"),
         }
     }
 
@@ -433,9 +434,9 @@ impl Playback {
     fn update_idle_lock(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
         if let Some(live) = self.listening.sound.live_status() {
-            self.reports.report_input(&live, self.listening.is_paused());
+            self.reports.report_input(&live, self.listening.paused);
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.report_song(&status, self.listening.has_started(), fullscreen);
+            self.reports.report_song(&status, self.listening.started, fullscreen);
         }
     }
 
@@ -443,15 +444,6 @@ impl Playback {
         if let Some(title) = self.reports.changed_title(title) {
             screen.set_title(title);
         }
-    }
-
-    /// Returns how long an idle session sleeps: shorter while unpaused in a visible window, to notice new sound.
-    fn idle_interval(&self, seen: bool) -> Duration {
-        if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
-    }
-
-    pub(super) fn frame_times(&self) -> &FrameTimes {
-        &self.pace.times
     }
 }
 

@@ -18,9 +18,8 @@ pub(super) struct MusicLists {
 impl MusicLists {
     /// Starts the thread that reads tags. Without the thread, lists show the names of files.
     pub(super) fn start(folders: &Folders, waker: &Waker) -> Self {
-        let waker = waker.clone();
         let cache = folders.cache.as_ref().map(|cache| cache.join(TAGS));
-        let tags = TagLibrary::start(cache, move || waker.wake()).unwrap_or_else(|error| {
+        let tags = TagLibrary::start(cache, waker.waking()).unwrap_or_else(|error| {
             tracing::warn!("cannot read the tags of tracks ahead: {error}");
             TagLibrary::default()
         });

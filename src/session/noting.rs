@@ -30,7 +30,7 @@ impl Playback {
             true => "recording: press F9 to stop",
             false => "recording stopped",
         };
-        self.reports.answer(words.to_owned());
+        self.reports.answer(words);
     }
 
     pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
@@ -44,9 +44,9 @@ impl Playback {
         // Record a still scene at the current time, because `moment` is the time at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
-        let of = (track, self.reports.playing.title.as_str());
-        if let Some(words) = self.recording.record(of, time, performed, clock::now()) {
-            self.reports.answer(words.to_owned());
+        let title = self.reports.playing.title.as_str();
+        if let Some(words) = self.recording.record(track, title, time, performed, clock::now()) {
+            self.reports.answer(words);
         }
     }
 

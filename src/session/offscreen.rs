@@ -1,13 +1,13 @@
 //! A session without a window: it draws into memory. Tests press its keys; a program that embeds a show sends commands.
 
-use std::cell::RefCell;
+use std::cell::{Ref, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender as Channel, channel};
 use std::time::{Duration, Instant};
 
+use egui::CursorIcon;
 use egui::accesskit::TreeUpdate;
-use egui::{CursorIcon, Rect};
 use image::RgbaImage;
 
 use super::desktop::DesktopControls;
@@ -24,7 +24,6 @@ use crate::gpu::headless::Headless;
 use crate::gpu::renderer::Renderer;
 use crate::gpu::target::Target;
 use crate::input::Input;
-use crate::monitor::Monitor;
 use crate::placement::Area;
 use crate::ui::overlay::PanelSwitches;
 use mariana_player::PlayerStatus;
@@ -36,20 +35,26 @@ const PATIENCE: Duration = Duration::from_millis(20);
 pub struct Offscreen {
     /// `None` after an error.
     run: Option<Run>,
-    shared: Rc<RefCell<Shared>>,
+    shared: Rc<RefCell<WindowState>>,
 }
 
-struct Shared {
+/// What the window shows.
+pub struct WindowState {
     size: (u32, u32),
     events: VecDeque<Event>,
-    title: String,
+    /// The window's title.
+    pub title: String,
     fullscreen: bool,
-    cursor: CursorIcon,
-    composes: bool,
+    /// The pointer's shape.
+    pub cursor: CursorIcon,
+    /// True while text is composed.
+    pub composes: bool,
     controls: Option<TreeUpdate>,
-    shown: u64,
+    /// Number of frames so far.
+    pub shown: u64,
     is_due: bool,
-    picture: RgbaImage,
+    /// The last frame with its panels.
+    pub picture: RgbaImage,
 }
 
 impl Offscreen {
@@ -125,29 +130,9 @@ impl Offscreen {
         (shared.size, shared.is_due) = (size, true);
     }
 
-    /// The shown frame, including the overlay.
-    pub fn picture(&self) -> RgbaImage {
-        self.shared.borrow().picture.clone()
-    }
-
-    /// The number of frames shown.
-    pub fn shown(&self) -> u64 {
-        self.shared.borrow().shown
-    }
-
-    /// The window's title.
-    pub fn title(&self) -> String {
-        self.shared.borrow().title.clone()
-    }
-
-    /// The pointer's shape; [`CursorIcon::None`] hides it.
-    pub fn cursor(&self) -> CursorIcon {
-        self.shared.borrow().cursor
-    }
-
-    /// True if input methods may compose letters.
-    pub fn composes(&self) -> bool {
-        self.shared.borrow().composes
+    /// What the window shows now.
+    pub fn window(&self) -> Ref<'_, WindowState> {
+        self.shared.borrow()
     }
 
     /// The state of everything that a named command can change.
@@ -175,7 +160,7 @@ impl Offscreen {
 
 struct OffscreenWindow {
     target: Target,
-    shared: Rc<RefCell<Shared>>,
+    shared: Rc<RefCell<WindowState>>,
     woken: Receiver<()>,
     has_compiler: bool,
     // The last field: the target belongs to the context and must be dropped first.
@@ -187,10 +172,10 @@ impl OffscreenWindow {
         size: (u32, u32),
         woken: Receiver<()>,
         has_compiler: bool,
-    ) -> Result<(Self, Rc<RefCell<Shared>>), SessionError> {
+    ) -> Result<(Self, Rc<RefCell<WindowState>>), SessionError> {
         let context = Headless::new(false)?;
         let target = target_of(context.gl(), size)?;
-        let shared = Rc::new(RefCell::new(Shared {
+        let shared = Rc::new(RefCell::new(WindowState {
             size,
             events: VecDeque::new(),
             title: String::new(),
@@ -271,16 +256,8 @@ impl Screen for OffscreenWindow {
         Some(self.shared.borrow().size)
     }
 
-    fn scale(&self) -> f32 {
-        1.0
-    }
-
     fn picture_size(&self) -> Option<(u32, u32)> {
         self.size()
-    }
-
-    fn place(&self) -> Option<(i32, i32)> {
-        None
     }
 
     fn is_fullscreen(&self) -> bool {
@@ -295,8 +272,6 @@ impl Screen for OffscreenWindow {
         title.clone_into(&mut self.shared.borrow_mut().title);
     }
 
-    fn raise(&mut self) {}
-
     fn set_cursor(&mut self, cursor: CursorIcon) {
         self.shared.borrow_mut().cursor = cursor;
     }
@@ -304,10 +279,6 @@ impl Screen for OffscreenWindow {
     fn allow_composing(&mut self, on: bool) {
         self.shared.borrow_mut().composes = on;
     }
-
-    fn set_place_of_letters(&mut self, _: Rect) {}
-
-    fn set_keys_are_text(&mut self, _: bool) {}
 
     fn show_controls(&mut self, controls: TreeUpdate) {
         self.shared.borrow_mut().controls = Some(controls);
@@ -318,22 +289,6 @@ impl Screen for OffscreenWindow {
         if let Ok(mut shared) = self.shared.try_borrow_mut() {
             shared.is_due = true;
         }
-    }
-
-    fn is_seen(&self) -> bool {
-        true
-    }
-
-    fn shows_words(&self) -> bool {
-        true
-    }
-
-    fn is_awaited(&self) -> bool {
-        false
-    }
-
-    fn is_stale(&self) -> bool {
-        false
     }
 
     fn show(
@@ -362,24 +317,6 @@ impl Screen for OffscreenWindow {
         self.present();
         Ok(())
     }
-
-    fn keep_awake(&mut self, _: bool) {}
-
-    fn has_output(&self) -> bool {
-        false
-    }
-
-    fn update(&mut self) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn monitors(&self) -> Vec<Monitor> {
-        Vec::new()
-    }
-
-    fn update_monitors(&mut self) {}
-
-    fn request_output(&mut self, _: Option<String>) {}
 
     fn lie_differently(&mut self) {
         self.request_redraw();

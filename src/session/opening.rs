@@ -7,8 +7,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use image::RgbaImage;
-
 use super::drawing::paint_waiting;
 use super::loading::{Begun, FirstScene};
 use super::panels::thumbnails_ahead_at;
@@ -43,7 +41,7 @@ use crate::session::screen::Screen;
 use crate::session::sound::{Sound, Start};
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, StructureCache};
-use crate::stems::{Parts, PartsCache, start_reader};
+use crate::stems::{PartsCache, start_reader};
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
@@ -89,7 +87,8 @@ impl Opening<'_> {
         tracing::info!("choices of this run: {choices:?}");
         // Start the analysis first, so that the song is analysed before its first frame.
         let folders = memory.folders.clone();
-        let songs = start_song_reader(&folders, waker);
+        let songs = SongReader::start(StructureCache::among(&folders), waker.waking());
+        let songs = if_started(songs, "analyse whole songs");
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.request([&tracks.first.info]);
         }
@@ -100,10 +99,9 @@ impl Opening<'_> {
         let (choice, title) = (scene, first.source.title());
         let moved = if first.source == choice.source { settings.moved.clone() } else { Default::default() };
         // Request the scene first: the driver compiles its program while everything else is created.
-        let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
+        let mut scene = start_scene(&*screen, settings, choice, loaders, first, waker)?;
         scene.parameters.remember(&title, &moved);
-        let of_fonts = waker.clone();
-        let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
+        let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         let waits_since = clock::now();
         tracing::info!("the window shows the name of the scene being prepared");
@@ -121,8 +119,11 @@ impl Opening<'_> {
             listening: Listening::new(
                 sound,
                 songs,
-                start_stem_reader(&folders, waker),
-                start_cover_reader(waker),
+                if_started(
+                    start_reader(PartsCache::among(&folders), waker.waking()),
+                    "read the stems of songs",
+                ),
+                if_started(covers::start_reader(waker.waking()), "show the covers of songs"),
             ),
             scene,
             direction,
@@ -139,11 +140,10 @@ impl Opening<'_> {
             recording: Recording::new(PerformanceFiles::among(&folders)),
             reports: Reports::new(announcer, desktop(position), now),
         };
-        let of_videos = waker.clone();
-        let videos = VideoMaking::start(Videos::start(&folders, move || of_videos.wake()));
+        let videos = VideoMaking::start(Videos::start(&folders, waker.waking()));
         let thumbnails_ahead = (!settings.wallpaper).then(|| thumbnails_ahead_at(now));
         let hints = choices.hints;
-        let interface = start_interface(overlay, (drafts, folders), (hints, thumbnails_ahead), waker);
+        let interface = start_interface(overlay, drafts, folders, hints, thumbnails_ahead, waker);
         Ok(Session {
             playback,
             interface,
@@ -164,8 +164,10 @@ impl Opening<'_> {
 
 fn start_interface(
     overlay: Overlay,
-    (drafts, folders): (Drafts, Folders),
-    (hints, thumbnails_ahead): (bool, Option<Instant>),
+    drafts: Drafts,
+    folders: Folders,
+    hints: bool,
+    thumbnails_ahead: Option<Instant>,
     waker: &Waker,
 ) -> Interface {
     Interface {
@@ -197,13 +199,13 @@ fn load_first(first: FirstScene, screen: &mut dyn Screen) -> Result<Begun, Sessi
 
 fn start_scene(
     screen: &dyn Screen,
-    (settings, choice): (&PlaySettings, &SceneChoice),
+    settings: &PlaySettings,
+    choice: &SceneChoice,
     loaders: SceneLoaders,
     first: LoadedScene,
     waker: &Waker,
 ) -> Result<SceneSession, SessionError> {
-    let waker = waker.clone();
-    let scene = SceneSession::new(
+    Ok(SceneSession::new(
         screen.gl(),
         screen.worker_contexts(COMPILERS),
         sources(settings, choice),
@@ -216,9 +218,8 @@ fn start_scene(
         },
         loaders,
         first,
-        move || waker.wake(),
-    )?;
-    Ok(scene)
+        waker.waking(),
+    )?)
 }
 
 /// Starts the player. It waits for the first frame, so that nothing of the song is missed.
@@ -264,31 +265,14 @@ fn start_sound(
 }
 
 fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
-    let waker = waker.clone();
     let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
-    Direction::start(file, follow, settings.names_scene, move || waker.wake())
+    Direction::start(file, follow, settings.names_scene, waker.waking())
         .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
-/// Starts the analysis of whole songs. Without the thread, the data of the songs stay unknown.
-fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
-    let waker = waker.clone();
-    let started = SongReader::start(StructureCache::among(folders), move || waker.wake());
-    started.inspect_err(|error| tracing::warn!("cannot analyse whole songs: {error}")).ok()
-}
-
-/// Starts the reading of stems. Without the thread, the parts of songs stay silent.
-fn start_stem_reader(folders: &Folders, waker: &Waker) -> Option<SongReader<Parts>> {
-    let waker = waker.clone();
-    let started = start_reader(PartsCache::among(folders), move || waker.wake());
-    started.inspect_err(|error| tracing::warn!("cannot read the stems of songs: {error}")).ok()
-}
-
-/// Starts the decoding of covers. Without the thread, no cover is shown.
-fn start_cover_reader(waker: &Waker) -> Option<SongReader<RgbaImage>> {
-    let waker = waker.clone();
-    let started = covers::start_reader(move || waker.wake());
-    started.inspect_err(|error| tracing::warn!("cannot show the covers of songs: {error}")).ok()
+/// Returns what has started. Without it, the session goes on.
+fn if_started<T>(started: std::io::Result<T>, doing: &str) -> Option<T> {
+    started.inspect_err(|error| tracing::warn!("cannot {doing}: {error}")).ok()
 }
 
 fn output_of(settings: &PlaySettings) -> Target {
@@ -341,7 +325,6 @@ pub(super) fn renewed(
         return Err(GpuError::ContextLost("preparing the first scene").into());
     };
     let screen = screen.renew()?;
-    let of_scenes = waker.clone();
     let mut scenes = SceneSession::new(
         screen.gl(),
         screen.worker_contexts(COMPILERS),
@@ -349,15 +332,14 @@ pub(super) fn renewed(
         kept.ways,
         kept.loaders,
         shown,
-        move || of_scenes.wake(),
+        waker.waking(),
     )?;
-    let of_fonts = waker.clone();
-    let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
+    let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
     if assisted {
         overlay.assist(Assistance::Begins);
     }
     scenes.adopt(kept.taken_over);
-    reports.answer("the graphics driver lost its context: the frame is drawn again".to_owned());
+    reports.answer("the graphics driver lost its context: the frame is drawn again");
     let playback = Playback {
         renderer: renderer(screen.gl(), &session.choices, scene)?,
         scene: scenes,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{Command, Panel};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::thumbnails::Thumbnails;
 use crate::ui::help_panel::HelpPanel;
 use crate::ui::overlay::{SceneListEvent, UiEvent};
@@ -13,7 +13,7 @@ use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::track_panel::TrackPanel;
 
 pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
-    now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
+    now + Duration::from_secs_f64(limits::THUMBNAILS_AHEAD_AFTER)
 }
 
 impl Session {
@@ -24,7 +24,7 @@ impl Session {
         self.interface.ui_state.panels.toggle(panel);
         // Keys now act on the panel.
         self.interface.overlay.drop_key_focus();
-        let open = self.interface.ui_state.panels.open();
+        let open = self.interface.ui_state.panels.open;
         self.write_text(open == Some(Panel::Editor));
         if open == Some(Panel::Sources) {
             self.playback.listening.sound.show_list();
@@ -62,7 +62,7 @@ impl Session {
         if !self.interface.ui_state.panels.close(has_sliders) {
             self.screen.set_fullscreen(false);
         }
-        if self.interface.ui_state.panels.open().is_none() {
+        if self.interface.ui_state.panels.open.is_none() {
             self.leave_panels();
         }
     }
@@ -97,13 +97,13 @@ impl Session {
 impl Interface {
     /// Shows the table of keys without a search text, or hides the table.
     pub(super) fn toggle_help(&mut self) {
-        self.ui_state.panels.toggle_help();
+        self.ui_state.panels.help ^= true;
         self.ui_state.help = HelpPanel::default();
         self.overlay.drop_key_focus();
     }
 
     pub(super) fn takes_text(&self) -> bool {
-        self.ui_state.panels.help()
+        self.ui_state.panels.help
             || self.ui_state.browser.is_some()
             || self.ui_state.files.is_some()
             || self.ui_state.tracks.as_ref().is_some_and(TrackPanel::is_searching)
@@ -127,8 +127,7 @@ impl Interface {
 
     fn request_thumbnails(&mut self) {
         if self.thumbnails.is_none() {
-            let waker = self.waker.clone();
-            match Thumbnails::start(&self.folders, move || waker.wake()) {
+            match Thumbnails::start(&self.folders, self.waker.waking()) {
                 Ok(thumbnails) => self.thumbnails = Some(thumbnails),
                 Err(error) => tracing::warn!("cannot show thumbnails of scenes: {error}"),
             }
@@ -146,7 +145,7 @@ impl Interface {
             .all_sources()
             .into_iter()
             .filter(|source| source.file().is_some());
-        let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
+        let of_folder: Vec<_> = of_folder.take(limits::THUMBNAILS_AHEAD_MAX).collect();
         if of_folder.is_empty() {
             return;
         }

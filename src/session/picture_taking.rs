@@ -14,7 +14,7 @@ impl Session {
         let title = &self.playback.reports.playing.title;
         let file = || Some(folder.as_ref()?.join(picture_name(title, time)));
         let renderer = &mut self.playback.renderer;
-        if let Err(words) = self.pictures.save((self.screen.gl(), renderer), whole, file) {
+        if let Err(words) = self.pictures.save(self.screen.gl(), renderer, whole, file) {
             self.playback.reports.answer(words);
         }
     }

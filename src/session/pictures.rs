@@ -17,7 +17,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::Renderer;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::placement::Placement;
 use crate::session::drawing_pace::drawn_size;
 use crate::session::dynamic_resolution::Level;
@@ -71,7 +71,7 @@ impl Pictures {
 
     /// Asks for a picture of the present frame at `scale` times the size of the window.
     pub(super) fn request(&mut self, scale: u32) {
-        let until = clock::now() + Duration::from_secs_f64(2.0 * LIMITS.picture_seconds_max);
+        let until = clock::now() + Duration::from_secs_f64(2.0 * limits::PICTURE_SECONDS_MAX);
         self.wanted = Some(Wanted { scale, until });
     }
 
@@ -82,7 +82,8 @@ impl Pictures {
     /// Fails with a message.
     pub(super) fn save(
         &mut self,
-        (gl, renderer): (&Gl, &mut Renderer),
+        gl: &Gl,
+        renderer: &mut Renderer,
         whole: (u32, u32),
         file: impl FnOnce() -> Option<PathBuf>,
     ) -> Result<(), String> {
@@ -124,7 +125,8 @@ impl Pictures {
 }
 
 impl Wanted {
-    fn size(self, (width, height): (u32, u32), side_max: u32) -> (u32, u32) {
+    fn size(self, whole: (u32, u32), side_max: u32) -> (u32, u32) {
+        let (width, height) = whole;
         let side = |side: u32| side.saturating_mul(self.scale);
         drawn_size(Level::STILL, (side(width), side(height)), side_max)
     }

@@ -69,7 +69,8 @@ impl Recording {
     /// Records a frame of a track at `time` seconds. Returns a message when the performance is too long.
     pub(crate) fn record(
         &mut self,
-        (track, title): (OfTrack, &str),
+        track: OfTrack,
+        title: &str,
         time: f64,
         seen: Performed<'_>,
         now: Instant,
@@ -246,14 +247,15 @@ mod tests {
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let now = Instant::now();
         let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
-        recording.record((Some(0), "one"), 1.0, seen(&orb, None), now);
+        recording.record(Some(0), "one", 1.0, seen(&orb, None), now);
         assert!(recording.take.is_none(), "recording has not been started");
         assert!(recording.toggle(now));
         for (time, scene, faded) in
             [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
         {
             recording.record(
-                (Some(0), "one"),
+                Some(0),
+                "one",
                 time,
                 Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
                 now,
@@ -263,8 +265,8 @@ mod tests {
         recording.record_picture(Some(0), 6.0, &held, true);
         recording.record_picture(Some(2), 7.0, &Finish::NOTHING, false);
         let melt = (TimedTransition::new(TransitionStyle::Melt, 2.0), 0.5);
-        recording.record((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
-        recording.record((None, "an input"), 9.0, seen(&city, None), now);
+        recording.record(Some(1), "two", 1.5, seen(&heart, Some(melt)), now);
+        recording.record(None, "an input", 9.0, seen(&city, None), now);
         assert!(!recording.toggle(now));
         drop(recording);
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
@@ -287,7 +289,7 @@ mod tests {
         let start = Instant::now();
         let orb = SceneSource::Shipped("orb".to_owned());
         recording.toggle(start);
-        recording.record((Some(0), "one"), 2.0, seen(&orb, None), start);
+        recording.record(Some(0), "one", 2.0, seen(&orb, None), start);
         recording.update(start);
         assert!(recording.files.is_idle(), "not every frame is written");
         // The frame does not change, so the file is not written.
@@ -315,7 +317,7 @@ mod tests {
             recording.toggle(now);
             for (time, scene, faded, fades, camera) in pictures.iter().copied() {
                 let seen = Performed { faded, fades, camera, ..seen(scene, None) };
-                recording.record((Some(0), "one"), time, seen, now);
+                recording.record(Some(0), "one", time, seen, now);
             }
             let cue_list = recording.take.map(|take| take.performance.cue_list()).unwrap_or_default();
             print(&cue_list, &[]).lines().map(str::to_owned).collect::<Vec<_>>()

@@ -16,7 +16,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 pub(crate) struct Reports {
     announcer: Announcer,
     desktop: Box<dyn DesktopControls>,
-    due: Instant,
+    pub(crate) due: Instant,
     reported_silent: bool,
     reported_refused: Option<String>,
     title: String,
@@ -53,7 +53,7 @@ impl Reports {
         self.desktop.poll()
     }
 
-    pub(crate) fn answer(&mut self, text: String) {
+    pub(crate) fn answer(&mut self, text: impl Into<String>) {
         self.announcer.answer(text);
     }
 
@@ -65,7 +65,7 @@ impl Reports {
         self.announcer.answer_position(&self.playing);
     }
 
-    pub(crate) fn announce(&mut self, text: String) {
+    pub(crate) fn announce(&mut self, text: impl Into<String>) {
         self.announcer.announce(text);
     }
 

@@ -50,13 +50,17 @@ pub(crate) trait Screen {
     fn size(&self) -> Option<(u32, u32)>;
 
     /// Pixels per point of the window.
-    fn scale(&self) -> f32;
+    fn scale(&self) -> f32 {
+        1.0
+    }
 
     /// Size in pixels of the surface for frames: the output, otherwise the wallpaper, otherwise the window.
     fn picture_size(&self) -> Option<(u32, u32)>;
 
     /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.
-    fn place(&self) -> Option<(i32, i32)>;
+    fn place(&self) -> Option<(i32, i32)> {
+        None
+    }
 
     fn is_fullscreen(&self) -> bool;
 
@@ -64,7 +68,7 @@ pub(crate) trait Screen {
 
     fn set_title(&mut self, title: &str);
 
-    fn raise(&mut self);
+    fn raise(&mut self) {}
 
     /// Sets the pointer's shape; [`CursorIcon::None`] hides it.
     fn set_cursor(&mut self, cursor: CursorIcon);
@@ -72,27 +76,35 @@ pub(crate) trait Screen {
     fn allow_composing(&mut self, on: bool);
 
     /// Reports the position of the text cursor, in pixels.
-    fn set_place_of_letters(&mut self, place: Rect);
+    fn set_place_of_letters(&mut self, _: Rect) {}
 
     /// Sets whether letter keys belong to the session, such as keys that are typed into a text. Otherwise the key that
     /// quits ends the program at once.
-    fn set_keys_are_text(&mut self, on: bool);
+    fn set_keys_are_text(&mut self, _: bool) {}
 
     fn show_controls(&mut self, controls: TreeUpdate);
 
     fn request_redraw(&self);
 
     /// True if the frames may be visible.
-    fn is_seen(&self) -> bool;
+    fn is_seen(&self) -> bool {
+        true
+    }
 
     /// True if texts over the frame would be visible.
-    fn shows_words(&self) -> bool;
+    fn shows_words(&self) -> bool {
+        true
+    }
 
     /// True if a user may be waiting for the first frame: then the song starts before it.
-    fn is_awaited(&self) -> bool;
+    fn is_awaited(&self) -> bool {
+        false
+    }
 
     /// True if something other than the window must be redrawn, even with an unchanged frame.
-    fn is_stale(&self) -> bool;
+    fn is_stale(&self) -> bool {
+        false
+    }
 
     /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
     /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time spent before
@@ -109,20 +121,26 @@ pub(crate) trait Screen {
     /// Shows black, and calls `paint` to draw over it. Does nothing without a visible window.
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
-    fn has_output(&self) -> bool;
+    fn has_output(&self) -> bool {
+        false
+    }
 
     /// Sets whether the screen must neither lock nor go dark.
-    fn keep_awake(&mut self, on: bool);
+    fn keep_awake(&mut self, _: bool) {}
 
     /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
-    fn update(&mut self) -> Vec<String>;
+    fn update(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 
-    fn monitors(&self) -> Vec<Monitor>;
+    fn monitors(&self) -> Vec<Monitor> {
+        Vec::new()
+    }
 
-    fn update_monitors(&mut self);
+    fn update_monitors(&mut self) {}
 
     /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
-    fn request_output(&mut self, monitor: Option<String>);
+    fn request_output(&mut self, _: Option<String>) {}
 
     fn lie_differently(&mut self);
 

@@ -40,7 +40,9 @@ impl Session {
                 self.playback.listening.sound.choose_output(id.clone());
                 (self.names_output, self.chose_output) = (false, true);
             }
-            Setting::Quality(quality) => self.playback.pace.set_quality(*quality),
+            Setting::Quality(quality) => {
+                self.playback.pace.resolution = self.playback.pace.resolution.chosen_anew(*quality)
+            }
             Setting::FlashLimiter(on) => {
                 if let Err(error) = self.playback.limit_flashes(*on) {
                     return self.playback.reports.answer(format!("cannot limit flashes: {error}"));

@@ -13,7 +13,7 @@ impl Interface {
     pub(super) fn import_shader(&mut self, playback: &mut Playback, shader: PathBuf) {
         let Some(folder) = self.folders.own_scenes() else {
             let words = "there is no folder for your own scenes: make a scene with `mariana import`";
-            return playback.reports.answer(words.to_owned());
+            return playback.reports.answer(words);
         };
         match ShaderImport::start(shader, folder, self.waker.clone()) {
             Ok(import) => self.shader_import = import,

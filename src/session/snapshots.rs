@@ -56,7 +56,7 @@ impl SnapshotDesk<'_> {
             true => "the next snapshot key takes its snapshot again: press Shift+1 to Shift+8",
             false => "snapshot keys recall their snapshots",
         };
-        self.playback.reports.answer(words.to_owned());
+        self.playback.reports.answer(words);
     }
 
     pub(super) fn toggle_morph(&mut self) {
@@ -89,7 +89,7 @@ impl SnapshotDesk<'_> {
         let (title, scene) = (source.title(), named(source));
         let Some(snapshots) = self.playback.listening.sound.settings().snapshots.get(&title) else {
             let words = "this scene has no snapshots: press Shift+1 to take one";
-            return self.playback.reports.answer(words.to_owned());
+            return self.playback.reports.answer(words);
         };
         let comments = [
             format!("The snapshots of {title}. Enter shows the next one."),
@@ -102,7 +102,7 @@ impl SnapshotDesk<'_> {
         if !files.keep(self.snapshots.written, &format!("{title} snapshots"), move || print(&cues, &comments))
         {
             let words = "there is no folder for show files: set the environment variable HOME";
-            self.playback.reports.answer(words.to_owned());
+            self.playback.reports.answer(words);
         }
     }
 
@@ -153,7 +153,7 @@ impl Playback {
             return self.reports.answer(format!("there is no snapshot {number}: use 1 to {SNAPSHOTS}"));
         }
         let Some(snapshot) = self.scene.parameters_in_hand().snapshot() else {
-            return self.reports.answer("this scene has no sliders to take a snapshot of".to_owned());
+            return self.reports.answer("this scene has no sliders to take a snapshot of");
         };
         let title = self.scene.parameters_in_hand().title().unwrap_or_default();
         self.listening.sound.remember(move |settings| {

@@ -38,7 +38,7 @@ pub(crate) struct Sound {
     gain: Gain,
     /// The output for songs; `None` for intended silence.
     output: Option<Target>,
-    device: Option<ListedDevice>,
+    pub(crate) device: Option<ListedDevice>,
     watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
     /// The chosen source, saved only when the source list disappears: choices on the way are not saved.
@@ -173,10 +173,6 @@ impl Sound {
             });
         }
         shift
-    }
-
-    pub(crate) fn device_name(&self) -> Option<&str> {
-        self.device.as_ref().map(|device| &*device.name)
     }
 
     /// Plays songs on the output `id` while this output is connected, otherwise on the system's default output.

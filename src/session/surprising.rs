@@ -36,7 +36,7 @@ impl Session {
         let folder = original.file().and_then(Path::parent).map(Path::to_owned).or(own_scenes);
         let Some(folder) = folder else {
             let words = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
-            return self.playback.reports.answer(words.to_owned());
+            return self.playback.reports.answer(words);
         };
         let is_number = number.is_finite() && number >= 1.0;
         let number = if is_number { (number as u64).min(NUMBER_MAX) } else { self.surprises.next_number() };
@@ -59,10 +59,7 @@ impl Session {
         let wanted = &self.playback.scene.preparation.library.wanted;
         let last = self.surprises.variation(wanted).is_some().then(|| self.surprises.shown.pop()).flatten();
         let Some(last) = last else {
-            return self
-                .playback
-                .reports
-                .answer("this is the scene itself: press F5 for a variation".to_owned());
+            return self.playback.reports.answer("this is the scene itself: press F5 for a variation");
         };
         let (source, words) = match (self.surprises.shown.last(), self.surprises.original.clone()) {
             (Some(before), _) => (SceneSource::File(before.file.clone()), words_of(before.number)),
@@ -81,15 +78,14 @@ impl Session {
         let wanted = &self.playback.scene.preparation.library.wanted;
         let Some(Variation { file, text, .. }) = self.surprises.variation(wanted) else {
             let words = "only a variation can be kept: press F5 for a variation";
-            return self.playback.reports.answer(words.to_owned());
+            return self.playback.reports.answer(words);
         };
         if self.surprises.keeping.is_some() {
             return;
         }
         let (file, text) = (file.clone(), text.clone());
         if self.surprises.files.is_none() {
-            let waker = self.interface.waker.clone();
-            match FileThread::start(&self.interface.folders, move || waker.wake()) {
+            match FileThread::start(&self.interface.folders, self.interface.waker.waking()) {
                 Ok(files) => self.surprises.files = Some(files),
                 Err(error) => {
                     return self.playback.reports.answer(format!("cannot save the variation: {error}"));

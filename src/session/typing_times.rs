@@ -9,27 +9,18 @@ pub(crate) struct TypingTimes {
     /// Time of the first key press that the displayed text does not show yet.
     pressed: Option<Instant>,
     /// Time of the first key press whose effect no frame shows yet, and the id of the scene shown then.
-    drafted: Option<(Instant, Option<u64>)>,
+    pub(crate) drafted: Option<(Instant, Option<u64>)>,
     /// Time spent so far on handling the key presses that the displayed text does not show yet.
-    taken: Duration,
+    pub(crate) taken: Duration,
     work: Vec<f32>,
     text: Vec<f32>,
     picture: Vec<f32>,
 }
 
 impl TypingTimes {
-    pub(crate) fn record_input(&mut self, time: Duration) {
-        self.taken += time;
-    }
-
     pub(crate) fn record_key(&mut self, scene: Option<u64>, now: Instant) {
         self.pressed.get_or_insert(now);
         self.drafted.get_or_insert((now, scene));
-    }
-
-    /// Notes that the last keys lead to no new frame, because the text has a mistake.
-    pub(crate) fn record_mistake(&mut self) {
-        self.drafted = None;
     }
 
     /// Notes that the window showed a frame of this scene, a new one if `is_new`. Its overlay took `painting` to draw.
@@ -86,11 +77,11 @@ mod tests {
         let mut times = TypingTimes::default();
         assert_eq!(times.to_string(), "work for a key: never; to its letter: never; to the picture: never");
         times.record_key(Some(1), at(0));
-        times.record_input(Duration::from_millis(1));
+        times.taken += Duration::from_millis(1);
         times.record_shown(Some(1), true, Duration::from_millis(2), at(4));
         times.record_shown(Some(2), true, Duration::ZERO, at(20));
         times.record_key(Some(2), at(100));
-        times.record_mistake();
+        times.drafted = None;
         times.record_shown(Some(2), true, Duration::from_millis(3), at(102));
         times.record_shown(Some(3), true, Duration::ZERO, at(900));
         let text = "work for a key: 2 times, median 3.0 ms, 99 of 100 within 3.0 ms; \

@@ -27,6 +27,7 @@ use crate::ui::video_panel::VideoPanel;
 use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 
+#[derive(Default)]
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
     pub(super) help: HelpPanel,
@@ -106,7 +107,7 @@ pub(super) fn content_of<'a>(
         corner,
         problem: problem.map(|(heading, text)| Problem { heading, text }),
         notice: notice.map(|(text, since)| Notice { text, fraction: None, since }),
-        params: Some(sliders).filter(|sliders| panels.sliders() && !sliders.is_empty()),
+        params: Some(sliders).filter(|sliders| panels.sliders && !sliders.is_empty()),
         hint,
         decks,
         ..OverlayContent::default()
@@ -115,22 +116,7 @@ pub(super) fn content_of<'a>(
 
 impl UiState {
     pub(super) fn new(clean: bool) -> Self {
-        Self {
-            panels: PanelSwitches::default(),
-            help: HelpPanel::default(),
-            words: FirstWords::default(),
-            browser: None,
-            files: None,
-            tracks: None,
-            settings: None,
-            editor: None,
-            controllers: None,
-            corners: None,
-            video: VideoState::default(),
-            snapshots: SnapshotRow::default(),
-            picture: None,
-            hidden: Hidden { by_setting: clean, ..Hidden::default() },
-        }
+        Self { hidden: Hidden { by_setting: clean, ..Hidden::default() }, ..Self::default() }
     }
 
     pub(super) fn is_quiet(&self) -> bool {
@@ -153,10 +139,10 @@ impl UiState {
         reports: &'a Reports,
         now: Instant,
     ) {
-        let (open, playing) = (self.panels.open(), &reports.playing);
+        let (open, playing) = (self.panels.open, &reports.playing);
         let scene = self.words.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
-        content.help = Some(&self.help).filter(|_| self.panels.help());
+        content.help = Some(&self.help).filter(|_| self.panels.help);
         listening.show_in(content, open == Some(Panel::Sources), now);
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
@@ -192,7 +178,7 @@ impl UiState {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, cover, scene, since });
         }
-        let wants_decks = seen.awake || seen.assisted || self.panels.sliders() || self.picture.is_some();
+        let wants_decks = seen.awake || seen.assisted || self.panels.sliders || self.picture.is_some();
         let has_decks = content.decks.is_some();
         if self.is_quiet() || !wants_decks {
             content.decks = None;
@@ -209,9 +195,7 @@ impl UiState {
                 // While the bar is hidden, a changing level must not cause a new layout.
                 level: if shows_bar { listening.level } else { 0.0 },
                 scene,
-                open,
-                help: self.panels.help(),
-                sliders: self.panels.sliders(),
+                panels: self.panels,
                 fullscreen: seen.fullscreen,
                 follows: seen.follows,
                 decks: has_decks,

@@ -7,6 +7,7 @@ use crate::commands::{JobAction, VideoChoice};
 use crate::config::Choice;
 use crate::export::video::{Preset, VideoPlace};
 use crate::file_names::numbered;
+use crate::ui::overlay::clock_time;
 use crate::ui::video_panel::{VideoOption, VideoRow};
 use crate::videos::{Estimate, Job, JobState, Shown};
 
@@ -88,7 +89,7 @@ fn places(known: &Known) -> Vec<VideoOption> {
 
 fn parts(form: &Form, known: &Known) -> Vec<VideoOption> {
     let whole = match known.duration {
-        Some(duration) => format!("whole song, {}", clock(duration)),
+        Some(duration) => format!("whole song, {}", clock_time(duration.round())),
         None => "whole song".to_owned(),
     };
     let section = match &known.section {
@@ -214,12 +215,7 @@ fn job_row(job: &Job) -> VideoRow {
 
 /// A part of a song, such as "1:02–1:24".
 pub(super) fn part([start, end]: [f64; 2]) -> String {
-    format!("{}–{}", clock(start), clock(end))
-}
-
-fn clock(seconds: f64) -> String {
-    let seconds = seconds.max(0.0).round() as u64;
-    format!("{}:{:02}", seconds / 60, seconds % 60)
+    format!("{}–{}", clock_time(start.round()), clock_time(end.round()))
 }
 
 fn time_words(seconds: f64) -> String {

@@ -174,7 +174,7 @@ impl VideoDesk<'_> {
                     let words =
                         "mark a part first: press < at its start and > at its end, or drag the brackets";
                     form.is_part = false;
-                    self.playback.reports.answer(words.to_owned());
+                    self.playback.reports.answer(words);
                 }
             }
             VideoChoice::Marks => match option {
@@ -201,7 +201,7 @@ impl VideoDesk<'_> {
             }
             None => {
                 let words = "the sections are known once the song is analysed: try again in a moment";
-                self.playback.reports.answer(words.to_owned());
+                self.playback.reports.answer(words);
             }
         }
     }
@@ -211,7 +211,7 @@ impl VideoDesk<'_> {
         let playing = &self.playback.reports.playing;
         let Some(duration) = playing.duration.filter(|_| !playing.live) else {
             let words = "only a song of known length can be marked";
-            return self.playback.reports.answer(words.to_owned());
+            return self.playback.reports.answer(words);
         };
         let song = self.playback.listening.present_structure();
         let time = at.unwrap_or_else(|| near_border(playing.position, song.as_deref(), duration, REACH));
@@ -219,7 +219,7 @@ impl VideoDesk<'_> {
         let marks = moved([start, end], edge, time, duration);
         self.interface.ui_state.video.marks = Some(marks);
         self.making.form.is_part = true;
-        if at.is_none() && self.interface.ui_state.panels.open() != Some(Panel::Video) {
+        if at.is_none() && self.interface.ui_state.panels.open != Some(Panel::Video) {
             let words = part(marks);
             self.playback.reports.answer(format!("marked {words}: press F10 to make a video of it"));
         }
@@ -341,20 +341,12 @@ impl VideoDesk<'_> {
         self.making.warned = Some(now);
         let words =
             "a video is being rendered: press Q again to quit; the next start offers to begin it again";
-        self.playback.reports.answer(words.to_owned());
+        self.playback.reports.answer(words);
         true
     }
 }
 
-impl Interface {
-    /// Passes a key to the panel, if it is open.
-    pub(super) fn pass_to_videos(
-        &mut self,
-        key: &crate::input::Key,
-    ) -> Option<(bool, Option<crate::commands::Command>)> {
-        self.ui_state.video.panel.as_mut().map(|panel| panel.handle_key(key))
-    }
-}
+impl Interface {}
 
 /// The marks after one of them has moved. The other mark gives way, to an end of the track if need be.
 fn moved([start, end]: [f64; 2], edge: Edge, time: f64, duration: f64) -> [f64; 2] {

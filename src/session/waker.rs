@@ -12,6 +12,12 @@ impl Waker {
         Self(Arc::new(wake))
     }
 
+    /// Returns a function that wakes the session.
+    pub fn waking(&self) -> impl Fn() + Clone + Send + Sync + use<> {
+        let wake = self.0.clone();
+        move || wake()
+    }
+
     /// Makes the session look for finished work.
     pub fn wake(&self) {
         (self.0)();

@@ -102,7 +102,7 @@ mod tests {
         }
         let typing = Typing::default();
         assert!(!typing.is_on());
-        typing.send_key();
+        typing.0.1.fetch_add(1, Ordering::SeqCst);
         assert!(typing.is_on(), "the show has not taken the key yet");
         typing.set(true, 1);
         assert!(typing.is_on());

@@ -55,8 +55,7 @@ impl Output {
     }
 
     pub(crate) fn update_monitors(&mut self) {
-        let waker = self.waker.clone();
-        self.monitors.begin(move || waker.wake());
+        self.monitors.begin(self.waker.waking());
     }
 
     pub(crate) fn set_monitors(&mut self, monitors: Vec<Monitor>) {

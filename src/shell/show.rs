@@ -78,7 +78,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
         #[cfg(windows)]
         crate::shell::console::close_if_own();
-        let of_desktop = of_show.clone();
+        let wake = of_show.waking();
         let opening = Opening {
             tracks,
             settings: &settings,
@@ -89,7 +89,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             desktop: Box::new(move |position| {
                 let open = dropped
                     .map(|show| move |file| drop(show.send(Message::Window(WindowEvent::DroppedFile(file)))));
-                Box::new(MediaControls::start(position, Some(handle), move || of_desktop.wake(), open))
+                Box::new(MediaControls::start(position, Some(handle), wake, open))
             }),
         };
         let stage = opening.session(&of_show)?;

@@ -73,69 +73,23 @@ fn key_of(key: &WinitKey) -> Key {
     }
 }
 
-const NAMED: [(WinitNamed, NamedKey); 29] = [
-    (WinitNamed::Space, NamedKey::Space),
-    (WinitNamed::Enter, NamedKey::Enter),
-    (WinitNamed::Escape, NamedKey::Escape),
-    (WinitNamed::Tab, NamedKey::Tab),
-    (WinitNamed::Backspace, NamedKey::Backspace),
-    (WinitNamed::Delete, NamedKey::Delete),
-    (WinitNamed::Home, NamedKey::Home),
-    (WinitNamed::End, NamedKey::End),
-    (WinitNamed::PageUp, NamedKey::PageUp),
-    (WinitNamed::PageDown, NamedKey::PageDown),
-    (WinitNamed::ArrowLeft, NamedKey::ArrowLeft),
-    (WinitNamed::ArrowRight, NamedKey::ArrowRight),
-    (WinitNamed::ArrowUp, NamedKey::ArrowUp),
-    (WinitNamed::ArrowDown, NamedKey::ArrowDown),
-    (WinitNamed::F1, NamedKey::F1),
-    (WinitNamed::F2, NamedKey::F2),
-    (WinitNamed::F3, NamedKey::F3),
-    (WinitNamed::F4, NamedKey::F4),
-    (WinitNamed::F5, NamedKey::F5),
-    (WinitNamed::F6, NamedKey::F6),
-    (WinitNamed::F7, NamedKey::F7),
-    (WinitNamed::F8, NamedKey::F8),
-    (WinitNamed::F9, NamedKey::F9),
-    (WinitNamed::F10, NamedKey::F10),
-    (WinitNamed::F11, NamedKey::F11),
-    (WinitNamed::F12, NamedKey::F12),
-    (WinitNamed::MediaPlayPause, NamedKey::MediaPlayPause),
-    (WinitNamed::MediaTrackNext, NamedKey::MediaTrackNext),
-    (WinitNamed::MediaTrackPrevious, NamedKey::MediaTrackPrevious),
-];
+macro_rules! same_names {
+    ($($name:ident)*) => { &[$((WinitNamed::$name, NamedKey::$name)),*] };
+}
 
-/// Returns the letter or digit at the key's position on a Latin keyboard, if a command uses it.
+const NAMED: &[(WinitNamed, NamedKey)] = same_names!(
+    Space Enter Escape Tab Backspace Delete Home End PageUp PageDown ArrowLeft ArrowRight ArrowUp ArrowDown
+    F1 F2 F3 F4 F5 F6 F7 F8 F9 F10 F11 F12 MediaPlayPause MediaTrackNext MediaTrackPrevious
+);
+
+/// Returns the letter or digit at the key's position or `/` at the key's position on a Latin keyboard.
 fn latin_at(key: PhysicalKey) -> Option<char> {
     let PhysicalKey::Code(code) = key else { return None };
-    Some(match code {
-        KeyCode::Digit0 => '0',
-        KeyCode::Digit1 => '1',
-        KeyCode::Digit2 => '2',
-        KeyCode::Digit3 => '3',
-        KeyCode::Digit4 => '4',
-        KeyCode::Digit5 => '5',
-        KeyCode::Digit6 => '6',
-        KeyCode::Digit7 => '7',
-        KeyCode::Digit8 => '8',
-        KeyCode::Digit9 => '9',
-        KeyCode::KeyA => 'a',
-        KeyCode::KeyC => 'c',
-        KeyCode::KeyE => 'e',
-        KeyCode::KeyF => 'f',
-        KeyCode::KeyG => 'g',
-        KeyCode::KeyK => 'k',
-        KeyCode::KeyL => 'l',
-        KeyCode::KeyN => 'n',
-        KeyCode::KeyP => 'p',
-        KeyCode::KeyS => 's',
-        KeyCode::KeyV => 'v',
-        KeyCode::KeyX => 'x',
-        KeyCode::KeyY => 'y',
-        KeyCode::KeyZ => 'z',
-        KeyCode::Slash => '/',
-        _ => return None,
-    })
+    let name = format!("{code:?}");
+    match name.strip_prefix("Key").or(name.strip_prefix("Digit")) {
+        Some(sign) => sign.chars().next().map(|sign| sign.to_ascii_lowercase()),
+        None => (code == KeyCode::Slash).then_some('/'),
+    }
 }
 
 #[cfg(test)]

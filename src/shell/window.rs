@@ -68,7 +68,7 @@ pub(crate) struct GlWindowContext {
     size: Cell<(u32, u32)>,
     /// The position in the last event; `None` if the window system does not report it.
     place: Cell<Option<(i32, i32)>>,
-    refresh_rate: Option<f64>,
+    pub(crate) refresh_rate: Option<f64>,
 }
 
 impl OpenWindow {
@@ -218,7 +218,8 @@ impl GlWindowContext {
         self.window.is_fullscreen()
     }
 
-    pub(crate) fn fill(&self, ((x, y), (width, height)): Rect) {
+    pub(crate) fn fill(&self, place: Rect) {
+        let ((x, y), (width, height)) = place;
         let window = self.window();
         window.set_outer_position(PhysicalPosition::new(x, y));
         let _ = window.request_inner_size(PhysicalSize::new(width, height));

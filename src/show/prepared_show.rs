@@ -9,7 +9,7 @@ use crate::scenes::{SceneBlend, SceneSource, SeenScene};
 use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
-use mariana_show::limits::LIMITS as SHOW_LIMITS;
+use mariana_show::limits as show_limits;
 use mariana_show::{Clip, CueListError, Moment, Show, TimedTransition, Timeline, TransitionKind};
 
 const DEMO_NAME: &str = "demo.show";
@@ -267,7 +267,7 @@ pub fn name_of(source: &SceneSource) -> String {
 fn read(path: &Path) -> Result<String, ShowError> {
     let unreadable =
         |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    let max = SHOW_LIMITS.bytes_max;
+    let max = show_limits::BYTES_MAX;
     let bytes = crate::reading::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
@@ -346,7 +346,7 @@ mod tests {
         let refused =
             |path: PathBuf| PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err();
         assert!(matches!(refused(path.clone()), ShowError::NotText { position: 1, .. }));
-        std::fs::write(&path, vec![b'#'; SHOW_LIMITS.bytes_max + 1]).unwrap();
+        std::fs::write(&path, vec![b'#'; show_limits::BYTES_MAX + 1]).unwrap();
         assert!(matches!(refused(path), ShowError::TooLarge { .. }));
         assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
         // Reading a device or a pipe may never end.

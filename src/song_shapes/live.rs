@@ -17,14 +17,14 @@ const SHOWN_MAX: usize = 64;
 /// The texts of the song in the frames of a session.
 pub struct LiveSongShapes {
     texts: SongTexts,
-    shared: Arc<Shared>,
+    shared: Arc<SharedTexts>,
     has_thread: bool,
     /// The grids in the last frames, which stay until the next ones are baked.
     shown: Vec<(Arc<dyn TextBaker>, SongText, ShapeGrid)>,
     atlases: Atlases,
 }
 
-struct Shared {
+struct SharedTexts {
     state: Mutex<State>,
     changed: Condvar,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -42,7 +42,7 @@ struct State {
 impl LiveSongShapes {
     /// `wake` is called when a text is baked that the last frame lacks.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let shared = Shared { state: Mutex::default(), changed: Condvar::new(), wake: Box::new(wake) };
+        let shared = SharedTexts { state: Mutex::default(), changed: Condvar::new(), wake: Box::new(wake) };
         Self {
             texts: SongTexts::default(),
             shared: Arc::new(shared),
@@ -127,7 +127,7 @@ impl Drop for LiveSongShapes {
     }
 }
 
-impl Shared {
+impl SharedTexts {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::config::Folders;
 
 use super::cached_files::{CachedFiles, FileKey};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_music::{STRUCTURE_VERSION, SongStructure};
 use mariana_player::track::Content;
 
@@ -31,7 +31,7 @@ impl StructureCache {
     }
 
     fn in_place(folder: Option<PathBuf>) -> Self {
-        let (bytes_max, kept_max) = (LIMITS.structure_bytes_max, LIMITS.structures_kept_max);
+        let (bytes_max, kept_max) = (limits::STRUCTURE_BYTES_MAX, limits::STRUCTURES_KEPT_MAX);
         Self(CachedFiles { folder, ending: "song", bytes_max, kept_max })
     }
 

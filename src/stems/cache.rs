@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::{SongOfParts, kept_numbers};
 use crate::config::Folders;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::song_structures::{CachedFiles, FileKey};
 use mariana_music::{PART_TRACK_VERSION, PartTracks};
 use mariana_player::song::Song;
@@ -24,7 +24,7 @@ impl PartsCache {
     /// Returns a cache in the cache folder of `folders`, if there is one.
     pub fn among(folders: &Folders) -> Self {
         let folder = folders.cache.as_ref().map(|cache| cache.join("parts"));
-        let (bytes_max, kept_max) = (LIMITS.parts_bytes_max, LIMITS.parts_kept_max);
+        let (bytes_max, kept_max) = (limits::PARTS_BYTES_MAX, limits::PARTS_KEPT_MAX);
         Self(CachedFiles { folder, ending: "parts", bytes_max, kept_max })
     }
 

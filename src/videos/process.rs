@@ -44,7 +44,8 @@ impl Process {
     /// Fails if the process or the thread that reads its reports cannot be started.
     pub(super) fn start(
         program: Option<&Path>,
-        (arguments, file): (&[String], &Path),
+        arguments: &[String],
+        file: &Path,
         run: u64,
         events: Sender<Event>,
     ) -> io::Result<Self> {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::atomic_file::AtomicFile;
 use crate::config::Folders;
 use crate::file_names::numbered;
-use crate::limits::LIMITS;
+use crate::limits;
 
 const FILE: &str = "videos.json";
 
@@ -82,10 +82,10 @@ impl Queue {
     /// queue is full.
     pub(super) fn add(&mut self, title: String, file: &Path, arguments: Vec<String>) -> Result<(), String> {
         let unfinished = self.jobs.iter().filter(|job| job.state != JobState::Done).count();
-        if unfinished >= LIMITS.videos_max {
+        if unfinished >= limits::VIDEOS_MAX {
             return Err(format!(
                 "there are already {} videos in the queue: remove some of them",
-                LIMITS.videos_max
+                limits::VIDEOS_MAX
             ));
         }
         let is_free = |path: &PathBuf| {
@@ -109,10 +109,6 @@ impl Queue {
         self.jobs.retain(|job| job.id != id);
     }
 
-    pub(super) fn next_waiting(&self) -> Option<&Job> {
-        self.jobs.iter().find(|job| job.state == JobState::Waiting)
-    }
-
     fn text(&self) -> String {
         let kept = self.jobs.iter().filter(|job| job.state != JobState::Done).map(|job| KeptJob {
             title: job.title.clone(),
@@ -127,7 +123,7 @@ impl Queue {
     }
 
     fn read(&mut self, text: &str) -> Result<(), serde_json::Error> {
-        for kept in serde_json::from_str::<Vec<KeptJob>>(text)?.into_iter().take(LIMITS.videos_max) {
+        for kept in serde_json::from_str::<Vec<KeptJob>>(text)?.into_iter().take(limits::VIDEOS_MAX) {
             let state = kept.failed.map_or(JobState::Unfinished, JobState::Failed);
             self.push(kept.title, kept.file, kept.arguments, state);
         }
@@ -165,7 +161,7 @@ impl QueueFile {
         let path = folder.join(FILE);
         let mut text = String::new();
         let read = File::open(&path)
-            .and_then(|file| file.take(LIMITS.video_queue_bytes_max).read_to_string(&mut text));
+            .and_then(|file| file.take(limits::VIDEO_QUEUE_BYTES_MAX).read_to_string(&mut text));
         let reason = match read {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
             Err(error) => Some(error.to_string()),
@@ -232,7 +228,10 @@ mod tests {
         let failed = JobState::Failed("no room".to_owned());
         assert_eq!(states, [JobState::Unfinished, failed, JobState::Unfinished]);
         assert_eq!(again.jobs[0].arguments, queue.jobs[0].arguments);
-        assert!(again.next_waiting().is_none(), "nothing is rendered before the user wants it");
+        assert!(
+            again.jobs.iter().find(|job| job.state == JobState::Waiting).is_none(),
+            "nothing is rendered before the user wants it"
+        );
     }
 
     #[test]
@@ -256,7 +255,7 @@ mod tests {
     #[test]
     fn a_full_queue_refuses_videos() {
         let mut queue = Queue::default();
-        (0..LIMITS.videos_max).for_each(|_| add(&mut queue, Path::new("/none/song.mp4")));
+        (0..limits::VIDEOS_MAX).for_each(|_| add(&mut queue, Path::new("/none/song.mp4")));
         let refused = queue.add(String::new(), Path::new("/none/song.mp4"), Vec::new());
         assert!(refused.unwrap_err().contains("remove"));
     }

@@ -44,7 +44,7 @@ pub(super) struct Worker {
     queue: Queue,
     /// `None` if another window keeps its queue, or there is no folder.
     file: Option<QueueFile>,
-    run: Option<Run>,
+    run: Option<VideoRun>,
     runs: u64,
     /// The measurement to make when no video is rendered.
     wanted: Option<Measure>,
@@ -57,7 +57,7 @@ pub(super) struct Worker {
 }
 
 /// A running process.
-struct Run {
+struct VideoRun {
     number: u64,
     process: Process,
     task: Task,
@@ -115,7 +115,7 @@ impl Worker {
         told.into_iter().chain(words).for_each(|words| self.report(words));
         self.publish();
         loop {
-            let wait = self.run.as_ref().and_then(Run::due);
+            let wait = self.run.as_ref().and_then(VideoRun::due);
             let wait = wait.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
             match self.events.1.recv_timeout(wait) {
                 // The process ends with its input. Its video stays in the queue.
@@ -240,7 +240,8 @@ impl Worker {
     }
 
     fn record_end(&mut self, number: u64) {
-        let Some(Run { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number) else {
+        let Some(VideoRun { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number)
+        else {
             return;
         };
         let (end, was_ended) = (process.finish(), killed_at.is_some());
@@ -290,7 +291,7 @@ impl Worker {
     /// Starts the next video, or else a measurement, unless a process is running.
     fn begin_next(&mut self) {
         while self.run.is_none() {
-            if let Some(job) = self.queue.next_waiting() {
+            if let Some(job) = self.queue.jobs.iter().find(|job| job.state == JobState::Waiting) {
                 let (id, arguments, file) = (job.id, job.arguments.clone(), job.file.clone());
                 let folder = file.parent().map_or(Ok(()), std::fs::create_dir_all);
                 let folder = folder.map_err(|error| {
@@ -326,9 +327,9 @@ impl Worker {
     fn begin(&mut self, task: Task, arguments: &[String], file: &Path) -> Result<(), String> {
         self.runs += 1;
         let (number, program) = (self.runs, self.folders.program.as_deref());
-        let process = Process::start(program, (arguments, file), number, self.events.0.clone())
+        let process = Process::start(program, arguments, file, number, self.events.0.clone())
             .map_err(|error| format!("Mariana cannot start itself ({error}): close other programs"))?;
-        self.run = Some(Run { number, process, task, killed_at: None });
+        self.run = Some(VideoRun { number, process, task, killed_at: None });
         Ok(())
     }
 
@@ -361,7 +362,7 @@ impl Worker {
     }
 }
 
-impl Run {
+impl VideoRun {
     /// The time at which the process is ended or killed, if one is set.
     fn due(&self) -> Option<Instant> {
         self.killed_at.or(match &self.task {

@@ -319,7 +319,7 @@ fn keys_that_open_a_panel_did_not_close_it() {
         app.press(&["b"]);
         app.type_text(typed);
         app.press(&["b"]);
-        assert_eq!(app.panels().open(), Some(Panel::Scenes));
+        assert_eq!(app.panels().open, Some(Panel::Scenes));
         app.press(&["Escape", "Escape"]);
         assert_eq!(app.panels(), closed);
     }
@@ -333,7 +333,7 @@ fn esc_left_the_sliders_open_behind_other_panels() {
     let scene = place.inner.save("knob.scene", &format!("param girth = 1 in 0 .. 2\n{STILL}"));
     let app = place.open(&["--scene", scene.to_str().unwrap()]);
     app.press(&["Tab", "g", "h"]);
-    let state = || (app.panels().help(), app.panels().open(), app.panels().sliders());
+    let state = || (app.panels().help, app.panels().open, app.panels().sliders);
     assert_eq!(state(), (true, Some(Panel::Settings), true));
     for rest in [(false, Some(Panel::Settings), true), (false, None, true), (false, None, false)] {
         app.press(&["Escape"]);

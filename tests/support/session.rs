@@ -360,12 +360,14 @@ impl App {
 
     /// Advances the session until `is_wanted` accepts the frame, and returns the frame.
     pub(crate) fn wait_for(&self, what: &str, is_wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
-        self.wait_until(what, |app| is_wanted(&app.session.borrow().picture()));
-        self.session.borrow().picture()
+        self.wait_until(what, |app| is_wanted(&app.session.borrow().window().picture));
+        self.session.borrow().window().picture.clone()
     }
 
     pub(crate) fn wait_for_title(&self, what: &str, is_wanted: impl Fn(&str) -> bool) {
-        self.wait_until(&format!("a title with {what}"), |app| is_wanted(&app.session.borrow().title()));
+        self.wait_until(&format!("a title with {what}"), |app| {
+            is_wanted(&app.session.borrow().window().title)
+        });
     }
 
     pub(crate) fn wait_until_reported(&self, what: &str) {
@@ -376,7 +378,7 @@ impl App {
     pub(crate) fn wait_until_still(&self) -> RgbaImage {
         let (mut last, mut since) = (self.picture(), Instant::now());
         self.wait_until("a frame that stays the same", |app| {
-            let now = app.session.borrow().picture();
+            let now = app.session.borrow().window().picture.clone();
             if now != last {
                 (last, since) = (now, Instant::now());
             }
@@ -400,12 +402,12 @@ impl App {
 
     pub(crate) fn picture(&self) -> RgbaImage {
         self.step();
-        self.session.borrow().picture()
+        self.session.borrow().window().picture.clone()
     }
 
     pub(crate) fn title(&self) -> String {
         self.step();
-        self.session.borrow().title()
+        self.session.borrow().window().title.clone()
     }
 
     pub(crate) fn state(&self) -> ShowState {
@@ -426,7 +428,7 @@ impl App {
     }
 
     pub(crate) fn shown(&self) -> u64 {
-        self.session.borrow().shown()
+        self.session.borrow().window().shown
     }
 
     /// Messages to the user, warnings and errors, as a terminal shows them.

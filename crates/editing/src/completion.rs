@@ -12,7 +12,7 @@ use mariana_field::lang::{
 
 use crate::buffer::Buffer;
 use crate::colors::Colors;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Documentation of a name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -135,7 +135,7 @@ pub fn proposals(
         .into_iter()
         .map(|(_, _, one)| one.clone())
         .filter(|one| seen.insert(one.name.clone()))
-        .take(LIMITS.proposals_max)
+        .take(limits::PROPOSALS_MAX)
         .collect();
     // A completely typed name needs no proposal.
     if !asked && best.first().is_some_and(|one| one.name.to_lowercase() == typed) && best.len() == 1 {
@@ -283,7 +283,7 @@ mod tests {
         assert_eq!(names("material m { rough", false), ["roughness"]);
         assert_eq!(names("x", false), [""; 0], "one letter opens the list only on request");
         assert!(names("x", true).contains(&"x".to_owned()));
-        assert_eq!(names("", true).len(), LIMITS.proposals_max);
+        assert_eq!(names("", true).len(), limits::PROPOSALS_MAX);
     }
 
     #[test]
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn the_inputs_of_a_part_are_proposed_behind_its_point() {
         let found = names("object o { shape = box(p, drums.", false);
-        assert!(found.len() == LIMITS.proposals_max || found.contains(&"volume".to_owned()), "{found:?}");
+        assert!(found.len() == limits::PROPOSALS_MAX || found.contains(&"volume".to_owned()), "{found:?}");
         assert_eq!(names("bass.mel", false), ["melody", "melody_certainty"]);
         assert_eq!(names("vocals.ban", false), ["band"]);
         assert_eq!(names("vocals.sphere", false), [""; 0]);

@@ -6,7 +6,7 @@ use mariana_field::lang::formatted;
 
 use crate::buffer::Buffer;
 use crate::history::{Change, Followed, History, Joins, Step};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::movement::{self, Move};
 
 const INDENT: &[u8] = b"  ";
@@ -185,7 +185,7 @@ impl Editing {
     /// # Errors
     /// [`Refused`] if the result would be too long. The text then stays unchanged.
     pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
-        let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
+        let (max, bytes) = (limits::TEXT_BYTES_MAX, parts.iter().map(|(_, new)| new.len()).sum());
         if self.buffer.len() + bytes > max {
             return Err(Refused { bytes, max });
         }
@@ -307,7 +307,7 @@ impl Editing {
         for line in lines {
             let Some((count, new)) = edit(self.buffer.line(line)) else { continue };
             let start = self.buffer.line_start(line);
-            if self.buffer.len() + new.len() > LIMITS.text_bytes_max + count {
+            if self.buffer.len() + new.len() > limits::TEXT_BYTES_MAX + count {
                 break;
             }
             for place in [&mut anchor, &mut cursor] {
@@ -347,7 +347,7 @@ impl Editing {
     fn replace(&mut self, range: Range<usize>, new: &[u8], joins: Joins) -> Result<(), Refused> {
         let end = range.end.min(self.buffer.len());
         let range = range.start.min(end)..end;
-        let (max, bytes) = (LIMITS.text_bytes_max, new.len());
+        let (max, bytes) = (limits::TEXT_BYTES_MAX, new.len());
         if self.buffer.len() - range.len() + bytes > max && bytes > range.len() {
             return Err(Refused { bytes, max });
         }
@@ -448,9 +448,9 @@ mod tests {
     fn ten_megabytes_are_refused_and_change_nothing() {
         let mut editing = Editing::new(b"y".to_vec());
         let refused = editing.insert(&vec![b'x'; 10 << 20]).unwrap_err();
-        assert_eq!((refused.bytes, refused.max), (10 << 20, LIMITS.text_bytes_max));
+        assert_eq!((refused.bytes, refused.max), (10 << 20, limits::TEXT_BYTES_MAX));
         assert_eq!((editing.buffer().bytes(), editing.version()), (b"y".as_slice(), 0));
-        editing.insert(&vec![b'x'; LIMITS.text_bytes_max - 1]).unwrap();
+        editing.insert(&vec![b'x'; limits::TEXT_BYTES_MAX - 1]).unwrap();
         assert!(editing.insert(b"z").is_err());
         editing.delete(Move::Left);
         editing.insert(b"z").unwrap();
@@ -459,13 +459,13 @@ mod tests {
     #[test]
     fn undo_memory_is_limited_but_the_last_step_is_always_kept() {
         let mut editing = Editing::new(Vec::new());
-        let much = vec![b'x'; LIMITS.text_bytes_max];
-        for _ in 0..2 * LIMITS.undo_bytes_max / LIMITS.text_bytes_max {
+        let much = vec![b'x'; limits::TEXT_BYTES_MAX];
+        for _ in 0..2 * limits::UNDO_BYTES_MAX / limits::TEXT_BYTES_MAX {
             editing.replace_all(&much).unwrap();
             editing.replace_all(b"").unwrap();
         }
         let kept = editing.history.len();
-        assert!(kept * LIMITS.text_bytes_max <= LIMITS.undo_bytes_max && kept > 1, "{kept}");
+        assert!(kept * limits::TEXT_BYTES_MAX <= limits::UNDO_BYTES_MAX && kept > 1, "{kept}");
         assert!(editing.undo());
     }
 
@@ -539,7 +539,7 @@ mod tests {
         assert_eq!(editing.place(editing.version(), 4..7), Some(4..7));
         editing.replace_part(6..12, b"").unwrap();
         assert_eq!(editing.place(version, 4..7), None);
-        for _ in 0..LIMITS.followed_changes_max {
+        for _ in 0..limits::FOLLOWED_CHANGES_MAX {
             editing.insert(b"x").unwrap();
         }
         assert_eq!(editing.place(version, 0..1), None, "the version is too old");

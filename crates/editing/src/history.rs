@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A replaced part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl History {
 
     fn forget_the_oldest(&mut self) {
         let mut gone = 0;
-        while self.bytes > LIMITS.undo_bytes_max && gone + 1 < self.done.len() {
+        while self.bytes > limits::UNDO_BYTES_MAX && gone + 1 < self.done.len() {
             self.bytes = self.bytes.saturating_sub(self.done.get(gone).map_or(0, Step::bytes));
             gone += 1;
         }
@@ -130,7 +130,7 @@ pub(crate) struct Followed {
 
 impl Followed {
     pub(crate) fn record(&mut self, version: u64, change: &Change) {
-        if self.changes.len() >= LIMITS.followed_changes_max {
+        if self.changes.len() >= limits::FOLLOWED_CHANGES_MAX {
             self.changes.pop_front();
         }
         self.changes.push_back((version, change.at, change.removed.len(), change.inserted.len()));

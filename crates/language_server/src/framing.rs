@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// A message that is no JSON, or a stream without messages. The text explains the mistake.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,11 +48,11 @@ impl Framing {
         }
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         let Some((header, length)) = header(rest) else {
-            if rest.len() <= LIMITS.header_bytes_max {
+            if rest.len() <= limits::HEADER_BYTES_MAX {
                 return None;
             }
             self.is_broken = true;
-            let max = LIMITS.header_bytes_max;
+            let max = limits::HEADER_BYTES_MAX;
             return Some(Err(Unreadable::Stream(format!(
                 "the header of a message is longer than {max} bytes"
             ))));
@@ -62,7 +62,7 @@ impl Framing {
             let message = "a message has no header `Content-Length`: send its length in bytes";
             return Some(Err(Unreadable::Stream(message.to_owned())));
         };
-        let max = LIMITS.message_bytes_max;
+        let max = limits::MESSAGE_BYTES_MAX;
         if length > max {
             let here = rest.len().saturating_sub(header).min(length);
             self.at += header + here;
@@ -79,7 +79,7 @@ impl Framing {
 
 /// Returns the length of a header with its empty line, and the length of the message; `None` for an incomplete header.
 fn header(bytes: &[u8]) -> Option<(usize, Option<usize>)> {
-    let searched = bytes.get(..bytes.len().min(LIMITS.header_bytes_max)).unwrap_or_default();
+    let searched = bytes.get(..bytes.len().min(limits::HEADER_BYTES_MAX)).unwrap_or_default();
     let end = searched.windows(4).position(|four| four == b"\r\n\r\n")?;
     let text = String::from_utf8_lossy(searched.get(..end).unwrap_or_default()).into_owned();
     let length = text.split("\r\n").find_map(|line| {
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(framing.message(), Some(Ok(json!([]))));
         assert_eq!(framing.message(), None);
 
-        let large = LIMITS.message_bytes_max + 1;
+        let large = limits::MESSAGE_BYTES_MAX + 1;
         framing.push(format!("Content-Length: {large}\r\n\r\n").as_bytes());
         assert!(matches!(framing.message(), Some(Err(Unreadable::Message(_)))));
         for _ in 0..large / 100_000 {
@@ -148,7 +148,7 @@ mod tests {
             assert_eq!(framing.message(), None);
         }
         let mut framing = Framing::default();
-        framing.push(&vec![b'x'; LIMITS.header_bytes_max + 1]);
+        framing.push(&vec![b'x'; limits::HEADER_BYTES_MAX + 1]);
         assert!(matches!(framing.message(), Some(Err(Unreadable::Stream(_)))));
     }
 }

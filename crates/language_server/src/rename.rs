@@ -6,7 +6,7 @@ use mariana_field::lang::{self, Meaning, Names};
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, Parsed};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::navigation::{at, places};
 use crate::protocol::{AtPosition, Failure, RenameParams, TextEdit, code};
 
@@ -28,7 +28,7 @@ pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result
     let name = params.new_name.as_str();
     let is_letter = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
     if name.is_empty()
-        || name.len() > LIMITS.name_bytes_max
+        || name.len() > limits::NAME_BYTES_MAX
         || !name.bytes().all(is_letter)
         || name.as_bytes()[0].is_ascii_digit()
     {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::check::{Check, Checked};
 use crate::documents::{Documents, Files};
 use crate::framing::Unreadable;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::positions::Unit;
 use crate::protocol::{
     ChangedParams, ClientCapabilities, Failure, InitializeParams, OfDocument, OpenedParams, TextEdit, answer,
@@ -155,7 +155,7 @@ impl Server {
                 let message = format!("the document {uri} is not open: send `textDocument/didOpen` first");
                 return Err(Failure::new(code::INVALID_PARAMS, message));
             };
-            if document.buffer.len() > mariana_editing::limits::LIMITS.text_bytes_max {
+            if document.buffer.len() > mariana_editing::limits::TEXT_BYTES_MAX {
                 return Ok(Value::Null);
             }
         }
@@ -244,8 +244,8 @@ impl Server {
     fn open(&mut self, params: &Value) -> Vec<Value> {
         let Ok(OpenedParams { text_document }) = parameters(params) else { return Vec::new() };
         let uri = text_document.uri;
-        if self.documents.get(&uri).is_none() && self.documents.len() >= LIMITS.documents_max {
-            let max = LIMITS.documents_max;
+        if self.documents.get(&uri).is_none() && self.documents.len() >= limits::DOCUMENTS_MAX {
+            let max = limits::DOCUMENTS_MAX;
             let message =
                 format!("more than {max} scenes are open: close some, to see the mistakes in {uri}");
             return vec![notification("window/showMessage", json!({ "type": 2, "message": message }))];

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::documents::Documents;
 use crate::hover::{about, markdown};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::protocol::AtPosition;
 
 pub(crate) fn signature(documents: &mut Documents, params: &AtPosition) -> Value {
@@ -21,7 +21,7 @@ fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let last = document.buffer.line_of(byte);
     let (mut closed, mut argument) = (0_usize, 0_usize);
     let mut opening = false;
-    for line in (last.saturating_sub(LIMITS.signature_lines_max)..=last).rev() {
+    for line in (last.saturating_sub(limits::SIGNATURE_LINES_MAX)..=last).rev() {
         let start = document.buffer.line_start(line);
         for word in document.colors.words(&document.buffer, line).iter().rev() {
             if start + word.end > byte {

@@ -1,6 +1,11 @@
 //! Converts between `file:` addresses and paths.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
+const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
 /// Returns the path of a `file:` address; `None` for other addresses.
 pub(crate) fn path_of(uri: &str) -> Option<PathBuf> {
@@ -23,44 +28,15 @@ pub(crate) fn path_of(uri: &str) -> Option<PathBuf> {
 }
 
 fn decoded(text: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((&byte, after)) = rest.split_first() {
-        if byte == b'%'
-            && let Some(value) = after.get(..2).and_then(hexadecimal)
-        {
-            bytes.push(value);
-            rest = after.get(2..).unwrap_or_default();
-        } else {
-            bytes.push(byte);
-            rest = after;
-        }
-    }
-    String::from_utf8(bytes).ok()
-}
-
-fn hexadecimal(digits: &[u8]) -> Option<u8> {
-    let text =
-        std::str::from_utf8(digits).ok().filter(|text| text.bytes().all(|byte| byte.is_ascii_hexdigit()))?;
-    u8::from_str_radix(text, 16).ok()
+    percent_decode_str(text).decode_utf8().ok().map(Cow::into_owned)
 }
 
 /// Returns the `file:` address of a path; `None` for a path that is not UTF-8.
 pub(crate) fn uri_of(path: &Path) -> Option<String> {
     let text = path.to_str()?.replace('\\', "/");
-    let mut uri = String::from(if text.starts_with("//") { "file:" } else { "file://" });
-    if !text.starts_with('/') {
-        uri.push('/');
-    }
-    for byte in text.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => {
-                uri.push(byte.into())
-            }
-            _ => uri.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    Some(uri)
+    let scheme = if text.starts_with("//") { "file:" } else { "file://" };
+    let root = if text.starts_with('/') { "" } else { "/" };
+    Some(format!("{scheme}{root}{}", utf8_percent_encode(&text, ESCAPED)))
 }
 
 #[cfg(test)]

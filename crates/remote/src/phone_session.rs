@@ -12,7 +12,7 @@ use tungstenite::{Error, Message, WebSocket};
 use crate::heartbeat::{Due, Heartbeat};
 use crate::http;
 use crate::message::{Asked, Refused, understand};
-use crate::server::Shared;
+use crate::server::Serving;
 use crate::state_delta::SentState;
 
 /// The message that is sent when there is no news, so that the page knows that the connection is alive.
@@ -36,7 +36,7 @@ pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io:
 
 pub(crate) struct PhoneSession<'a> {
     socket: WebSocket<TcpStream>,
-    shared: &'a Shared,
+    shared: &'a Serving,
     reported: SentState,
     heartbeat: Heartbeat,
     /// The time since which unread data has been waiting for the phone.
@@ -47,7 +47,7 @@ type End = String;
 
 impl<'a> PhoneSession<'a> {
     /// Starts a session after the handshake; `rest` are bytes that were already read.
-    pub(crate) fn new(stream: TcpStream, rest: Vec<u8>, shared: &'a Shared) -> Self {
+    pub(crate) fn new(stream: TcpStream, rest: Vec<u8>, shared: &'a Serving) -> Self {
         let limits = shared.limits;
         let config = WebSocketConfig::default()
             .read_buffer_size(READ_BYTES)

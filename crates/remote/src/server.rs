@@ -16,7 +16,7 @@ use mariana_control::{Board, InputQueue};
 use crate::album::Album;
 use crate::connection_limit::{ConnectionLimit, ConnectionSlot};
 use crate::http::{self, HeadBounds};
-use crate::limits::{LIMITS, Limits};
+use crate::limits::Limits;
 use crate::page::policy;
 use crate::pairing_address::PairingAddress;
 use crate::phone_session::{self, PhoneSession};
@@ -54,9 +54,9 @@ pub enum RemoteState {
 }
 
 /// Serves phones until it is dropped.
-pub struct Remote(Arc<Shared>);
+pub struct Remote(Arc<Serving>);
 
-pub(crate) struct Shared {
+pub(crate) struct Serving {
     place: Place,
     token: Token,
     pub actions: &'static [ActionRow],
@@ -79,28 +79,15 @@ impl Remote {
     /// # Errors
     /// Fails if the thread cannot be started, or the system has no random numbers.
     pub fn start(
-        place: RemotePlace,
-        actions: &'static [ActionRow],
-        input_queue: InputQueue,
-        (board, album): (Board, Album),
-        wake: impl Fn() + Send + Sync + 'static,
-    ) -> io::Result<Self> {
-        Self::start_within(LIMITS, place, actions, input_queue, (board, album), wake)
-    }
-
-    /// Starts serving with custom limits; see [`Remote::start`].
-    ///
-    /// # Errors
-    /// Fails if the thread cannot be started, or the system has no random numbers.
-    pub fn start_within(
         limits: Limits,
         RemotePlace(place): RemotePlace,
         actions: &'static [ActionRow],
         input_queue: InputQueue,
-        (board, album): (Board, Album),
+        board: Board,
+        album: Album,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(Serving {
             place,
             token: Token::new()?,
             actions,
@@ -145,7 +132,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Shared {
+impl Serving {
     fn keep(self: &Arc<Self>) {
         let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
@@ -249,10 +236,10 @@ impl Shared {
         match route(&head, host, &self.token) {
             Ok(Route::Text(asset, host)) => {
                 let policy = ("Content-Security-Policy", &*policy(&host));
-                answer_own(&stream, (asset.kind, asset.text.as_bytes()), &[policy], within);
+                answer_own(&stream, asset.kind, asset.text.as_bytes(), &[policy], within);
             }
             Ok(Route::Picture(scene)) => match self.album.find(&scene) {
-                Some(jpeg) => answer_own(&stream, ("image/jpeg", &jpeg), &[], within),
+                Some(jpeg) => answer_own(&stream, "image/jpeg", &jpeg, &[], within),
                 None => {
                     let is_one = self.board.read(|present| present.scenes.contains(&scene));
                     if is_one && self.album.request(&scene) {
@@ -304,7 +291,7 @@ impl Shared {
 }
 
 /// A connected phone, counted until this is dropped.
-struct PhonePlace<'a>(&'a Shared);
+struct PhonePlace<'a>(&'a Serving);
 
 impl Drop for PhonePlace<'_> {
     fn drop(&mut self) {
@@ -313,7 +300,7 @@ impl Drop for PhonePlace<'_> {
     }
 }
 
-fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &str)], within: Duration) {
+fn answer_own(stream: &TcpStream, kind: &str, bytes: &[u8], more: &[(&str, &str)], within: Duration) {
     let fields = [
         ("Content-Type", kind),
         ("Cache-Control", "no-store"),

@@ -55,10 +55,17 @@ impl Place {
         let (input_queue, board, album) = (InputQueue::new(|| {}), Board::default(), Album::default());
         board.put(present(1.0));
         let place = "127.0.0.1:0".parse().unwrap();
-        let shown = (board.clone(), album.clone());
-        let remote = Remote::start_within(limits, place, ACTIONS, input_queue.clone(), shown, move || {
-            let _ = reported.send(());
-        })
+        let remote = Remote::start(
+            limits,
+            place,
+            ACTIONS,
+            input_queue.clone(),
+            board.clone(),
+            album.clone(),
+            move || {
+                let _ = reported.send(());
+            },
+        )
         .unwrap();
         state_delta.recv_timeout(PATIENCE).unwrap();
         let RemoteState::Open(pairing_address) = remote.state() else { panic!("{:?}", remote.state()) };
@@ -451,9 +458,17 @@ fn a_port_in_use_is_reported() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let (reported, state_delta) = channel();
     let place = other.local_addr().unwrap().to_string().parse().unwrap();
-    let remote = Remote::start(place, ACTIONS, InputQueue::new(|| {}), Default::default(), move || {
-        let _ = reported.send(());
-    });
+    let remote = Remote::start(
+        LIMITS,
+        place,
+        ACTIONS,
+        InputQueue::new(|| {}),
+        Default::default(),
+        Default::default(),
+        move || {
+            let _ = reported.send(());
+        },
+    );
     let remote = remote.unwrap();
     state_delta.recv_timeout(PATIENCE).unwrap();
     let RemoteState::Refused(why) = remote.state() else { panic!("{:?}", remote.state()) };
@@ -466,9 +481,17 @@ fn a_port_in_use_at_the_start_is_tried_again() {
     let address = other.local_addr().unwrap();
     let (reported, state_delta) = channel();
     let place = address.to_string().parse().unwrap();
-    let remote = Remote::start(place, ACTIONS, InputQueue::new(|| {}), Default::default(), move || {
-        let _ = reported.send(());
-    });
+    let remote = Remote::start(
+        LIMITS,
+        place,
+        ACTIONS,
+        InputQueue::new(|| {}),
+        Default::default(),
+        Default::default(),
+        move || {
+            let _ = reported.send(());
+        },
+    );
     let remote = remote.unwrap();
     state_delta.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(remote.state(), RemoteState::Refused(_)), "{:?}", remote.state());

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::setting_rows::{SettingGroup, SettingRow, Shown};
 use super::{FollowChoice, QualityChoice};
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::with_settings;
 use mariana_render::frame::projection::{ProjectionKind, Stereo};
 use mariana_render::placement::{Corners, Crop, Flip, Placement};
@@ -247,7 +247,7 @@ fn percent<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
 
 fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let seconds = f64::deserialize(deserializer)?;
-    if (0.0..=LIMITS.fade_seconds_max).contains(&seconds) {
+    if (0.0..=limits::FADE_SECONDS_MAX).contains(&seconds) {
         Ok(seconds)
     } else {
         Err(D::Error::custom("a fade must take 0 to 60 seconds"))

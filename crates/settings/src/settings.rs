@@ -31,7 +31,7 @@ use super::aside::aside;
 use super::choices::Choices;
 use super::last_show::{self, LastShow};
 use super::understood::{rewrite, understood};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_files::Folders;
 use mariana_files::atomic_file::AtomicFile;
 
@@ -79,7 +79,7 @@ impl Settings {
     pub fn add_recent_folder(&mut self, folder: &str) {
         self.recent_folders.retain(|known| known != folder);
         self.recent_folders.insert(0, folder.to_owned());
-        self.recent_folders.truncate(LIMITS.recent_folders_max);
+        self.recent_folders.truncate(limits::RECENT_FOLDERS_MAX);
     }
 
     /// Returns the moved sliders of the scene with this title, and their sounds.
@@ -133,7 +133,7 @@ pub enum SettingsError {
         names: String,
     },
     /// The file is too large for settings.
-    #[error("the settings in {} are larger than {} bytes. The defaults apply; the first change renames this file to {}", path.display(), LIMITS.settings_bytes_max, aside.display())]
+    #[error("the settings in {} are larger than {} bytes. The defaults apply; the first change renames this file to {}", path.display(), limits::SETTINGS_BYTES_MAX, aside.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -261,7 +261,7 @@ pub(super) fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Di
 }
 
 fn read(path: &Path) -> Result<Found, SettingsError> {
-    let bytes = match read_at_most(path, LIMITS.settings_bytes_max) {
+    let bytes = match read_at_most(path, limits::SETTINGS_BYTES_MAX) {
         Ok(Some(bytes)) => bytes,
         Ok(None) => return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) }),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::default()),

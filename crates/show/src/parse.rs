@@ -22,7 +22,7 @@ use super::cue_list::{
     Anchor, CueList, Entry, FADER, Length, PICTURE_NUMBERS, Setting, Step, Transition, TransitionKind, When,
     is_of_no_scene, plain_settings,
 };
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_field::lang::{Diagnostic, Sources, Span, TransitionStyle, nearest, render_all};
 use mariana_field::world::{BlendKind, PortalShape};
 use words::{Kind, Word, lines};
@@ -55,9 +55,9 @@ pub(super) const DIAGNOSTICS_MAX: usize = 20;
 /// Parses the `text` of a show file, which messages call `name`.
 pub fn parse(name: &str, text: &str) -> Parsed {
     let mut sources = Sources::default();
-    let too_long = text.len() > LIMITS.bytes_max || sources.add(name, text).is_none();
+    let too_long = text.len() > limits::BYTES_MAX || sources.add(name, text).is_none();
     if too_long {
-        let max = LIMITS.bytes_max;
+        let max = limits::BYTES_MAX;
         let refusal = Diagnostic::over_limit(Span::default(), format!("{name} is longer than {max} bytes"));
         return Parsed { diagnostics: vec![refusal], sources, ..Parsed::default() };
     }
@@ -85,8 +85,8 @@ pub fn parse(name: &str, text: &str) -> Parsed {
             scrap = Some(CueList { entries: vec![Entry::new(when, "", None, None)] });
         }
         diagnostics.extend(read.err().map(|mistake| *mistake));
-        if cue_list.entries.len() > LIMITS.entries_max {
-            let max = LIMITS.entries_max;
+        if cue_list.entries.len() > limits::ENTRIES_MAX {
+            let max = limits::ENTRIES_MAX;
             let span = cue_list.entries.last().map_or(Span::default(), |entry| entry.span);
             let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
             diagnostics.push(many.hint("split it into several shows"));
@@ -124,8 +124,8 @@ impl<'a> Reader<'a> {
                     let early = Diagnostic::new(first.span, "`set` needs an entry above it");
                     return Err(Box::new(early.hint("write `at start` and a scene above it")));
                 };
-                if entry.settings.len() >= LIMITS.settings_max {
-                    let max = LIMITS.settings_max;
+                if entry.settings.len() >= limits::SETTINGS_MAX {
+                    let max = limits::SETTINGS_MAX;
                     let many = format!("the entry has more than {max} `set` lines");
                     return Err(Box::new(Diagnostic::over_limit(first.span, many)));
                 }
@@ -247,8 +247,8 @@ impl<'a> Reader<'a> {
         } else {
             self.eat("s");
         }
-        if seconds > LIMITS.seconds_max {
-            let late = format!("a time must not exceed {:.0} s", LIMITS.seconds_max);
+        if seconds > limits::SECONDS_MAX {
+            let late = format!("a time must not exceed {:.0} s", limits::SECONDS_MAX);
             return Err(Box::new(Diagnostic::over_limit(span, late)));
         }
         Ok(seconds)
@@ -331,8 +331,8 @@ impl<'a> Reader<'a> {
                 return Err(self.missing("`over` and a duration", "as in `0.2 -> 0.5 over 8 bars`"));
             }
             steps.push(Step { to, over: self.length()? });
-            if steps.len() > LIMITS.steps_max {
-                let many = format!("the parameter has more than {} steps", LIMITS.steps_max);
+            if steps.len() > limits::STEPS_MAX {
+                let many = format!("the parameter has more than {} steps", limits::STEPS_MAX);
                 let many = Diagnostic::over_limit(place, many);
                 return Err(Box::new(many.hint("continue in another entry with the same scene and `cut`")));
             }
@@ -365,10 +365,10 @@ impl<'a> Reader<'a> {
             let wrong = Diagnostic::new(unit.span, format!("{} is not a unit of time", unit.shown()));
             return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
         };
-        if number > LIMITS.seconds_max {
+        if number > limits::SECONDS_MAX {
             let long = Diagnostic::over_limit(
                 word.span,
-                format!("a length must not exceed {:.0}", LIMITS.seconds_max),
+                format!("a length must not exceed {:.0}", limits::SECONDS_MAX),
             );
             return Err(Box::new(long));
         }

@@ -11,7 +11,7 @@ use super::cue_list::{
     Transition, TransitionKind, UNTURNED, When,
 };
 use super::timeline::{Move, TimedTransition};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_field::lang::Span;
 
 /// Values are interpolated between moments that are at most this many seconds apart. After a longer gap, they jump.
@@ -139,11 +139,11 @@ impl Performance {
         let before = known.unwrap_or(time);
         let is_close = |start: f64| plays_over || known.is_some_and(|known| start - known < 1e-3);
         if let Some(other) = &seen.other {
-            self.record_other_deck(time, before, is_close(time), (seen, other));
+            self.record_other_deck(time, before, is_close(time), seen, other);
         }
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
-            if self.scenes.len() >= LIMITS.entries_max {
+            if self.scenes.len() >= limits::ENTRIES_MAX {
                 self.is_full = true;
                 return;
             }
@@ -190,7 +190,8 @@ impl Performance {
         time: f64,
         before: f64,
         is_close: bool,
-        (seen, other): (&OnStage<'_>, &OtherDeck<'_>),
+        seen: &OnStage<'_>,
+        other: &OtherDeck<'_>,
     ) {
         let is_in_pair = match self.scenes.as_slice() {
             [.., from, to] => to.is_of(seen) && from.scene == other.scene && !to.is_long() && !from.is_long(),
@@ -200,7 +201,7 @@ impl Performance {
             let is_shown =
                 |last: &Played| last.scene == other.scene && last.camera.is_none() && !last.is_long();
             if !self.scenes.last().is_some_and(is_shown) {
-                if self.scenes.len() >= LIMITS.entries_max {
+                if self.scenes.len() >= limits::ENTRIES_MAX {
                     self.is_full = true;
                     return;
                 }
@@ -279,7 +280,7 @@ impl Performance {
                 if (is_moved && picture.is_shown) || last.to_bits() == value.to_bits() {
                     continue;
                 }
-                if played.lines.len() >= LIMITS.settings_max {
+                if played.lines.len() >= limits::SETTINGS_MAX {
                     self.is_full = true;
                     continue;
                 }
@@ -422,7 +423,7 @@ impl Played {
                     // Keep the show's animation, which is smoother than recorded frames.
                     continue;
                 }
-                if self.lines.len() >= LIMITS.settings_max {
+                if self.lines.len() >= limits::SETTINGS_MAX {
                     is_full = true;
                     continue;
                 }
@@ -446,7 +447,7 @@ impl Played {
 
     /// True if a parameter has the maximum number of steps.
     fn is_long(&self) -> bool {
-        self.lines.values().any(|line| line.points.len() + 3 > LIMITS.steps_max)
+        self.lines.values().any(|line| line.points.len() + 3 > limits::STEPS_MAX)
     }
 
     fn entry(&self) -> Entry {

@@ -2,7 +2,7 @@
 
 use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
 use super::timeline::{Clip, Move};
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Sums of times are rounded to 1 / `TICKS` seconds (nanoseconds), the precision of show files.
 const TICKS: f64 = 1e9;
@@ -62,7 +62,7 @@ impl Pictures {
     /// [`Timeline::held_at`]: super::Timeline::held_at
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         let [_, freeze] = &self.moves;
-        held_at(freeze, time).take(LIMITS.held_max).collect()
+        held_at(freeze, time).take(limits::HELD_MAX).collect()
     }
 }
 
@@ -188,14 +188,14 @@ mod tests {
     #[test]
     fn the_number_of_mixed_frames_is_limited() {
         let mut text = "at 0 one\n set picture freeze = 1".to_owned();
-        for _ in 0..LIMITS.held_max + 5 {
+        for _ in 0..limits::HELD_MAX + 5 {
             text.push_str(" -> 0.5 over 1 s -> 1 over 0 s");
         }
         let held = timeline(&text).held_at(1_000.0);
-        assert_eq!(held.len(), LIMITS.held_max);
+        assert_eq!(held.len(), limits::HELD_MAX);
         assert_eq!(
             held.first().map(|held| held.since),
-            Some(LIMITS.held_max as f64 + 5.0),
+            Some(limits::HELD_MAX as f64 + 5.0),
             "the limit drops the oldest frames"
         );
     }

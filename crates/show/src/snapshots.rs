@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cue_list::{Anchor, CueList, Entry, Length, Setting, Transition, When};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_field::lang::Span;
 
 /// Returns a cue list in which each press of the cue key sets the parameters of `scene` to the next snapshot.
@@ -13,7 +13,7 @@ pub fn snapshot_cues<'a>(
 ) -> CueList {
     let when = When { anchor: Anchor::Cue, offset: Length::ZERO };
     let entries = snapshots.into_iter().map(|values| {
-        let settings = values.iter().take(LIMITS.settings_max).map(|(param, value)| Setting {
+        let settings = values.iter().take(limits::SETTINGS_MAX).map(|(param, value)| Setting {
             param: param.clone(),
             from: *value,
             steps: Vec::new(),
@@ -23,7 +23,7 @@ pub fn snapshot_cues<'a>(
         let entry = Entry::new(when.clone(), scene, None, Some(Transition::CUT));
         Entry { settings: settings.collect(), ..entry }
     });
-    CueList { entries: entries.take(LIMITS.entries_max).collect() }
+    CueList { entries: entries.take(limits::ENTRIES_MAX).collect() }
 }
 
 #[cfg(test)]

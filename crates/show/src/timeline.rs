@@ -123,7 +123,7 @@ impl Timeline {
     /// Returns the frozen frames at `time` seconds. The first frame is the frame of [`Timeline::picture_at`]. The
     /// second is the frame that was still fading out when the first was frozen, with its opacity at that time, and so
     /// on. The list is empty if no frame is frozen. The oldest frames are dropped above the
-    /// [limit](crate::limits::LIMITS).
+    /// [limit](crate::limits).
     pub fn held_at(&self, time: f64) -> Vec<Held> {
         self.pictures.held_at(time)
     }

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_player::tags::TagLibrary;
 
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::text_query::TextQuery;
 use mariana_commands::{Command, Files, Panel};
-use reading::{Answer, FolderReader, entries_of};
+use reading::{Answer, FolderReader, common_places, entries_of};
 
 /// An entry of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -148,7 +148,7 @@ impl FileBrowser {
             revision: 0,
         };
         browser.list_places();
-        browser.trouble = browser.reader.request_places().err().or(browser.trouble);
+        browser.trouble = browser.reader.start(|| Answer::Places(common_places())).err().or(browser.trouble);
         if let Some(folder) = folder {
             browser.enter(folder);
         }
@@ -315,7 +315,7 @@ impl FileBrowser {
             return Vec::new();
         };
         let favourites = &mut self.remembered.favourites;
-        if !favourites.remove(folder) && favourites.len() < LIMITS.favourite_folders_max {
+        if !favourites.remove(folder) && favourites.len() < limits::FAVOURITE_FOLDERS_MAX {
             favourites.insert(folder.to_owned());
         }
         let marked = favourites.clone();

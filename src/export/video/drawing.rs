@@ -43,11 +43,11 @@ impl<'a> Drawing<'a> {
         let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
         let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
         if request.limit_flashes {
-            painter.headless_renderer.add_flash_limiter(&request.scene.shaders)?;
+            painter.headless_renderer.renderer.add_flash_limiter(&request.scene.shaders)?;
         }
         painter.graphs().for_each(|graph| song.know_for(graph));
         painter.headless_renderer.set_song(&song)?;
-        painter.headless_renderer.expect_video();
+        painter.headless_renderer.is_video = true;
         let holding = Holding::new(request.gain, request.start);
         Ok(Self { request, song, painter, holding, card, captions, expected })
     }
@@ -58,9 +58,9 @@ impl<'a> Drawing<'a> {
         let time = request.start + number as f64 / request.fps;
         let Some(sound) = song.sound_at(time)? else { return Ok(None) };
         let held = holding.at(painter, song, time)?;
-        let exposures = request.shutter.exposures(song, (time, sound), 1.0 / request.fps)?;
+        let exposures = request.shutter.exposures(song, time, sound, 1.0 / request.fps)?;
         painter.draw(time, exposures, held, request.size)?;
-        painter.headless_renderer.limit_flashes(1.0 / request.fps)?;
+        painter.headless_renderer.renderer.limit_flashes(1.0 / request.fps)?;
         Ok(Some(painter.headless_renderer.read()))
     }
 

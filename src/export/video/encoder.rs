@@ -16,7 +16,7 @@ use super::spherical::{self, is_marked};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::export::error::ExportError;
 use crate::frame::projection::Projection;
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_player::decode::{Cover, CoverKind, Decoder};
 use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
 use mariana_player::song::Song;
@@ -91,7 +91,7 @@ impl Encoder {
         }
         let line = line.options([file_address(output.temporary())]);
         let reported_problems = tempfile::tempfile().map_err(no_room)?;
-        let patience = Duration::from_secs_f64(LIMITS.encoder_wait_seconds);
+        let patience = Duration::from_secs_f64(limits::ENCODER_WAIT_SECONDS);
         let process = EncoderProcess::start(line.command(), output.temporary(), reported_problems, patience)
             .map_err(ExportError::NoEncoder)?;
         let keeps_others = request.keeps_others;
@@ -132,7 +132,7 @@ impl Encoder {
         let _ = self.process.wait();
         let path = self.path.clone();
         if self.process.has_stalled() {
-            return ExportError::EncoderStalled { path, seconds: LIMITS.encoder_wait_seconds };
+            return ExportError::EncoderStalled { path, seconds: limits::ENCODER_WAIT_SECONDS };
         }
         let mut tail = self.process.complaint();
         if let Some(output) = &self.output {

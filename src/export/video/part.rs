@@ -4,6 +4,7 @@
 //! each complete on the disk before the next one begins: a run that follows an interrupted one continues with the
 //! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -175,7 +176,7 @@ pub(super) fn write_part(
     }
     // The length in the song's header may be too short.
     let is_open = part.number == part.of && asked.is_none_or(|asked| asked > total);
-    let range = (first, if is_open { u64::MAX } else { end });
+    let range = first..if is_open { u64::MAX } else { end };
     let mut progress = |number: u64| progress(number - first, Some(frames));
     if is_folder(path) {
         let end = write_frames(&mut drawing, Sink::open(request, first)?, None, range, &mut progress)?;
@@ -186,7 +187,7 @@ pub(super) fn write_part(
     let file = if is_complete {
         path.clone()
     } else {
-        write_pieces(request, (path, &record), &mut drawing, range, &mut progress)?
+        write_pieces(request, path, &record, &mut drawing, range, &mut progress)?
     };
     Ok(Written { frames, file: Some(file) })
 }
@@ -194,9 +195,10 @@ pub(super) fn write_part(
 /// Writes a part in pieces, and joins the pieces. `range` has its first frame and the first frame after it.
 fn write_pieces(
     request: &VideoRequest,
-    (path, record): (&Path, &PartRecord),
+    path: &Path,
+    record: &PartRecord,
     drawing: &mut Drawing<'_>,
-    range: (u64, u64),
+    range: Range<u64>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<PathBuf, ExportError> {
     let silent = VideoRequest { sound: false, ..request.clone() };
@@ -206,7 +208,7 @@ fn write_pieces(
         .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
     let piece_frames = if request.scene.paths.is_some() { PATH_PIECE_FRAMES } else { PIECE_FRAMES };
     let mut pieces = Vec::new();
-    let (mut number, end) = range;
+    let Range { start: mut number, end } = range;
     while number < end {
         let last = number.saturating_add(piece_frames).min(end);
         let piece = PartRecord { first: number, frames: last - number, ..record.clone() };
@@ -215,7 +217,7 @@ fn write_pieces(
             let Some(picture) = drawing.draw(number)? else { break };
             let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.describe()))?;
             let sink = Sink::encoder(encoder, request.alpha);
-            write_frames(drawing, sink, Some(picture), (number, last), progress)?;
+            write_frames(drawing, sink, Some(picture), number..last, progress)?;
         }
         pieces.push((file, piece.seconds()));
         number = last;
@@ -232,10 +234,11 @@ fn write_frames(
     drawing: &mut Drawing<'_>,
     sink: Sink,
     mut picture: Option<Vec<u8>>,
-    (mut number, end): (u64, u64),
+    range: Range<u64>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<u64, ExportError> {
     let mut writer = FrameWriter::start(sink)?;
+    let Range { start: mut number, end } = range;
     while number < end {
         let next = match picture.take() {
             Some(picture) => Some(picture),

@@ -36,9 +36,7 @@ impl Midi {
         let (memory, trouble) = KnobMemory::among(folders);
         let mut news: Vec<(String, bool)> =
             trouble.into_iter().map(|error| (error.to_string(), true)).collect();
-        let of_hub = waker.clone();
-        let hub =
-            settings.midi.then(|| MidiHub::start(ports(folders), input_queue.clone(), move || of_hub.wake()));
+        let hub = settings.midi.then(|| MidiHub::start(ports(folders), input_queue.clone(), waker.waking()));
         let hub = hub.and_then(|started| {
             started.map_err(|error| news.push((format!("cannot receive MIDI: {error}"), true))).ok()
         });

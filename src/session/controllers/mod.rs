@@ -5,7 +5,6 @@
 
 mod midi;
 mod network;
-pub mod page;
 mod phone;
 
 use std::time::{Duration, Instant};
@@ -14,6 +13,7 @@ use crate::clock;
 use crate::ui::controllers_panel::ControllersState;
 use midi::Midi;
 use network::Network;
+pub use network::sent_addresses;
 use phone::Phones;
 
 use crate::config::{ControllerSettings, Folders};
@@ -32,7 +32,7 @@ const BOARD_AGE: Duration = Duration::from_millis(40);
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
 pub(crate) struct Controllers {
-    input_queue: InputQueue,
+    pub(crate) input_queue: InputQueue,
     board: Board,
     pub(super) network: Network,
     pub(super) phones: Phones,
@@ -47,13 +47,12 @@ pub(crate) struct Controllers {
     panel_due: Instant,
     panel_revision: u64,
     /// All scenes with their titles, and the scene that was shown when they were listed.
-    scenes: (String, Vec<(String, SceneSource)>),
+    pub(crate) scenes: (String, Vec<(String, SceneSource)>),
 }
 
 impl Controllers {
     pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
-        let input_waker = waker.clone();
-        let input_queue = InputQueue::new(move || input_waker.wake());
+        let input_queue = InputQueue::new(waker.waking());
         let board = Board::default();
         let network = Network::start(settings, &input_queue, &board, waker);
         let phones = Phones::start(settings, &input_queue, &board, waker);
@@ -92,10 +91,6 @@ impl Controllers {
 
     pub(crate) fn wants_scenes(&self, scene: &str) -> bool {
         self.scenes.0 != scene || self.scenes.1.is_empty()
-    }
-
-    pub(crate) fn publish_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
-        self.scenes = (scene, scenes.into_iter().map(|source| (source.title(), source)).collect());
     }
 
     pub(crate) fn wanted_pictures(&mut self) -> Vec<SceneSource> {
@@ -186,11 +181,8 @@ impl Controllers {
     pub(crate) fn due(&self) -> Option<Instant> {
         let input_queue = self.input_queue.has_any().then_some(self.free);
         // Wake also to update phones, so that they show the effects of their input.
-        let board = self.phones.are_there().then_some(self.board_due);
+        let board =
+            self.phones.remote.as_ref().is_some_and(|remote| remote.phones() > 0).then_some(self.board_due);
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
-    }
-
-    pub(crate) fn report_unknown(&self) {
-        self.input_queue.refuse(|refusals| refusals.unknown += 1);
     }
 }

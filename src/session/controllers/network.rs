@@ -33,17 +33,18 @@ impl Network {
         let mut no_thread = |error: std::io::Error| {
             trouble = Some(format!("cannot receive or send OSC: the system cannot start a thread ({error})"));
         };
-        let wake = || {
-            let waker = waker.clone();
-            move || waker.wake()
-        };
         let receiver = settings.osc.clone().and_then(|place| {
-            let started =
-                OscReceiver::start(place, commands::for_controllers(), input.clone(), board.clone(), wake());
+            let started = OscReceiver::start(
+                place,
+                commands::for_controllers(),
+                input.clone(),
+                board.clone(),
+                waker.waking(),
+            );
             started.map_err(&mut no_thread).ok()
         });
         let sender = settings.osc_send.clone().and_then(|place| {
-            OscSender::start(place, settings.osc_rate, wake()).map_err(&mut no_thread).ok()
+            OscSender::start(place, settings.osc_rate, waker.waking()).map_err(&mut no_thread).ok()
         });
         let interval = Duration::try_from_secs_f64(1.0 / settings.osc_rate).unwrap_or_default();
         let reported = (ReceiverState::default(), false);
@@ -93,7 +94,8 @@ impl Network {
     }
 }
 
-pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
+/// The OSC addresses of the messages that the program sends.
+pub fn sent_addresses() -> impl Iterator<Item = String> {
     sample(&Features::SILENCE, &SongMoment::UNKNOWN).into_iter().map(|(address, _)| address)
 }
 

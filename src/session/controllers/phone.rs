@@ -6,10 +6,11 @@ use crate::session::waker::Waker;
 use crate::thumbnails::{About, Looked};
 use crate::ui::controllers_panel::PhoneFacts;
 use mariana_control::{Board, InputQueue};
+use mariana_remote::limits::LIMITS;
 use mariana_remote::{Album, Remote, RemoteState};
 
 pub(crate) struct Phones {
-    remote: Option<Remote>,
+    pub(crate) remote: Option<Remote>,
     album: Album,
     reported: RemoteState,
     trouble: Option<String>,
@@ -25,10 +26,9 @@ impl Phones {
         let mut trouble = None;
         let album = Album::default();
         let remote = settings.remote.clone().and_then(|place| {
-            let waker = waker.clone();
             let table = commands::for_phones();
-            let shown = (board.clone(), album.clone());
-            let started = Remote::start(place, table, input.clone(), shown, move || waker.wake());
+            let (input, board, album) = (input.clone(), board.clone(), album.clone());
+            let started = Remote::start(LIMITS, place, table, input, board, album, waker.waking());
             let words = |error| trouble = Some(format!("phones cannot connect: {error}"));
             started.map_err(words).ok()
         });
@@ -52,10 +52,6 @@ impl Phones {
         if !is_there {
             self.album.miss(&title);
         }
-    }
-
-    pub(super) fn are_there(&self) -> bool {
-        self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
     }
 
     pub(super) fn is_asked(&self) -> bool {

@@ -15,7 +15,7 @@ use crate::frame::Frame;
 use crate::gpu::renderer::Renderer;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::BuiltRegions;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
@@ -37,7 +37,7 @@ pub(super) struct PreparedAhead {
 struct Neighbour {
     loader: SceneLoader,
     source: Option<SceneSource>,
-    state: State,
+    state: NeighbourState,
 }
 
 #[derive(Debug, PartialEq)]
@@ -55,7 +55,7 @@ pub(super) struct Lacking {
     pub tree: bool,
 }
 
-enum State {
+enum NeighbourState {
     Unasked,
     Loading,
     Loaded {
@@ -67,7 +67,7 @@ enum State {
     Left,
 }
 
-impl State {
+impl NeighbourState {
     fn loaded(scene: PreparedScene, is_rehearsed: bool) -> Self {
         Self::Loaded { scene: Box::new(scene), has_asked: is_rehearsed, is_rehearsed }
     }
@@ -76,7 +76,7 @@ impl State {
 impl PreparedAhead {
     /// Uses these loaders. `None` turns preparation off.
     pub(super) fn with(loaders: Option<[SceneLoader; 2]>) -> Self {
-        let vacant = |loader| Neighbour { loader, source: None, state: State::Unasked };
+        let vacant = |loader| Neighbour { loader, source: None, state: NeighbourState::Unasked };
         Self { neighbours: loaders.map(|loaders| loaders.map(vacant)), of: None }
     }
 
@@ -102,7 +102,7 @@ impl PreparedAhead {
 
     pub(super) fn scenes_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         self.all_mut().filter_map(|neighbour| match &mut neighbour.state {
-            State::Loaded { scene, .. } => Some(&mut **scene),
+            NeighbourState::Loaded { scene, .. } => Some(&mut **scene),
             _ => None,
         })
     }
@@ -119,7 +119,7 @@ impl PreparedAhead {
     fn leave_where(&mut self, is_left: impl Fn(&PreparedScene) -> bool) {
         for neighbour in self.all_mut() {
             if neighbour.scene().is_some_and(&is_left) {
-                neighbour.state = State::Left;
+                neighbour.state = NeighbourState::Left;
             }
         }
     }
@@ -136,7 +136,7 @@ impl PreparedAhead {
     /// Requests trees again, because a request for another scene drops earlier requests.
     pub(super) fn request_trees_again(&mut self) {
         for neighbour in self.all_mut() {
-            if let State::Loaded { scene, has_asked, .. } = &mut neighbour.state {
+            if let NeighbourState::Loaded { scene, has_asked, .. } = &mut neighbour.state {
                 *has_asked = scene.tree != FirstTree::Coming;
             }
         }
@@ -146,10 +146,12 @@ impl PreparedAhead {
     pub(super) fn keep(&mut self, shown: PreparedScene) {
         let has_room = self.has_room_for(shown.resources.world());
         let waits = |neighbour: &&mut Neighbour| {
-            neighbour.source.as_ref() == Some(&shown.source) && matches!(neighbour.state, State::Unasked)
+            neighbour.source.as_ref() == Some(&shown.source)
+                && matches!(neighbour.state, NeighbourState::Unasked)
         };
         if let Some(neighbour) = self.all_mut().find(waits) {
-            neighbour.state = if has_room { State::loaded(shown, true) } else { State::Left };
+            neighbour.state =
+                if has_room { NeighbourState::loaded(shown, true) } else { NeighbourState::Left };
         }
     }
 
@@ -181,7 +183,7 @@ impl PreparedAhead {
         }
         for (neighbour, wanted) in neighbours.iter_mut().zip(wanted) {
             if neighbour.source != wanted {
-                (neighbour.source, neighbour.state) = (wanted, State::Unasked);
+                (neighbour.source, neighbour.state) = (wanted, NeighbourState::Unasked);
             }
         }
     }
@@ -190,7 +192,7 @@ impl PreparedAhead {
     pub(super) fn has_rehearsed(&self, source: &SceneSource) -> bool {
         self.all().any(|neighbour| {
             neighbour.source.as_ref() == Some(source)
-                && matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. })
+                && matches!(neighbour.state, NeighbourState::Loaded { is_rehearsed: true, .. })
         })
     }
 
@@ -202,7 +204,7 @@ impl PreparedAhead {
     /// The scenes that were drawn once, the next scene first.
     pub(super) fn rehearsed(&self) -> impl Iterator<Item = &PreparedScene> {
         self.all().filter_map(|neighbour| match &neighbour.state {
-            State::Loaded { scene, is_rehearsed: true, .. } => Some(&**scene),
+            NeighbourState::Loaded { scene, is_rehearsed: true, .. } => Some(&**scene),
             _ => None,
         })
     }
@@ -210,18 +212,18 @@ impl PreparedAhead {
     /// Removes and returns a scene that is prepared and was drawn once.
     pub(super) fn give(&mut self, source: &SceneSource) -> Option<PreparedScene> {
         let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
-        if !matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. }) {
+        if !matches!(neighbour.state, NeighbourState::Loaded { is_rehearsed: true, .. }) {
             return None;
         }
-        match std::mem::replace(&mut neighbour.state, State::Unasked) {
-            State::Loaded { scene, .. } => Some(*scene),
+        match std::mem::replace(&mut neighbour.state, NeighbourState::Unasked) {
+            NeighbourState::Loaded { scene, .. } => Some(*scene),
             _ => None,
         }
     }
 
     pub(super) fn has_room_for(&self, world: &World) -> bool {
         let taken: u64 = self.scenes().map(|scene| bytes_of(scene.resources.world())).sum();
-        taken + bytes_of(world) <= LIMITS.prepared_bytes_max
+        taken + bytes_of(world) <= limits::PREPARED_BYTES_MAX
     }
 
     /// Returns the neighbour `to` if it is loaded or fading out. The shown scene `from` becomes the neighbour on the
@@ -235,9 +237,9 @@ impl PreparedAhead {
     ) -> Option<PreparedScene> {
         let neighbours = self.neighbours.as_mut()?;
         let neighbour = neighbours.iter_mut().find(|neighbour| neighbour.source.as_ref() == Some(to))?;
-        let scene = match std::mem::replace(&mut neighbour.state, State::Unasked) {
-            State::Loaded { scene, .. } => *scene,
-            State::Unasked => fading_out.take_if(|scene| scene.source == *to)?,
+        let scene = match std::mem::replace(&mut neighbour.state, NeighbourState::Unasked) {
+            NeighbourState::Loaded { scene, .. } => *scene,
+            NeighbourState::Unasked => fading_out.take_if(|scene| scene.source == *to)?,
             other => {
                 neighbour.state = other;
                 return None;
@@ -260,7 +262,8 @@ impl PreparedAhead {
     /// Stores the loaded scene of the neighbour `at`; `None` abandons this neighbour.
     pub(super) fn put(&mut self, at: usize, scene: Option<PreparedScene>) {
         if let Some(neighbour) = self.all_mut().nth(at) {
-            neighbour.state = scene.map_or(State::Left, |scene| State::loaded(scene, false));
+            neighbour.state =
+                scene.map_or(NeighbourState::Left, |scene| NeighbourState::loaded(scene, false));
         }
     }
 
@@ -273,15 +276,19 @@ impl PreparedAhead {
     ) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {
-                State::Left => continue,
-                State::Unasked if fading_out.is_some() && neighbour.source.as_ref() == fading_out => continue,
-                State::Unasked => {
+                NeighbourState::Left => continue,
+                NeighbourState::Unasked
+                    if fading_out.is_some() && neighbour.source.as_ref() == fading_out =>
+                {
+                    continue;
+                }
+                NeighbourState::Unasked => {
                     if let Some(source) = &neighbour.source {
                         neighbour.loader.request(source.clone());
-                        neighbour.state = State::Loading;
+                        neighbour.state = NeighbourState::Loading;
                     }
                 }
-                State::Loaded { scene, has_asked, is_rehearsed } => {
+                NeighbourState::Loaded { scene, has_asked, is_rehearsed } => {
                     let program = scene.missing_mode(sdf);
                     if *has_asked && program.is_none() && scene.tree != FirstTree::Coming && *is_rehearsed {
                         continue;
@@ -289,7 +296,7 @@ impl PreparedAhead {
                     let tree = !std::mem::replace(has_asked, true);
                     return Some(Lacking { id: scene.id, program, tree });
                 }
-                State::Loading => {}
+                NeighbourState::Loading => {}
             }
             break;
         }
@@ -298,7 +305,7 @@ impl PreparedAhead {
 
     pub(super) fn rehearse(&mut self, sdf: SdfChoice, renderer: &mut Renderer) {
         for neighbour in self.all_mut() {
-            let State::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
+            let NeighbourState::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
             let is_due =
                 !*is_rehearsed && scene.tree != FirstTree::Coming && scene.missing_mode(sdf).is_none();
             let Some(program) = is_due.then(|| scene.wanted_mode(sdf)).and_then(|mode| scene.program(mode))
@@ -311,7 +318,7 @@ impl PreparedAhead {
                 Ok(()) => tracing::info!("{} is ready ahead", scene.title()),
                 Err(error) => {
                     tracing::info!("a scene is not prepared ahead: {error}");
-                    neighbour.state = State::Left;
+                    neighbour.state = NeighbourState::Left;
                 }
             }
             return;
@@ -322,7 +329,7 @@ impl PreparedAhead {
 impl Neighbour {
     fn scene(&self) -> Option<&PreparedScene> {
         match &self.state {
-            State::Loaded { scene, .. } => Some(scene),
+            NeighbourState::Loaded { scene, .. } => Some(scene),
             _ => None,
         }
     }
@@ -378,7 +385,7 @@ mod tests {
         // The scene is now the next one, and stays prepared.
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
-        assert_eq!(ahead.next_sources().next(), Some(&ball));
+        assert_eq!(ahead.all().filter_map(|neighbour| neighbour.source.as_ref()).next(), Some(&ball));
         // The tree of this scene is too slow, so the other scene is prepared.
         ahead.receive_tree(7, None);
         assert!(ahead.prepare_next(sdf, None).is_none() && ahead.scenes().next().is_none());

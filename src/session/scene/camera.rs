@@ -7,7 +7,7 @@ pub(super) struct SceneCamera {
     pub(super) orbit: OrbitControls,
     shown: OrbitControls,
     /// The pitch of the scene's own camera above its target in the last frame, in radians.
-    own_pitch: f64,
+    pub(crate) own_pitch: f64,
     pub(super) revision: u64,
 }
 
@@ -50,10 +50,6 @@ impl SceneCamera {
 
     pub(super) fn record_shown(&mut self, shown: OrbitControls) {
         self.shown = shown;
-    }
-
-    pub(super) fn set_own_pitch(&mut self, pitch: f64) {
-        self.own_pitch = pitch;
     }
 }
 

@@ -71,6 +71,21 @@ pub(super) struct Ingredients<'a> {
     pub choice: DrawingChoice,
 }
 
+/// What a frame follows, besides its scenes.
+pub(super) struct Direction<'a> {
+    pub show: &'a ShowFollower,
+    pub parameters: &'a Parameters,
+    pub choice: DrawingChoice,
+}
+
+/// A scene of a frame. `below` is set for the outgoing scene.
+#[derive(Clone, Copy)]
+struct Layer<'a> {
+    scene: &'a PreparedScene,
+    mode: Mode,
+    below: Option<&'a Outgoing>,
+}
+
 struct Making {
     of: (u64, Mode, Option<ViewChoice>),
     /// The outgoing scene while it is drawn; `None` once only the current scene is left to draw.
@@ -106,19 +121,13 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
-    /// The sources of pictures and texts that change during the song. They call `wake` when they have something new.
-    pub(super) fn changing(
-        wake: &(impl Fn() + Clone + Send + Sync + 'static),
-    ) -> (LiveTextures, LiveSongShapes) {
-        (LiveTextures::new(wake.clone()), LiveSongShapes::new(wake.clone()))
-    }
-
     pub(super) fn new(
         mut regions: SceneRegions,
-        (textures, song_shapes): (LiveTextures, LiveSongShapes),
+        textures: LiveTextures,
+        song_shapes: LiveSongShapes,
         DrawingWays { view, projection, fade, .. }: DrawingWays,
     ) -> Self {
-        regions.insist(view.is_some());
+        regions.insists = view.is_some();
         Self {
             making: None,
             has_interrupted: false,
@@ -138,17 +147,19 @@ impl SceneComposer {
         }
     }
 
-    /// Draws for about the time in `way`, which also has the session's revision: continues the frame in progress, or
+    /// Draws for about the time `go`, at the session's `revision`: continues the frame in progress, or
     /// begins one at a moment for which the regions are built. Returns `None` until the frame is finished. Requests
     /// missing resources. Keeps scenes that are neither shown nor fading out only as neighbours.
     pub(super) fn draw(
         &mut self,
         scenes: &mut PreparedScenes,
-        (show, parameters, choice): (&ShowFollower, &Parameters, DrawingChoice),
+        of: Direction<'_>,
         renderer: &mut Renderer,
         picture: &WantedPicture<'_>,
-        way: (Duration, u64),
+        go: Duration,
+        revision: u64,
     ) -> Result<Option<Drawn>, GpuError> {
+        let Direction { show, parameters, choice } = of;
         let of = Ingredients { scenes, show, parameters, choice };
         if self.give_up_another(of, picture)
             && of.scenes.fading_out.is_some()
@@ -157,7 +168,7 @@ impl SceneComposer {
             scenes.end_fade();
         }
         let of = Ingredients { scenes, show, parameters, choice };
-        let drawn = self.resume(of, renderer, picture, way)?;
+        let drawn = self.resume(of, renderer, picture, go, revision)?;
         if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
             // The previous scene is kept for its fade, or as a neighbour.
             let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
@@ -179,7 +190,8 @@ impl SceneComposer {
         of: Ingredients<'_>,
         renderer: &mut Renderer,
         picture: &WantedPicture<'_>,
-        (go, revision): (Duration, u64),
+        go: Duration,
+        revision: u64,
     ) -> Result<Option<Drawn>, GpuError> {
         let Some((id, mode)) = shown(of) else { return Ok(None) };
         let now = (id, mode, self.views.choice);
@@ -214,7 +226,7 @@ impl SceneComposer {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictures.finish(Some(id), drawn.spent);
-        if self.fading.goes_on_by_itself() || self.feedback.reset_incomplete() {
+        if self.fading.goes_on_by_itself() || std::mem::take(&mut self.feedback.is_incomplete) {
             self.revision += 1;
         }
         Ok(Some(drawn))
@@ -261,19 +273,20 @@ impl SceneComposer {
         let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(of.choice.sdf)?))) else {
             return Ok(None);
         };
-        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
+        let layer = Layer { scene, mode, below };
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, layer, time);
         self.camera.record_shown(orbit);
         let (is_untried, cells) = (scene.tree == FirstTree::Untried, of.choice.cells);
         let draw_options =
             DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away: below.is_some() };
-        let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
+        let drawable = self.regions.drawable(scene.id, mode, &scene.resources, wanted, sound, draw_options);
         // A finished tree may be for an older moment, but both scenes of a fade must be drawn at the same moment.
         let Some((frame, shown)) = drawable.filter(|(_, shown)| outgoing.is_none() || *shown == wanted)
         else {
             return Ok(None);
         };
         let frame = self.in_window(frame, scene, picture);
-        self.feed_back(of, renderer, (scene, mode, below), (shown.moment.song_time, &frame), picture)?;
+        self.feed_back(of, renderer, layer, shown.moment.song_time, &frame, picture)?;
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -288,7 +301,7 @@ impl SceneComposer {
             renderer.begin_light(&frame, &scene.resources)?;
             return Ok(scene.program(mode).cloned().map(making));
         }
-        self.camera.set_own_pitch(frame.own_pitch());
+        self.camera.own_pitch = frame.own_pitch();
         match &outgoing {
             Some(outgoing) if outgoing.clip.is_some() => renderer.set_fade(Some(outgoing.fraction)),
             _ => {
@@ -304,7 +317,7 @@ impl SceneComposer {
                 scene.program(mode).cloned().map(making)
             }
             Some((view, mode, program)) => {
-                let legend = self.views.begin(renderer, &frame, (scene, mode), view)?;
+                let legend = self.views.begin(renderer, &frame, scene, mode, view)?;
                 Some(Making { legend, ..making(program) })
             }
         };
@@ -317,30 +330,36 @@ impl SceneComposer {
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
-        (scene, mode, below): (&PreparedScene, Mode, Option<&Outgoing>),
-        (now, frame): (f64, &Frame),
+        layer: Layer<'_>,
+        now: f64,
+        frame: &Frame,
         picture: &WantedPicture<'_>,
     ) -> Result<(), GpuError> {
-        let Some(program) = scene.program(mode).filter(|_| self.views.choice.is_none()) else {
+        let scene = layer.scene;
+        let Some(program) = scene.program(layer.mode).filter(|_| self.views.choice.is_none()) else {
             return Ok(());
         };
         let mut pace = std::mem::take(&mut self.feedback);
-        let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, frame), picture);
-        let moment = (now, picture, self.projection.stereo);
-        let fed = pace.draw(renderer, (scene.id, &scene.resources, program), moment, &frame_at);
+        let frame_at = |time: f64| self.earlier_frame(of, layer, time, frame, picture);
+        let [width, height] = picture.screen.size.map(|side| side as u32);
+        let shown = ((width, height), self.projection.stereo);
+        let next = |renderer: &mut Renderer| {
+            renderer.feedback_before(&scene.resources, picture.moment.track, now, shown, true)
+        };
+        let fed = pace.draw(renderer, scene, program, now, &next, &frame_at);
         self.feedback = pace;
         fed
     }
 
-    /// Returns the parameters, the number of the camera and the camera's motion of a scene at `time` seconds. `below` is
-    /// set for the outgoing scene.
+    /// Returns the parameters, the number of the camera and the camera's motion of a scene at `time` seconds.
     fn numbers_and_orbit(
         &self,
         of: Ingredients<'_>,
-        (scene, below): (&PreparedScene, Option<&Outgoing>),
+        layer: Layer<'_>,
         time: f64,
     ) -> ((Vec<f32>, Option<usize>), OrbitControls) {
-        match below {
+        let scene = layer.scene;
+        match layer.below {
             Some(below) => (
                 self.change.numbers(scene, below, time, of.parameters),
                 self.change.camera(below, time, self.camera.orbit),
@@ -349,17 +368,17 @@ impl SceneComposer {
         }
     }
 
-    /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`. `below` is
-    /// set for the outgoing scene.
+    /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`.
     fn earlier_frame(
         &self,
         of: Ingredients<'_>,
-        (scene, below): (&PreparedScene, Option<&Outgoing>),
-        (time, frame): (f64, &Frame),
+        layer: Layer<'_>,
+        time: f64,
+        frame: &Frame,
         picture: &WantedPicture<'_>,
     ) -> Frame {
-        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
-        let world = scene.resources.world();
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, layer, time);
+        let world = layer.scene.resources.world();
         let sound = (picture.earlier)(time);
         let mut earlier = Frame::with_params(world, time, sound, picture.size, &params);
         earlier.seen_by(world, camera);
@@ -443,7 +462,7 @@ impl SceneComposer {
         if choice.is_some() {
             self.fading.cut();
         }
-        self.regions.insist(choice.is_some());
+        self.regions.insists = choice.is_some();
     }
 
     pub(super) fn receive_views(
@@ -451,7 +470,7 @@ impl SceneComposer {
         of: ProgramOf,
         program: Result<Program, GpuError>,
     ) -> Result<(), GpuError> {
-        self.views.receive(of, program).inspect_err(|_| self.regions.insist(false))
+        self.views.receive(of, program).inspect_err(|_| self.regions.insists = false)
     }
 
     pub(super) fn record_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {

@@ -20,7 +20,7 @@ pub(crate) struct Fading {
     /// True if scenes are cut regardless of `length`.
     cuts: bool,
     /// Duration of the next fade, if it differs from the usual one.
-    next: Option<Duration>,
+    pub(crate) next: Option<Duration>,
     going: Duration,
     from: From,
     state: State,
@@ -113,7 +113,7 @@ impl Fading {
 
     /// Notes that the frozen frame is released and fades out within `seconds`.
     pub(super) fn release(&mut self, seconds: f64) {
-        self.next_takes(seconds);
+        self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
         self.request();
         self.from = From::HeldPicture;
     }
@@ -135,14 +135,6 @@ impl Fading {
         if let State::Given(_, kept) = &mut self.state {
             *kept = false;
         }
-    }
-
-    pub(super) fn next_takes(&mut self, seconds: f64) {
-        self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
-    }
-
-    pub(super) fn next_takes_the_usual(&mut self) {
-        self.next = None;
     }
 
     /// Cuts: ends the fade in progress, and forgets the duration of the next fade.
@@ -306,7 +298,7 @@ mod tests {
         for (time, wanted) in [(11.249, Some(0.5)), (11.249, Some(0.5)), (10.749, Some(0.75))] {
             let found = fading.step(begun(now, &at(time), false));
             assert_eq!(found.map(|found| (found * 1e4).round() / 1e4), wanted);
-            assert!(fading.follows_song() && !fading.goes_on_by_itself());
+            assert!(fading.follows_song() && !matches!(fading.state, State::Wanted | State::Going(_)));
         }
         assert_eq!(fading.step(begun(now, &at(12.5), true)), None);
         assert!(!fading.goes_on());

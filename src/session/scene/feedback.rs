@@ -3,14 +3,12 @@
 
 use std::time::Duration;
 
-use super::composer::WantedPicture;
+use super::prepared_scene::PreparedScene;
 use crate::clock;
 use crate::frame::Frame;
-use crate::frame::projection::Stereo;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
-use crate::gpu::renderer::Renderer;
-use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::renderer::{FeedbackRequest, Renderer};
 
 /// Maximum number of frames of feedback before an image: those of two histories of ten seconds take less than two
 /// seconds at 60 images a second.
@@ -24,26 +22,25 @@ const MISSING_MAX: u64 = 20;
 pub(super) struct FeedbackPace {
     /// The scene, and the number of frames that its last image lacked.
     last: Option<(u64, u64)>,
-    is_incomplete: bool,
+    pub(crate) is_incomplete: bool,
 }
 
 impl FeedbackPace {
-    /// Draws frames of feedback for an image at `time`; `frame_at` returns the frames.
+    /// Draws frames of feedback for an image of a scene at `time`: those that `next` requests, until it returns
+    /// `None`. `frame_at` returns the frames.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,
-        (id, scene, program): (u64, &SceneResources, &Program),
-        (time, picture, stereo): (f64, &WantedPicture<'_>, Stereo),
+        scene: &PreparedScene,
+        program: &Program,
+        time: f64,
+        next: &dyn Fn(&mut Renderer) -> Option<FeedbackRequest>,
         frame_at: &dyn Fn(f64) -> Frame,
     ) -> Result<(), GpuError> {
-        let size = picture.screen.size.map(|side| side as u32);
+        let (id, scene) = (scene.id, &scene.resources);
         let begun = clock::now();
         for _ in 0..FRAMES_MAX {
-            let shown = ((size[0], size[1]), stereo);
-            let Some(request) = renderer.feedback_before(scene, picture.moment.track, time, shown, true)
-            else {
-                break;
-            };
+            let Some(request) = next(renderer) else { break };
             let mut frame = frame_at(request.time);
             frame.size = request.size;
             renderer.draw_feedback(&request, &frame, scene, program)?;
@@ -60,10 +57,5 @@ impl FeedbackPace {
         self.last = Some((id, missing));
         self.is_incomplete |= missing > 0;
         renderer.show_feedback(scene, time)
-    }
-
-    /// True if an image since the last call lacked frames.
-    pub(super) fn reset_incomplete(&mut self) -> bool {
-        std::mem::take(&mut self.is_incomplete)
     }
 }

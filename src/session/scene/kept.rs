@@ -6,7 +6,7 @@ use super::prepared_scene::PreparedScene;
 use super::program_task::ProgramOf;
 use crate::gpu::program::Program;
 use crate::gpu::scene_program::Mode;
-use crate::limits::LIMITS;
+use crate::limits;
 
 /// Programs by key; the least recently used is dropped first. A program takes about 20 MiB with a software renderer.
 pub(super) struct KeptPrograms<K> {
@@ -36,7 +36,7 @@ impl<K> KeptPrograms<K> {
 
     pub(super) fn add(&mut self, of: K, program: Program) {
         self.programs.push((of, Rc::new(program)));
-        while self.programs.len() > LIMITS.programs_kept_max {
+        while self.programs.len() > limits::PROGRAMS_KEPT_MAX {
             self.programs.remove(0);
         }
     }

@@ -19,7 +19,7 @@ pub(crate) struct SceneLibrary {
     pub(crate) wanted: SceneSource,
     edit: AwaitedEdit,
     /// True while the scene's text is being edited: mistakes in it are temporary.
-    pub(super) is_written: bool,
+    pub(crate) is_written: bool,
 }
 
 impl SceneLibrary {
@@ -50,10 +50,6 @@ impl SceneLibrary {
     /// The next or the previous scene of the list. Reads a folder.
     pub(super) fn next_after(&self, source: &SceneSource, forward: bool) -> SceneSource {
         if forward { self.list.next(source) } else { self.list.previous(source) }
-    }
-
-    pub(crate) fn set_written(&mut self, written: bool) {
-        self.is_written = written;
     }
 
     /// Reloads the scene, because its draft has changed but its file has not.

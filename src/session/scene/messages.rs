@@ -33,13 +33,10 @@ impl Messages {
         self.problem = None;
     }
 
-    pub(super) fn answer(&mut self, text: String) {
+    pub(super) fn answer(&mut self, text: impl Into<String>) {
+        let text = text.into();
         tracing::debug!("message: {text}");
         self.notice = Some((text, clock::now()));
-    }
-
-    pub(super) fn set_hint(&mut self, hint: Option<String>) {
-        self.hint = hint;
     }
 
     /// Replaces the remark in the status line (key I). The remark disappears when its `task` ends.
@@ -75,7 +72,7 @@ mod tests {
         messages.set_remark("interpreted instead".to_owned(), None);
         assert_eq!(messages.remark(|_| false), Some("interpreted instead"));
         messages.set_problem("orb has mistakes".to_owned(), "line 3".to_owned());
-        messages.answer("compiled".to_owned());
+        messages.answer("compiled");
         let words = messages.with(&mut []);
         assert_eq!(words.problem, Some(("orb has mistakes", "line 3")));
         assert_eq!(words.notice.map(|(text, _)| text), Some("compiled"));

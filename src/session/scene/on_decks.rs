@@ -25,9 +25,7 @@ impl DeckChanges<'_> {
         };
         let next = self.library.next_after(&shown, true);
         if next == shown {
-            return self
-                .messages
-                .answer("there is no second scene for another deck: open more scenes".to_owned());
+            return self.messages.answer("there is no second scene for another deck: open more scenes");
         }
         let (on_a, on_b) = (shown.title(), next.title());
         self.messages.answer(format!(
@@ -41,7 +39,7 @@ impl DeckChanges<'_> {
     pub(super) fn end(&mut self) -> Option<SceneSource> {
         let decks = self.decks.take()?;
         self.show.end_decks();
-        self.messages.answer("one scene again: press F3 for two decks".to_owned());
+        self.messages.answer("one scene again: press F3 for two decks");
         let stays = 1 - decks.cued(self.times.0);
         decks.scenes().get(stays).cloned()
     }
@@ -127,7 +125,7 @@ impl DeckChanges<'_> {
                 change(decks, self.times.0);
                 self.show.set_fader(decks.fader(self.times.0));
             }
-            None => self.messages.answer("there is one scene: press F3 for two decks".to_owned()),
+            None => self.messages.answer("there is one scene: press F3 for two decks"),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Parameters {
         (self.model, self.begun)
     }
 
-    pub(super) fn adopt(&mut self, (model, begun): (Model, Instant)) {
+    pub(super) fn adopt(&mut self, model: Model, begun: Instant) {
         let (beats, turned) = (self.beats, self.turned.take());
         *self = Self { revision: self.revision, beats, turned, ..Self::new(model, begun) };
     }

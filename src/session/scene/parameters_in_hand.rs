@@ -1,6 +1,7 @@
 //! Read and write access to the parameters of the scene in hand, which sliders and controllers change: the shown scene,
 //! or the scene on one of two decks.
 
+use super::active_clips::ActiveClips;
 use super::parameters::Parameters;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
@@ -57,36 +58,29 @@ pub(crate) struct TurnedParameters<'a> {
 }
 
 impl TurnedParameters<'_> {
+    fn with<T>(self, act: impl FnOnce(&mut Parameters, &mut PreparedScene, &ActiveClips) -> T) -> Option<T> {
+        let scene = self.scene?;
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
+        Some(act(self.parameters, scene, &clips))
+    }
+
     pub(super) fn update_sliders(self) {
-        if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-            self.parameters.update_sliders(scene, &clips);
-        }
+        self.with(|parameters, scene, clips| parameters.update_sliders(scene, clips));
     }
 
     pub(crate) fn turn(self, change: &ParamChange) -> bool {
-        let Some(scene) = self.scene else { return false };
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-        self.parameters.turn(scene, &clips, change)
+        self.with(|parameters, scene, clips| parameters.turn(scene, clips, change)).unwrap_or(false)
     }
 
     pub(crate) fn bind(self, name: &str, binding: Option<SoundBinding>) -> bool {
-        let Some(scene) = self.scene else { return false };
-        let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-        self.parameters.bind(scene, &clips, name, binding)
+        self.with(|parameters, scene, clips| parameters.bind(scene, clips, name, binding)).unwrap_or(false)
     }
 
     pub(crate) fn recall(self, snapshot: &Snapshot, seconds: f32) {
-        if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-            self.parameters.recall(scene, &clips, snapshot, seconds);
-        }
+        self.with(|parameters, scene, clips| parameters.recall(scene, clips, snapshot, seconds));
     }
 
     pub(crate) fn record_moved(self) {
-        if let Some(scene) = self.scene {
-            let (clips, _) = self.show.clips(scene, self.parameters.song_time);
-            self.parameters.record_moved(scene, &clips);
-        }
+        self.with(|parameters, scene, clips| parameters.record_moved(scene, clips));
     }
 }

@@ -45,7 +45,8 @@ impl<'a> Performed<'a> {
         time: f64,
         scenes: &'a PreparedScenes,
         show: &'a ShowFollower,
-        (fading, camera): (&Fading, &SceneCamera),
+        fading: &Fading,
+        camera: &SceneCamera,
         sdf: SdfChoice,
     ) -> Option<Self> {
         let scene = scenes.shown.as_ref()?;
@@ -83,7 +84,8 @@ impl<'a> Performed<'a> {
     /// The same frame as a mix of two decks.
     pub(super) fn on_decks(
         self,
-        (decks, fader): (&'a Decks, f32),
+        decks: &'a Decks,
+        fader: f32,
         scenes: &'a PreparedScenes,
         parameters: &Parameters,
         camera: &SceneCamera,

@@ -53,7 +53,7 @@ pub(crate) struct ScenePreparation {
     pub library: SceneLibrary,
     pub(super) trials: TreeTrials,
     next_scene: u64,
-    asked_mode: Option<Mode>,
+    pub(crate) asked_mode: Option<Mode>,
     // The last field, because its threads draw with objects of the fields above.
     pub(super) programs: ProgramLibrary,
 }
@@ -290,7 +290,7 @@ impl ScenePreparation {
         let is_lost =
             |scene: &mut PreparedScene| !scene.programs.compilable && scene.programs.interpreter.is_none();
         if scenes.coming.take_if(is_lost).is_some() {
-            messages.set_hint(None);
+            messages.hint = None;
         }
         if scenes.present().next().is_none() { Err(error) } else { Ok(refused) }
     }
@@ -515,10 +515,6 @@ impl ScenePreparation {
             }
         }
         wanted
-    }
-
-    pub(super) fn await_mode(&mut self, mode: Option<Mode>) {
-        self.asked_mode = mode;
     }
 
     /// Returns `true`, only once, if the user was waiting for `mode`.

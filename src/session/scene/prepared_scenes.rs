@@ -32,7 +32,7 @@ impl PreparedScenes {
         Self { shown: None, coming: None, before: None, fading_out: None, ahead }
     }
 
-    pub(super) fn all(&self) -> impl Iterator<Item = &PreparedScene> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &PreparedScene> {
         let staged = [&self.shown, &self.coming, &self.before, &self.fading_out].into_iter().flatten();
         staged.chain(self.ahead.scenes())
     }
@@ -127,22 +127,6 @@ impl PreparedScenes {
     pub(crate) fn read_curves(&self) -> bool {
         let drawn = [&self.shown, &self.before, &self.fading_out];
         self.shown.is_none() || drawn.into_iter().flatten().any(|scene| scene.hears_curves)
-    }
-
-    /// True if a scene reads parts of the song. Scenes that are prepared in advance count too, because it takes time to
-    /// read the parts.
-    pub(crate) fn read_parts(&self) -> bool {
-        self.all().any(|scene| scene.hears_parts)
-    }
-
-    /// True if a scene shows the cover of the song.
-    pub(crate) fn show_covers(&self) -> bool {
-        self.all().any(|scene| scene.shows_cover)
-    }
-
-    /// True if a scene shows a text of the song.
-    pub(crate) fn show_song_texts(&self) -> bool {
-        self.all().any(|scene| scene.has_song_texts)
     }
 
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.

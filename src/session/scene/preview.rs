@@ -7,9 +7,8 @@
 use std::time::{Duration, Instant};
 
 use super::active_clips::ActiveClips;
-use super::ahead::PreparedAhead;
-use super::parameters::Parameters;
-use super::prepared_scene::{DrawingChoice, PreparedScene};
+use super::composer::Ingredients;
+use super::prepared_scene::PreparedScene;
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::clock;
 use crate::frame::Frame;
@@ -46,13 +45,15 @@ impl NextPicture {
     /// sends it to `reader`. Returns the scene's title if a frame was drawn.
     pub(super) fn draw(
         &mut self,
-        (ahead, parameters, choice): (&PreparedAhead, &Parameters, DrawingChoice),
+        of: Ingredients<'_>,
         renderer: &mut Renderer,
         sketch: &mut Sketch,
         reader: &mut PictureReader,
-        (time, sound): (f64, Sound),
+        time: f64,
+        sound: Sound,
     ) -> Result<Option<String>, GpuError> {
-        let scene = ahead.rehearsed().find(|scene| !scene.is_blend());
+        let Ingredients { scenes, parameters, choice, .. } = of;
+        let scene = scenes.ahead.rehearsed().find(|scene| !scene.is_blend());
         let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(choice.sdf)?))) else {
             return Ok(None);
         };
@@ -73,7 +74,9 @@ impl NextPicture {
             }
             None => {
                 let params = parameters.numbers(scene, &ActiveClips::default(), time);
-                match self.frame_of(scene, (mode, choice.cells), (time, sound, &params), reader.size()) {
+                let world = scene.resources.world();
+                let frame = Frame::with_params(world, time, sound, reader.size(), &params);
+                match self.frame_of(scene, mode, choice.cells, frame) {
                     Next::Now(frame) => frame,
                     Next::First(frame) => {
                         // The next preview follows in a second.
@@ -96,17 +99,11 @@ impl NextPicture {
         Ok(sent.then(|| scene.title()))
     }
 
-    fn frame_of(
-        &self,
-        scene: &PreparedScene,
-        (mode, cells): (Mode, CellUse),
-        (time, sound, params): (f64, Sound, &[f32]),
-        size: (u32, u32),
-    ) -> Next {
+    fn frame_of(&self, scene: &PreparedScene, mode: Mode, cells: CellUse, frame: Frame) -> Next {
         let world = scene.resources.world();
         let needs_tree = world.non_lipschitz || mode == Mode::Interpreted;
         if needs_tree && self.asked.is_none_or(|(of, _)| of != scene.id) {
-            let first = Frame::new(world, 0.0, Features::SILENCE, size);
+            let first = Frame::new(world, 0.0, Features::SILENCE, frame.size);
             let request = scene.resources.region_request(&first);
             if scene.resources.regions().is_some_and(|built| built.request == request) {
                 return Next::First(first);
@@ -115,7 +112,6 @@ impl NextPicture {
         // Without a tree, a frame can be drawn at any moment.
         let uses_cells = needs_tree && (world.non_lipschitz || cells != CellUse::Never);
         scene.resources.set_cells(uses_cells, mode);
-        let frame = Frame::with_params(world, time, sound, size, params);
         if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
     }
 

@@ -29,9 +29,9 @@ pub(super) struct ProgramLibrary {
     gl: Gl,
     /// The projection that all programs draw.
     projection: Projection,
-    universal: UniversalInterpreters,
+    pub(crate) universal: UniversalInterpreters,
     /// Interpreters made for particular scenes.
-    interpreters: KeptPrograms<Interpreter>,
+    pub(crate) interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.

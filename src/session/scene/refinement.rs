@@ -11,7 +11,7 @@ use crate::frame::Frame;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{PathOrder, PathPicture, PathSampling, Renderer};
 use crate::gpu::scene_program::Mode;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::session::drawing_pace::within_pixels;
 
 #[derive(Default)]
@@ -72,7 +72,9 @@ impl Refinement {
     pub(super) fn resume(
         &mut self,
         renderer: &mut Renderer,
-        (scene, mode, frame): (&PreparedScene, Mode, &Frame),
+        scene: &PreparedScene,
+        mode: Mode,
+        frame: &Frame,
         of: Shown,
         patience: Duration,
     ) -> Result<(bool, Option<String>), GpuError> {
@@ -82,7 +84,7 @@ impl Refinement {
         };
         if self.is_wanted() {
             let mut frame = frame.clone();
-            frame.size = within_pixels(frame.size, LIMITS.refined_pixels_max);
+            frame.size = within_pixels(frame.size, limits::REFINED_PIXELS_MAX);
             let picture = Box::new(renderer.begin_paths(frame, order())?);
             self.stage = Stage::Going { of, picture, said: 0 };
         }
@@ -99,14 +101,14 @@ impl Refinement {
             *said = paths;
         }
         let words =
-            || format!("refining: {paths} of at most {} paths for each pixel", LIMITS.refined_paths_max);
+            || format!("refining: {paths} of at most {} paths for each pixel", limits::REFINED_PATHS_MAX);
         Ok((true, says.then(words)))
     }
 }
 
 fn order() -> PathOrder {
     PathOrder {
-        samples: u32::from(LIMITS.refined_paths_max),
+        samples: u32::from(limits::REFINED_PATHS_MAX),
         noise: PathChoice::NOISE,
         first: 0,
         sampling: PathSampling::Both,

@@ -1,7 +1,7 @@
 //! Scenes that cannot be shown, with the reasons.
 
 use super::prepared_scene::PreparedScene;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::scenes::SceneSource;
 
 pub(super) const TREE_TOO_LONG: &str = "building its region tree takes too long for every frame";
@@ -18,7 +18,7 @@ pub(super) fn too_expensive(scene: &PreparedScene, why: &str) -> Refusal {
     // Each sentence gets a line, because a small window has no room for long lines.
     let text = format!(
         "{why}; the limit is {:.0} s\n{}\nuse fewer or simpler parts, or make the window smaller",
-        LIMITS.picture_seconds_max,
+        limits::PICTURE_SECONDS_MAX,
         scene.costs_in_words()
     );
     tracing::warn!("{heading}: {text}");

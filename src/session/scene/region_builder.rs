@@ -45,19 +45,19 @@ struct State<Tag> {
     over: bool,
 }
 
-struct Shared<Tag> {
+struct SharedTrees<Tag> {
     state: Mutex<State<Tag>>,
     changed: Condvar,
 }
 
-impl<Tag> Shared<Tag> {
+impl<Tag> SharedTrees<Tag> {
     fn lock(&self) -> MutexGuard<'_, State<Tag>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 pub(super) struct RegionBuilder<Tag> {
-    shared: Arc<Shared<Tag>>,
+    shared: Arc<SharedTrees<Tag>>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -65,7 +65,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// Starts the thread, which calls `wake` after each tree.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let state = State { next: None, done: None, forgotten: 0, over: false };
-        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
+        let shared = Arc::new(SharedTrees { state: Mutex::new(state), changed: Condvar::new() });
         let theirs = shared.clone();
         let thread = std::thread::Builder::new().name("regions".into());
         let thread = thread.spawn(move || work(&theirs, &wake))?;
@@ -112,7 +112,7 @@ impl<Tag> Drop for RegionBuilder<Tag> {
     }
 }
 
-fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
+fn work<Tag: Send>(shared: &SharedTrees<Tag>, wake: &dyn Fn()) {
     loop {
         let mut state = shared.lock();
         while state.next.is_none() && !state.over {

@@ -11,7 +11,7 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::mode::CellUse;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
@@ -50,17 +50,17 @@ struct TreeRequest {
 
 pub(crate) struct SceneRegions {
     /// True if frames wait for every tree, even a slow one.
-    insists: bool,
+    pub(crate) insists: bool,
     builder: RegionBuilder<TreeRequest>,
     asked: Option<TreeRequest>,
     /// The compiled scene that is drawn without a tree, because drawing is faster than the build.
-    late_for: Option<(u64, Mode)>,
+    pub(crate) late_for: Option<(u64, Mode)>,
     /// The compiled scene that was not faster without a tree.
     waited_for: Option<(u64, Mode)>,
     waited: bool,
     tree_time: Duration,
     /// The scene whose frame was abandoned because of its slow tree.
-    given_up: Option<u64>,
+    pub(crate) given_up: Option<u64>,
 }
 
 impl SceneRegions {
@@ -81,7 +81,8 @@ impl SceneRegions {
     /// earlier frame whose tree is now finished. Returns `None` if no frame can be drawn.
     pub(super) fn drawable(
         &mut self,
-        (id, mode): (u64, Mode),
+        id: u64,
+        mode: Mode,
         scene: &SceneResources,
         wanted: Shown,
         sound: Sound,
@@ -152,15 +153,6 @@ impl SceneRegions {
         self.given_up.take_if(|given_up| *given_up == id).is_some()
     }
 
-    /// Draws a compiled scene without a tree, starting with its first frame.
-    pub(super) fn do_without(&mut self, id: u64) {
-        self.late_for = Some((id, Mode::Compiled));
-    }
-
-    pub(super) fn insist(&mut self, insists: bool) {
-        self.insists = insists;
-    }
-
     pub(crate) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
@@ -225,7 +217,7 @@ impl SceneRegions {
 }
 
 pub(super) fn longest_wait() -> Duration {
-    Duration::from_secs_f64(LIMITS.picture_seconds_max)
+    Duration::from_secs_f64(limits::PICTURE_SECONDS_MAX)
 }
 
 fn milliseconds(time: Duration) -> f64 {
@@ -269,8 +261,8 @@ mod tests {
                 fades_away,
             };
             let mut picture = || {
-                let drawn = (7, Mode::Compiled);
-                regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), draw_options)
+                let sound = Features::SILENCE.into();
+                regions.drawable(7, Mode::Compiled, &scene, shown, sound, draw_options)
             };
             let (frame, of) = loop {
                 if let Some(found) = picture() {

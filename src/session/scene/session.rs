@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::ahead::PreparedAhead;
-use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
+use super::composer::{Direction, Drawn, Ingredients, SceneComposer, WantedPicture};
 use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders, TakenOver};
 use super::decks::Decks;
 use super::library::SceneLibrary;
@@ -32,7 +32,9 @@ use crate::gpu::mode::CellUse;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
+use crate::moving_textures::LiveTextures;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
+use crate::song_shapes::LiveSongShapes;
 use crate::ui::overlay::DeckStrip;
 use crate::view::ViewChoice;
 use mariana_control::Model;
@@ -73,7 +75,7 @@ impl SceneSession {
         let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
-        let textures = SceneComposer::changing(&wake);
+        let (textures, song_shapes) = (LiveTextures::new(wake.clone()), LiveSongShapes::new(wake.clone()));
         let programs = ProgramLibrary::start(gl, contexts, sources, ways.projection, wake);
         let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
         let mut session = Self {
@@ -81,7 +83,7 @@ impl SceneSession {
             show: ShowFollower::default(),
             parameters: Parameters::new(Model::default(), clock::now()),
             messages: Messages::default(),
-            composer: SceneComposer::new(regions, textures, ways),
+            composer: SceneComposer::new(regions, textures, song_shapes, ways),
             next_picture,
             refinement: Refinement::default(),
             decks: None,
@@ -118,7 +120,7 @@ impl SceneSession {
     /// Continues where another session ended: with its parameter values, its requested scene, its show and its decks.
     pub(crate) fn adopt(&mut self, from: TakenOver) {
         let TakenOver { controllers, wanted, show, decks } = from;
-        self.parameters.adopt(controllers);
+        self.parameters.adopt(controllers.0, controllers.1);
         self.preparation.library.adopt(wanted);
         (self.show, self.decks) = (show, decks);
     }
@@ -159,7 +161,7 @@ impl SceneSession {
     pub(crate) fn toggle_decks(&mut self) {
         if self.decks.is_none() && !self.scenes.ahead.is_on() {
             let words = "two decks need scenes that are prepared in advance: allow this in the settings (G)";
-            return self.messages.answer(words.to_owned());
+            return self.messages.answer(words);
         }
         if self.decks.is_none() {
             return self.deck_changes().begin();
@@ -167,7 +169,7 @@ impl SceneSession {
         if let Some(stays) =
             self.deck_changes().end().filter(|stays| stays != &self.preparation.library.wanted)
         {
-            self.composer.fading.next_takes_the_usual();
+            self.composer.fading.next = None;
             self.request_scene(stays);
         }
     }
@@ -200,7 +202,7 @@ impl SceneSession {
         while let Some((id, tree)) = self.preparation.trials.poll() {
             match self.preparation.receive_tree(id, tree, &mut self.scenes) {
                 TreeVerdict::Fine => {}
-                TreeVerdict::DrawnWithout(id) => self.composer.regions.do_without(id),
+                TreeVerdict::DrawnWithout(id) => self.composer.regions.late_for = Some((id, Mode::Compiled)),
                 TreeVerdict::Refused(refusal) => self.refuse(refusal),
             }
         }
@@ -229,7 +231,7 @@ impl SceneSession {
 
     /// Handles a scene that cannot be drawn: shows a message, or silently another scene if the director chose it.
     fn refuse(&mut self, refusal: Refusal) {
-        self.messages.set_hint(None);
+        self.messages.hint = None;
         let Refusal { source, heading, text } = refusal;
         let is_edit = self.scenes.shown_source() == Some(&source);
         if is_edit || self.preparation.library.is_written || !self.show.is_own_choice() {
@@ -272,7 +274,7 @@ impl SceneSession {
         self.preparation.forget_obsolete(&self.scenes);
         // Controllers may have changed the scene's parameters since the request.
         self.update_sliders();
-        self.messages.set_hint(None);
+        self.messages.hint = None;
         if is_another {
             let (composer, of) = self.composing();
             composer.fade_if_it_can(of);
@@ -314,9 +316,11 @@ impl SceneSession {
         renderer: &mut Renderer,
         picture: WantedPicture<'_>,
     ) -> Result<Option<Drawn>, GpuError> {
-        let (way, known) = ((self.preparation.library.length_of_go(), self.revision()), self.scenes.ids());
-        let of = (&self.show, &self.parameters, self.preparation.choice);
-        let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, way)?;
+        let known = self.scenes.ids();
+        let (go, revision) = (self.preparation.library.length_of_go(), self.revision());
+        let of =
+            Direction { show: &self.show, parameters: &self.parameters, choice: self.preparation.choice };
+        let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, go, revision)?;
         if self.scenes.ids() != known {
             self.preparation.forget_obsolete(&self.scenes);
         }
@@ -359,8 +363,9 @@ impl SceneSession {
         if !self.is_complete() {
             return Ok(None);
         }
-        let of = (&self.scenes.ahead, &self.parameters, self.preparation.choice);
-        self.next_picture.draw(of, renderer, sketch, reader, heard)
+        let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
+        let of = Ingredients { scenes, show, parameters, choice: self.preparation.choice };
+        self.next_picture.draw(of, renderer, sketch, reader, heard.0, heard.1)
     }
 
     pub(super) fn is_complete(&self) -> bool {
@@ -381,7 +386,7 @@ impl SceneSession {
     pub(crate) fn show_source(&mut self, source: SceneSource) {
         let Some(source) = self.deck_changes().load_cued(source) else { return };
         self.show.overrule();
-        self.composer.fading.next_takes_the_usual();
+        self.composer.fading.next = None;
         self.request_scene(source);
     }
 
@@ -391,7 +396,7 @@ impl SceneSession {
         let wanted = &self.preparation.library.wanted;
         let waits = self.scenes.shown_source() != Some(wanted) && !self.show.asks_for(wanted);
         let hint = waits.then(|| format!("{} is being prepared", wanted.title()));
-        self.messages.set_hint(hint);
+        self.messages.hint = hint;
         if is_prepared {
             self.messages.clear_problem();
             self.show_what_is_ready();
@@ -419,20 +424,22 @@ impl SceneSession {
         }
         let Some(Step { source, seconds }) = step else { return };
         match seconds {
-            Some(seconds) => self.composer.fading.next_takes(seconds),
-            None => self.composer.fading.next_takes_the_usual(),
+            Some(seconds) => {
+                self.composer.fading.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default())
+            }
+            None => self.composer.fading.next = None,
         }
         self.request_scene(source);
     }
 
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
-        let how = (&self.composer.fading, &self.composer.camera);
-        let performed = Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice.sdf)?;
+        let (fading, camera, sdf) =
+            (&self.composer.fading, &self.composer.camera, self.preparation.choice.sdf);
+        let performed = Performed::at(time, &self.scenes, &self.show, fading, camera, sdf)?;
         match &self.decks {
             Some(decks) => {
                 let fader = self.show.fader().unwrap_or_default();
-                let camera = &self.composer.camera;
-                Some(performed.on_decks((decks, fader), &self.scenes, &self.parameters, camera))
+                Some(performed.on_decks(decks, fader, &self.scenes, &self.parameters, camera))
             }
             None => Some(performed),
         }
@@ -462,7 +469,7 @@ impl SceneSession {
         let wanted = self.preparation.toggle_mode(mode, &mut self.scenes);
         self.show_what_is_ready();
         let now = self.mode();
-        self.preparation.await_mode(Some(wanted).filter(|_| now != Some(wanted)));
+        self.preparation.asked_mode = Some(wanted).filter(|_| now != Some(wanted));
         let has_interpreter = |scene: &PreparedScene| scene.programs.interpreter.is_some();
         let possible = wanted == Mode::Compiled || self.scenes.shown.as_ref().is_some_and(has_interpreter);
         self.messages.answer(match now {
@@ -479,7 +486,7 @@ impl SceneSession {
         let cells = self.composer.regions.toggle(drawn, self.preparation.choice.cells);
         self.preparation.set_cells(cells);
         let words = if cells == CellUse::Never { "no regions" } else { "regions" };
-        self.messages.answer(words.to_owned());
+        self.messages.answer(words);
         self.composer.redraw();
     }
 
@@ -509,7 +516,7 @@ impl SceneSession {
 
     pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
         if let Some(words) = self.composer.camera.move_by(change) {
-            self.messages.answer(words.to_owned());
+            self.messages.answer(words);
         }
     }
 
@@ -549,7 +556,7 @@ impl SceneSession {
             || self.parameters_in_hand().follow_sound()
     }
 
-    fn mode(&self) -> Option<Mode> {
+    pub(super) fn mode(&self) -> Option<Mode> {
         self.scenes.shown.as_ref()?.mode(self.preparation.choice.sdf)
     }
 

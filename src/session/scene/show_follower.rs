@@ -154,13 +154,9 @@ impl ShowFollower {
         show.and_then(|show| show.timeline()).map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
-    fn prepared_show(&self) -> Option<&PreparedShow> {
-        self.course.prepared_show.as_deref()
-    }
-
     /// The state of the show at `time` seconds, or of the decks.
     fn moment(&self, time: f64) -> Option<Moment<'_>> {
-        moment_of(self.prepared_show()?, self.course.fader, time)
+        moment_of(self.course.prepared_show.as_deref()?, self.course.fader, time)
     }
 
     /// The show with a substitute for each refused scene.
@@ -183,7 +179,8 @@ impl ShowFollower {
 
     /// True if the director chose the requested scene, not the user or the user's own show.
     pub(super) fn is_own_choice(&self) -> bool {
-        let is_by_program = self.prepared_show().is_some_and(|prepared_show| !prepared_show.is_by_user());
+        let is_by_program =
+            self.course.prepared_show.as_deref().is_some_and(|prepared_show| !prepared_show.is_by_user());
         is_by_program && self.course.asked.is_some()
     }
 
@@ -323,7 +320,7 @@ impl ShowFollower {
 
     /// The outgoing scene at `time` seconds of the song, if the show has a fade then and both scenes are available.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
-        let (prepared_show, moment) = (self.prepared_show()?, self.moment(time)?);
+        let (prepared_show, moment) = (self.course.prepared_show.as_deref()?, self.moment(time)?);
         let (clip, fraction) = moment.leaving?;
         let is_on = prepared_show.source(&moment.clip.scene) == Some(scenes.shown_source()?);
         if self.course.overruled == Some(moment.index) || !is_on {
@@ -335,7 +332,8 @@ impl ShowFollower {
 
     /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
     pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
-        let Some((prepared_show, moment)) = self.prepared_show().zip(self.moment(time)) else {
+        let Some((prepared_show, moment)) = self.course.prepared_show.as_deref().zip(self.moment(time))
+        else {
             return Default::default();
         };
         if !scene.is_blend() || scene.resources.world().blended.is_none() {

@@ -53,7 +53,8 @@ impl Views {
         &mut self,
         renderer: &mut Renderer,
         frame: &Frame,
-        (prepared, mode): (&PreparedScene, Mode),
+        prepared: &PreparedScene,
+        mode: Mode,
         choice: ViewChoice,
     ) -> Result<Option<Arc<LegendPicture>>, GpuError> {
         let scene = &prepared.resources;

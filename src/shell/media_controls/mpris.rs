@@ -184,79 +184,69 @@ impl Offered {
     }
 }
 
+/// Defines methods that send a command.
+macro_rules! acts {
+    ($($name:ident => $command:expr;)*) => {
+        $(async fn $name(&self) -> fdo::Result<()> { self.send($command) })*
+    };
+}
+
+/// Defines methods that return the value of a property.
+macro_rules! properties {
+    ($this:ident, $($name:ident: $kind:ty = $value:expr;)*) => {
+        $(async fn $name(&$this) -> fdo::Result<$kind> { Ok($value) })*
+    };
+}
+
 impl RootInterface for Offered {
-    async fn raise(&self) -> fdo::Result<()> {
-        self.send(Command::Raise)
+    acts! {
+        raise => Command::Raise;
+        quit => Command::Quit;
     }
 
-    async fn quit(&self) -> fdo::Result<()> {
-        self.send(Command::Quit)
-    }
-
-    async fn can_quit(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn fullscreen(&self) -> fdo::Result<bool> {
-        Ok(self.seen.lock().fullscreen)
+    properties! { self,
+        can_quit: bool = true;
+        fullscreen: bool = self.seen.lock().fullscreen;
+        can_set_fullscreen: bool = true;
+        can_raise: bool = true;
+        has_track_list: bool = false;
+        identity: String = "Mariana".into();
+        desktop_entry: String = APP_ID.into();
+        supported_uri_schemes: Vec<String> = Vec::new();
+        supported_mime_types: Vec<String> = Vec::new();
     }
 
     async fn set_fullscreen(&self, fullscreen: bool) -> zbus::Result<()> {
         Ok(self.send(Command::Fullscreen(fullscreen.into()))?)
     }
-
-    async fn can_set_fullscreen(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_raise(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn has_track_list(&self) -> fdo::Result<bool> {
-        Ok(false)
-    }
-
-    async fn identity(&self) -> fdo::Result<String> {
-        Ok("Mariana".into())
-    }
-
-    async fn desktop_entry(&self) -> fdo::Result<String> {
-        Ok(APP_ID.into())
-    }
-
-    async fn supported_uri_schemes(&self) -> fdo::Result<Vec<String>> {
-        Ok(Vec::new())
-    }
-
-    async fn supported_mime_types(&self) -> fdo::Result<Vec<String>> {
-        Ok(Vec::new())
-    }
 }
 
 impl PlayerInterface for Offered {
-    async fn next(&self) -> fdo::Result<()> {
-        self.send(Command::NextTrack)
+    acts! {
+        next => Command::NextTrack;
+        previous => Command::PreviousTrack;
+        pause => Command::Pause(Switch::On);
+        play_pause => Command::Pause(Switch::Toggle);
+        stop => Command::Pause(Switch::On);
+        play => Command::Pause(Switch::Off);
     }
 
-    async fn previous(&self) -> fdo::Result<()> {
-        self.send(Command::PreviousTrack)
-    }
-
-    async fn pause(&self) -> fdo::Result<()> {
-        self.send(Command::Pause(Switch::On))
-    }
-
-    async fn play_pause(&self) -> fdo::Result<()> {
-        self.send(Command::Pause(Switch::Toggle))
-    }
-
-    async fn stop(&self) -> fdo::Result<()> {
-        self.send(Command::Pause(Switch::On))
-    }
-
-    async fn play(&self) -> fdo::Result<()> {
-        self.send(Command::Pause(Switch::Off))
+    properties! { self,
+        playback_status: PlaybackStatus = playback(&self.seen.lock());
+        loop_status: LoopStatus = loop_status(self.seen.lock().repeat);
+        rate: f64 = RATE;
+        shuffle: bool = self.seen.lock().shuffled;
+        metadata: Metadata = metadata(&self.seen.lock());
+        volume: f64 = f64::from(self.seen.lock().volume);
+        position: Time = time((self.position)());
+        minimum_rate: f64 = RATE;
+        maximum_rate: f64 = RATE;
+        can_go_next: bool = true;
+        can_go_previous: bool = true;
+        can_play: bool = true;
+        can_pause: bool = true;
+        can_seek: bool = true;
+        can_control: bool = true;
     }
 
     async fn seek(&self, offset: Time) -> fdo::Result<()> {
@@ -277,14 +267,6 @@ impl PlayerInterface for Offered {
         Err(fdo::Error::NotSupported("drop files onto the window instead".into()))
     }
 
-    async fn playback_status(&self) -> fdo::Result<PlaybackStatus> {
-        Ok(playback(&self.seen.lock()))
-    }
-
-    async fn loop_status(&self) -> fdo::Result<LoopStatus> {
-        Ok(loop_status(self.seen.lock().repeat))
-    }
-
     async fn set_loop_status(&self, status: LoopStatus) -> zbus::Result<()> {
         Ok(self.send(Command::Repeat(match status {
             LoopStatus::Playlist => Repeat::All,
@@ -293,70 +275,18 @@ impl PlayerInterface for Offered {
         }))?)
     }
 
-    async fn rate(&self) -> fdo::Result<f64> {
-        Ok(RATE)
-    }
-
     async fn set_rate(&self, rate: f64) -> zbus::Result<()> {
         // 0 means pause; other rates are out of range.
         if rate == 0.0 { Ok(self.send(Command::Pause(Switch::On))?) } else { Ok(()) }
-    }
-
-    async fn shuffle(&self) -> fdo::Result<bool> {
-        Ok(self.seen.lock().shuffled)
     }
 
     async fn set_shuffle(&self, shuffled: bool) -> zbus::Result<()> {
         Ok(self.send(Command::Shuffle(shuffled.into()))?)
     }
 
-    async fn metadata(&self) -> fdo::Result<Metadata> {
-        Ok(metadata(&self.seen.lock()))
-    }
-
-    async fn volume(&self) -> fdo::Result<f64> {
-        Ok(f64::from(self.seen.lock().volume))
-    }
-
     async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
         // The session clamps the volume, and takes NaN as silence.
         Ok(self.send(Command::Volume(volume as f32))?)
-    }
-
-    async fn position(&self) -> fdo::Result<Time> {
-        Ok(time((self.position)()))
-    }
-
-    async fn minimum_rate(&self) -> fdo::Result<f64> {
-        Ok(RATE)
-    }
-
-    async fn maximum_rate(&self) -> fdo::Result<f64> {
-        Ok(RATE)
-    }
-
-    async fn can_go_next(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_go_previous(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_play(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_pause(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_seek(&self) -> fdo::Result<bool> {
-        Ok(true)
-    }
-
-    async fn can_control(&self) -> fdo::Result<bool> {
-        Ok(true)
     }
 }
 

@@ -47,8 +47,7 @@ impl Wallpaper {
             Some(output_surfaces) => Shown::Wall(Wall::new(output_surfaces)),
             None => {
                 let mut monitors = MonitorWatch::default();
-                let waker = waker.clone();
-                monitors.begin(move || waker.wake());
+                monitors.begin(waker.waking());
                 Shown::Window(monitors)
             }
         };

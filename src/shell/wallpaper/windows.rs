@@ -102,7 +102,8 @@ impl Windows {
     }
 }
 
-fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
+fn fills(window: &Rect, monitor: &Rect) -> bool {
+    let ((place, size), (monitor, extent)) = (*window, *monitor);
     let common = |from: i32, length: u32, of: i32, most: u32| {
         let (from, of) = (f64::from(from), f64::from(of));
         (from + f64::from(length)).min(of + f64::from(most)) - from.max(of)

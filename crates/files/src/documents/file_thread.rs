@@ -12,7 +12,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::{Bytes, FileEvent, KeptTexts, OnDisk, stem_of};
 use crate::Folders;
 use crate::atomic_file::AtomicFile;
-use crate::limits::LIMITS;
+use crate::limits;
 use crate::reading::read_at_most;
 
 /// Interval of the checks for changes that other programs make to the files.
@@ -278,7 +278,7 @@ fn known(file: &Path) -> Known {
 }
 
 fn read(file: &Path) -> OnDisk {
-    let max = LIMITS.kept_text_bytes_max;
+    let max = limits::KEPT_TEXT_BYTES_MAX;
     let unreadable = |error: io::Error| match error.kind() {
         io::ErrorKind::NotFound => OnDisk::Missing,
         _ => OnDisk::Unreadable(error.to_string()),

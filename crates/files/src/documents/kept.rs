@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Bytes;
 use crate::atomic_file::AtomicFile;
-use crate::limits::LIMITS;
+use crate::limits;
 
 const ENDING: &str = "unsaved";
 
@@ -78,7 +78,7 @@ impl KeptTexts {
     /// Returns the backup of a file's text, if there is one.
     pub fn of(&self, file: &Path) -> Option<Kept> {
         let place = self.place(file)?;
-        let bytes = crate::reading::read_at_most(&place, LIMITS.kept_text_bytes_max).ok()??;
+        let bytes = crate::reading::read_at_most(&place, limits::KEPT_TEXT_BYTES_MAX).ok()??;
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
         let head: Head = serde_json::from_slice(bytes.get(..end)?).ok()?;
         // Two paths may have the same hash.

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::Folders;
-use crate::limits::LIMITS;
+use crate::limits;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 
@@ -178,7 +178,7 @@ fn a_damaged_backup_is_ignored() {
 #[test]
 fn too_large_files_and_folders_are_refused_with_a_reason() {
     let place = Place::new();
-    fs::write(place.file(), vec![b' '; LIMITS.kept_text_bytes_max + 1]).unwrap();
+    fs::write(place.file(), vec![b' '; limits::KEPT_TEXT_BYTES_MAX + 1]).unwrap();
     let reason = |holds| match holds {
         OnDisk::Unreadable(reason) => reason,
         other => panic!("{other:?}"),

@@ -110,13 +110,13 @@ fn an_animation_may_continue_on_further_lines() {
 fn too_long_shows_exceed_a_limit() {
     use mariana_field::lang::Fault;
     let fault = |text: &str| parse("test.show", text).diagnostics.first().map(|one| one.fault);
-    assert_eq!(fault(&"at start x\n".repeat(LIMITS.entries_max + 1)), Some(Fault::OverLimit));
-    assert_eq!(fault(&"#".repeat(LIMITS.bytes_max + 1)), Some(Fault::OverLimit));
-    let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(LIMITS.steps_max + 1));
+    assert_eq!(fault(&"at start x\n".repeat(limits::ENTRIES_MAX + 1)), Some(Fault::OverLimit));
+    assert_eq!(fault(&"#".repeat(limits::BYTES_MAX + 1)), Some(Fault::OverLimit));
+    let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(limits::STEPS_MAX + 1));
     assert_eq!(fault(&steps), Some(Fault::OverLimit));
-    let lines = format!("at start x\nset a = 1{}", "\n-> 1 over 1 s".repeat(LIMITS.steps_max + 1));
+    let lines = format!("at start x\nset a = 1{}", "\n-> 1 over 1 s".repeat(limits::STEPS_MAX + 1));
     assert_eq!(fault(&lines), Some(Fault::OverLimit));
-    let settings = format!("at start x\n{}", "set a = 1\n".repeat(LIMITS.settings_max + 1));
+    let settings = format!("at start x\n{}", "set a = 1\n".repeat(limits::SETTINGS_MAX + 1));
     assert_eq!(fault(&settings), Some(Fault::OverLimit));
 }
 

@@ -188,7 +188,7 @@ fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
 #[test]
 fn a_long_performance_continues_in_another_entry() {
     let mut performance = Performance::default();
-    let frames = LIMITS.steps_max as u32 + 5;
+    let frames = limits::STEPS_MAX as u32 + 5;
     for frame in 0..frames {
         note_relief(&mut performance, frame, frame as f32);
     }

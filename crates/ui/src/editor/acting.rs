@@ -19,7 +19,7 @@ impl Editor {
     pub fn handle_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         let action = action_of(&press.key, press.latin, held);
         // Esc still closes an editor whose file is not read in time.
-        if is_loading(self) && (action != Some(EditAction::Leave) || self.focus.has_early()) {
+        if is_loading(self) && (action != Some(EditAction::Leave) || !self.focus.early.is_empty()) {
             let is_used = press.text.is_some()
                 || action.is_some()
                 || way_of(&press.key, held, 1).is_some()
@@ -37,7 +37,7 @@ impl Editor {
             self.act_with(action, held.shift_key());
             return true;
         }
-        if let Some(way) = way_of(&press.key, held, self.texts.documents.rows())
+        if let Some(way) = way_of(&press.key, held, self.texts.documents.rows)
             && !held.alt_key()
         {
             self.proposals.close();
@@ -155,7 +155,7 @@ pub(super) fn replay_early_keys(editor: &mut Editor) {
     if is_loading(editor) {
         return;
     }
-    for input in editor.focus.drain_early() {
+    for input in std::mem::take(&mut editor.focus.early) {
         match input {
             Early::Key(press, held) => drop(editor.handle_key(&press, held)),
             Early::Text(text) => editor.type_text(&text),
@@ -220,7 +220,7 @@ impl Editor {
 
     fn press(&mut self, at: usize, clicks: u8, select: bool) {
         self.set_focus(true);
-        self.focus.accept_repeats();
+        self.focus.ignores_repeats = false;
         self.close_small();
         self.with_text(|document| match clicks {
             0 | 1 => document.editing.move_to(at, select),

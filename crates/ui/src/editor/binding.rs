@@ -11,55 +11,45 @@ use super::{Document, Editor};
 /// A binding that waits until the text can be edited: the file is being read, or a shipped scene is being copied.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ToWrite {
-    name: String,
-    binding: SoundBinding,
+    pub(super) name: String,
+    pub(super) binding: SoundBinding,
     /// True once the copy of a shipped scene has been requested.
-    is_copied: bool,
+    pub(super) is_copied: bool,
 }
 
-impl Editor {
-    /// Replaces the declaration of the parameter `name` by its binding. One undo brings it back. Copies a shipped scene
-    /// first.
-    pub fn write_binding(&mut self, name: &str, binding: &SoundBinding) {
-        let (name, binding) = (name.to_owned(), binding.clone());
-        self.to_write = Some(ToWrite { name, binding, is_copied: false });
-        self.write_waiting();
+pub(super) fn write_waiting(editor: &mut Editor) {
+    let Some(to_write) = editor.to_write.take() else { return };
+    let Some(document) = editor.document() else { return };
+    let is_shipped = document.file().is_none();
+    if !is_shipped && document.disk.is_none() || is_shipped && to_write.is_copied {
+        editor.to_write = Some(to_write);
+        return;
     }
-
-    pub(super) fn write_waiting(&mut self) {
-        let Some(to_write) = self.to_write.take() else { return };
-        let Some(document) = self.document() else { return };
-        let is_shipped = document.file().is_none();
-        if !is_shipped && document.disk.is_none() || is_shipped && to_write.is_copied {
-            self.to_write = Some(to_write);
-            return;
+    let (range, line) = match place_of(document, &to_write) {
+        Ok(place) => place,
+        Err(words) => return editor.show_notice(words),
+    };
+    if is_shipped {
+        match editor.texts.save() {
+            Ok(()) => editor.to_write = Some(ToWrite { is_copied: true, ..to_write }),
+            Err(words) => editor.show_notice(words),
         }
-        let (range, line) = match place_of(document, &to_write) {
-            Ok(place) => place,
-            Err(words) => return self.show_notice(words),
-        };
-        if is_shipped {
-            match self.texts.save() {
-                Ok(()) => self.to_write = Some(ToWrite { is_copied: true, ..to_write }),
-                Err(words) => self.show_notice(words),
-            }
-            return;
-        }
-        let (start, length) = (range.start, line.len());
-        self.edit(|editing: &mut Editing| {
-            editing.settle();
-            editing.replace_part(range, line.as_bytes())?;
-            editing.settle();
-            editing.select(start..start + length);
-            Ok(())
-        });
-        if self.notice.words().is_none() {
-            let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
-            self.show_notice(format!(
-                "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",
-                to_write.name
-            ));
-        }
+        return;
+    }
+    let (start, length) = (range.start, line.len());
+    editor.edit(|editing: &mut Editing| {
+        editing.settle();
+        editing.replace_part(range, line.as_bytes())?;
+        editing.settle();
+        editing.select(start..start + length);
+        Ok(())
+    });
+    if editor.notice.words().is_none() {
+        let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
+        editor.show_notice(format!(
+            "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",
+            to_write.name
+        ));
     }
 }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mariana_editing::{About, Colors, Editing, Number, about};
+use mariana_editing::{About, Colors, Editing, Number, Triple, TripleKind, about, triples};
 use mariana_field::lang::Word;
 
 use super::wrapping::RowPosition;
@@ -284,10 +284,6 @@ impl Document {
         about(self.editing.buffer(), &mut self.colors.borrow_mut(), offset)
     }
 
-    pub(crate) fn about_cursor(&self) -> Option<About> {
-        self.about(self.editing.cursor()).map(|(_, about)| about)
-    }
-
     pub(crate) fn number(&self, offset: usize) -> Option<(Number, usize)> {
         let buffer = self.editing.buffer();
         let line = buffer.line_of(offset);
@@ -301,5 +297,35 @@ impl Document {
 
     fn forget_colors(&self, line: usize) {
         self.colors.borrow_mut().forget_behind(line);
+    }
+
+    // Triples of numbers are colours to pick, and positions to drag in the frame. While the user changes a triple, its
+    // numbers are frame inputs, like a turned number.
+
+    /// Returns the `vec3` calls in `line` whose arguments are number literals, and the byte offset of the line's start.
+    pub(crate) fn triples(&self, line: usize) -> (Vec<Triple>, usize) {
+        let buffer = self.editing.buffer();
+        (self.with_colors(|colors| triples(buffer, colors, line)), buffer.line_start(line))
+    }
+
+    /// Returns the triple that contains byte `at`, and the byte offset of the triple's line.
+    pub(super) fn triple_at(&self, at: usize) -> Option<(Triple, usize)> {
+        let (triples, start) = self.triples(self.editing.buffer().line_of(at));
+        let inside = at.checked_sub(start)?;
+        let triple = triples.into_iter().find(|one| (one.range.start..=one.range.end).contains(&inside))?;
+        Some((triple, start))
+    }
+
+    pub(super) fn color_at(&self, at: usize) -> Option<(Triple, usize)> {
+        self.triple_at(at).filter(|(triple, _)| triple.kind == TripleKind::Color)
+    }
+
+    /// Returns the position written at the cursor, and its sign in the scene: -1 if the scene negates it, otherwise 1.
+    pub(super) fn place_at_cursor(&self) -> Option<([f64; 3], f64)> {
+        let (triple, _) = self.triple_at(self.editing.cursor()).filter(|_| self.is_open())?;
+        match triple.kind {
+            TripleKind::Place { turned } => Some((triple.values(), if turned { -1.0 } else { 1.0 })),
+            TripleKind::Color | TripleKind::Other => None,
+        }
     }
 }

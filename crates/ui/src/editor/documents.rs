@@ -13,7 +13,7 @@ pub(super) struct Documents {
     all: Vec<Document>,
     shown: usize,
     /// Number of visible lines. The next field is the number of visible columns.
-    rows: usize,
+    pub(super) rows: usize,
     columns: usize,
     /// Cursor and scroll position to set when the file of the visible text has been read.
     pub(super) carried: Option<(usize, RowPosition)>,
@@ -77,14 +77,6 @@ impl Documents {
         self.shown = self.all.len() - 1;
     }
 
-    pub(super) fn carry(&mut self, cursor: usize, view: RowPosition) {
-        self.carried = Some((cursor, view));
-    }
-
-    pub(super) fn forget_carried(&mut self) {
-        self.carried = None;
-    }
-
     /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.
     pub(super) fn load(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();
@@ -138,12 +130,6 @@ impl Documents {
         }
         tabs
     }
-}
-
-impl Documents {
-    pub(super) fn rows(&self) -> usize {
-        self.rows
-    }
 
     /// Sets the numbers of visible lines and columns. Returns true if a number has changed.
     pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
@@ -163,12 +149,8 @@ impl Documents {
         document.view = if wanted > behind { behind } else { wanted };
     }
 
-    pub(super) fn reveal_line(&mut self, line: usize) {
-        self.reveal_row((line as f32, 0.0));
-    }
-
     /// Scrolls as little as possible, so that a row and its neighbours are visible.
-    fn reveal_row(&mut self, row: RowPosition) {
+    pub(super) fn reveal_row(&mut self, row: RowPosition) {
         let (rows, wrapping) = (self.rows.max(3) as f32, Wrapping::new(self.columns));
         let Some(document) = self.shown_mut() else { return };
         let moved = |by: f32| wrapping.moved(document.editing.buffer(), row, by);

@@ -6,31 +6,23 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use mariana_files::Folders;
-use mariana_files::documents::{FileEvent, FileThread};
+use mariana_files::documents::FileThread;
 
 use super::document::{Document, Question};
 
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
 /// Maximum time to wait for backups when the program exits.
-const KEEP_LIMIT: Duration = Duration::from_secs(3);
+pub(super) const KEEP_LIMIT: Duration = Duration::from_secs(3);
 const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
 /// Access to the file thread, which does all reading and writing.
 pub(super) struct Files {
-    file_thread: FileThread,
+    pub(super) file_thread: FileThread,
 }
 
 impl Files {
     pub(super) fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         Ok(Self { file_thread: FileThread::start(folders, wake)? })
-    }
-
-    pub(super) fn open(&self, file: &Path) {
-        self.file_thread.open(file);
-    }
-
-    pub(super) fn file_events(&self) -> Option<FileEvent> {
-        self.file_thread.file_events()
     }
 
     /// Backs up a text that has unsaved edits; deletes the backup of any other text.
@@ -44,10 +36,6 @@ impl Files {
         if let Some(file) = document.file() {
             self.file_thread.keep(file, Some(document.bytes()));
         }
-    }
-
-    pub(super) fn forget_kept(&self, file: &Path) {
-        self.file_thread.keep(file, None);
     }
 
     /// Saves a text, unless another program has changed the file in the meantime.
@@ -79,9 +67,5 @@ impl Files {
         let folder = folder.or_else(|| self.file_thread.own_scenes()).ok_or(NO_FOLDER)?;
         self.file_thread.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
         Ok(())
-    }
-
-    pub(super) fn finish(&self) {
-        self.file_thread.finish(KEEP_LIMIT);
     }
 }

@@ -18,9 +18,9 @@ pub(super) enum Early {
 pub(super) struct Focus {
     pub(super) is_on: bool,
     /// True while the user holds a key that was pressed before the editor got the focus.
-    ignores_repeats: bool,
+    pub(crate) ignores_repeats: bool,
     pub(super) preedit: String,
-    early: Vec<Early>,
+    pub(crate) early: Vec<Early>,
     /// True while the scene to edit does not exist yet.
     pub(super) awaits_scene: bool,
 }
@@ -48,19 +48,6 @@ impl Focus {
         if self.early.len() < EARLY_MAX {
             self.early.push(input);
         }
-    }
-
-    pub(super) fn has_early(&self) -> bool {
-        !self.early.is_empty()
-    }
-
-    pub(super) fn drain_early(&mut self) -> Vec<Early> {
-        std::mem::take(&mut self.early)
-    }
-
-    /// Accepts repeated keys from now on.
-    pub(super) fn accept_repeats(&mut self) {
-        self.ignores_repeats = false;
     }
 
     pub(super) fn compose(&mut self, letters: &str) {

@@ -6,16 +6,12 @@ use mariana_scenes::{Findings, SceneSource};
 
 #[derive(Default)]
 pub(super) struct Found {
-    source: Option<SceneSource>,
-    findings: Option<Findings>,
+    pub(super) source: Option<SceneSource>,
+    pub(crate) findings: Option<Findings>,
     others: Vec<Findings>,
 }
 
 impl Found {
-    pub(super) fn source(&self) -> Option<&SceneSource> {
-        self.source.as_ref()
-    }
-
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.source = Some(source.clone());
         self.others.extend(self.findings.take());
@@ -35,19 +31,11 @@ impl Found {
         is_shown
     }
 
-    pub(super) fn findings(&self) -> Option<&Findings> {
-        self.findings.as_ref()
-    }
-
     pub(super) fn file(&self, number: usize) -> Option<&Path> {
         self.findings.as_ref()?.texts.get(number).map(PathBuf::as_path)
     }
 
     pub(super) fn number_of(&self, file: &Path) -> Option<usize> {
         self.findings.as_ref()?.texts.iter().position(|one| one == file)
-    }
-
-    pub(super) fn first_wrong_text(&self) -> Option<usize> {
-        self.findings.as_ref()?.mistakes.first().map(|one| one.text)
     }
 }

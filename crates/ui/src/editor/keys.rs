@@ -2,6 +2,7 @@
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 
+use self::EditAction as A;
 use mariana_editing::Move;
 
 /// An action of a key or a button.
@@ -98,67 +99,46 @@ const fn named(
 
 /// All key bindings. With Shift, the key for the next match finds the previous match, and the key for Undo redoes.
 pub const ROWS: &[Row] = &[
-    letter("s", "Ctrl+S", EditAction::Save, "save; a shipped scene is copied to your folder"),
-    letter("z", "Ctrl+Z", EditAction::Undo, "undo"),
-    letter("y", "Ctrl+Y or Ctrl+Shift+Z", EditAction::Redo, "redo"),
-    letter("c", "Ctrl+C", EditAction::Copy, "copy"),
-    letter("x", "Ctrl+X", EditAction::Cut, "cut"),
-    letter("v", "Ctrl+V", EditAction::Paste, "paste"),
-    letter("a", "Ctrl+A", EditAction::SelectAll, "select all"),
-    letter(
-        "f",
-        "Ctrl+F",
-        EditAction::Find,
-        "find; Enter goes to the next match, Shift+Enter to the previous one",
-    ),
+    letter("s", "Ctrl+S", A::Save, "save; a shipped scene is copied to your folder"),
+    letter("z", "Ctrl+Z", A::Undo, "undo"),
+    letter("y", "Ctrl+Y or Ctrl+Shift+Z", A::Redo, "redo"),
+    letter("c", "Ctrl+C", A::Copy, "copy"),
+    letter("x", "Ctrl+X", A::Cut, "cut"),
+    letter("v", "Ctrl+V", A::Paste, "paste"),
+    letter("a", "Ctrl+A", A::SelectAll, "select all"),
+    letter("f", "Ctrl+F", A::Find, "find; Enter goes to the next match, Shift+Enter to the previous one"),
     letter(
         "g",
         "Ctrl+G or F3",
-        EditAction::FindNext { forward: true },
+        A::FindNext { forward: true },
         "find the next match; with Shift the previous one",
     ),
-    named(NamedKey::F3, NONE, "", EditAction::FindNext { forward: true }, ""),
-    letter("/", "Ctrl+/", EditAction::ToggleComment, "comment lines out, or uncomment them"),
-    letter("r", "Ctrl+R", EditAction::Format, "format the text: indentation, blanks and columns"),
-    named(
-        NamedKey::Space,
-        CTRL,
-        "Ctrl+Space",
-        EditAction::Propose,
-        "complete the name at the cursor; Tab accepts",
-    ),
-    letter(
-        "p",
-        "Ctrl+P",
-        EditAction::MakeParam,
-        "turn the number at the cursor into a parameter with a slider",
-    ),
+    named(NamedKey::F3, NONE, "", A::FindNext { forward: true }, ""),
+    letter("/", "Ctrl+/", A::ToggleComment, "comment lines out, or uncomment them"),
+    letter("r", "Ctrl+R", A::Format, "format the text: indentation, blanks and columns"),
+    named(NamedKey::Space, CTRL, "Ctrl+Space", A::Propose, "complete the name at the cursor; Tab accepts"),
+    letter("p", "Ctrl+P", A::MakeParam, "turn the number at the cursor into a parameter with a slider"),
     named(
         NamedKey::ArrowUp,
         ALT,
         "Alt+Up, Alt+Down",
-        EditAction::TurnNumber { up: true },
+        A::TurnNumber { up: true },
         "change the number at the cursor; with Shift in fine steps. Or drag its grip, or Alt+drag the number",
     ),
-    named(NamedKey::ArrowDown, ALT, "", EditAction::TurnNumber { up: false }, ""),
-    letter("e", "Ctrl+E or F8", EditAction::NextMistake, "go to the next mistake"),
-    named(NamedKey::F8, NONE, "", EditAction::NextMistake, ""),
-    named(NamedKey::Tab, CTRL, "Ctrl+Tab", EditAction::NextText, "go to the next file of this scene"),
-    letter("l", "Ctrl+L", EditAction::Light, "highlight in the image what the line at the cursor draws"),
-    letter("k", "Ctrl+K", EditAction::Profile, "show what each object costs"),
-    letter(
-        "1",
-        "Ctrl+1",
-        EditAction::Answer { first: true },
-        "the first answer to the question above the text",
-    ),
-    letter("2", "Ctrl+2", EditAction::Answer { first: false }, "the second answer"),
-    letter("n", "Ctrl+N", EditAction::New, "create a new scene"),
+    named(NamedKey::ArrowDown, ALT, "", A::TurnNumber { up: false }, ""),
+    letter("e", "Ctrl+E or F8", A::NextMistake, "go to the next mistake"),
+    named(NamedKey::F8, NONE, "", A::NextMistake, ""),
+    named(NamedKey::Tab, CTRL, "Ctrl+Tab", A::NextText, "go to the next file of this scene"),
+    letter("l", "Ctrl+L", A::Light, "highlight in the image what the line at the cursor draws"),
+    letter("k", "Ctrl+K", A::Profile, "show what each object costs"),
+    letter("1", "Ctrl+1", A::Answer { first: true }, "the first answer to the question above the text"),
+    letter("2", "Ctrl+2", A::Answer { first: false }, "the second answer"),
+    letter("n", "Ctrl+N", A::New, "create a new scene"),
     named(
         NamedKey::Escape,
         NONE,
         "Esc",
-        EditAction::Leave,
+        A::Leave,
         "close the open list or card, then the editor; your text is kept",
     ),
 ];
@@ -217,12 +197,6 @@ pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     })
 }
 
-/// The Markdown table for docs/editor.md.
-pub fn markdown_table() -> String {
-    let rows = written_rows().map(|row| format!("| {} | {} |\n", row.written, row.meaning));
-    format!("| key | what it does |\n|---|---|\n{}", rows.collect::<String>())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -244,6 +218,12 @@ mod tests {
         let shift = CTRL | Modifiers::SHIFT;
         assert_eq!(action_of(&key("Z"), Some('z'), shift), Some(EditAction::Redo));
         assert_eq!(action_of(&key("s"), Some('s'), CTRL | ALT), None);
+    }
+
+    /// The keys as a Markdown table.
+    fn markdown_table() -> String {
+        let rows = written_rows().map(|row| format!("| {} | {} |\n", row.written, row.meaning));
+        format!("| key | what it does |\n|---|---|\n{}", rows.collect::<String>())
     }
 
     #[test]

@@ -38,7 +38,6 @@ mod proposing;
 #[cfg(test)]
 mod tests;
 mod texts;
-mod triples;
 mod turning;
 mod wrapping;
 
@@ -50,6 +49,7 @@ pub(crate) use document::{Document, Owner, Question};
 use finding::Finding;
 use focus::Focus;
 pub use keys::EditAction;
+use mariana_control::SoundBinding;
 use mariana_editing::{Number, Refused, TurnSpeed};
 use notice::Notice;
 pub(crate) use object_previews::{ObjectPreview, SIDE as PREVIEW_SIDE};
@@ -155,7 +155,7 @@ pub struct Editor {
 impl std::fmt::Debug for Editor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Editor")
-            .field("source", &self.texts.found.source())
+            .field("source", &self.texts.found.source.as_ref())
             .field("revision", &self.revision)
             .finish_non_exhaustive()
     }
@@ -191,7 +191,7 @@ impl Editor {
             SceneSource::Blend(blend) => &blend.to.source,
             other => other,
         };
-        if self.texts.found.source() == Some(source) {
+        if self.texts.found.source.as_ref() == Some(source) {
             return;
         }
         self.let_go();
@@ -203,7 +203,7 @@ impl Editor {
 
     /// Handles results of the editor's threads.
     pub fn update(&mut self) {
-        while let Some(file_events) = self.texts.files.file_events() {
+        while let Some(file_events) = self.texts.files.file_thread.file_events() {
             self.revision += 1;
             if let Some(words) = self.texts.receive_event(file_events) {
                 self.show_notice(words);
@@ -212,7 +212,7 @@ impl Editor {
         while let Ok(text) = self.clipboard.pasted.try_recv() {
             self.put_in(text.as_bytes());
         }
-        self.write_waiting();
+        binding::write_waiting(self);
         acting::replay_early_keys(self);
         if self.texts.drain_findings() {
             self.held_numbers.check(&mut self.texts);
@@ -253,7 +253,7 @@ impl Editor {
 
     /// True if the editor shows mistakes of the scene.
     pub fn tells_mistakes(&self) -> bool {
-        self.texts.found.findings().is_some_and(|found| !found.mistakes.is_empty())
+        self.texts.found.findings.as_ref().is_some_and(|found| !found.mistakes.is_empty())
     }
 
     /// Shows a message for a moment.
@@ -273,6 +273,14 @@ impl Editor {
         self.proposals.close();
         self.held_numbers.close_picker(&mut self.texts);
         self.revision += 1;
+    }
+
+    /// Replaces the declaration of the parameter `name` by its binding. One undo brings it back. Copies a shipped scene
+    /// first.
+    pub fn write_binding(&mut self, name: &str, binding: &SoundBinding) {
+        let (name, binding) = (name.to_owned(), binding.clone());
+        self.to_write = Some(ToWrite { name, binding, is_copied: false });
+        binding::write_waiting(self);
     }
 }
 
@@ -294,14 +302,16 @@ impl Editor {
             // The session takes it.
             Answer::Diagram(_) => {}
             Answer::TooLong => self.show_notice("this scene is too large to be inspected while it plays"),
-            Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.found.source() => {
-                self.picture.show_ray_statistics(ray_statistics);
+            Answer::RayStatistics(source, ray_statistics)
+                if Some(&source) == self.texts.found.source.as_ref() =>
+            {
+                self.picture.ray_statistics = Some(ray_statistics);
             }
-            Answer::Point(probed) if Some(&probed.source) == self.texts.found.source() => {
+            Answer::Point(probed) if Some(&probed.source) == self.texts.found.source.as_ref() => {
                 self.picture.show_probed(probed);
                 // Scroll to the line that drew the point, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
-                    self.texts.documents.reveal_line(line);
+                    self.texts.documents.reveal_row((line as f32, 0.0));
                 }
             }
             // Ignore a late answer about a previous scene.

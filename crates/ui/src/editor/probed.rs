@@ -21,7 +21,7 @@ pub(crate) struct Picture {
     /// True while parts drawn by the lines at the cursor are highlighted.
     lights: bool,
     profiles: bool,
-    ray_statistics: Option<Arc<RayStatistics>>,
+    pub(crate) ray_statistics: Option<Arc<RayStatistics>>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -42,10 +42,6 @@ impl Picture {
     pub(super) fn show_probed(&mut self, probed: Probed) {
         tracing::debug!("probed: {probed:?}");
         self.probed = Some(probed);
-    }
-
-    pub(super) fn show_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
-        self.ray_statistics = Some(ray_statistics);
     }
 
     pub(super) fn close_probed(&mut self) -> bool {

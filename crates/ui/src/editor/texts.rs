@@ -13,7 +13,7 @@ use mariana_scenes::{Drafts, SceneSource};
 
 use super::document::{Change, Document, Marked, Owner, Question};
 use super::documents::{Documents, Tab};
-use super::files::Files;
+use super::files::{Files, KEEP_LIMIT};
 use super::found::Found;
 use super::outbox::Outbox;
 
@@ -45,12 +45,13 @@ impl Texts {
     }
 
     pub(crate) fn tabs(&self) -> Vec<Tab> {
-        self.documents.tabs(self.found.findings())
+        self.documents.tabs(self.found.findings.as_ref())
     }
 
     pub(super) fn is_main(&self) -> bool {
         self.found
-            .source()
+            .source
+            .as_ref()
             .zip(self.documents.shown())
             .is_some_and(|(source, document)| document.is_of(source))
     }
@@ -94,7 +95,7 @@ impl Texts {
     /// Returns the next mistake of the visible text. Without one, returns the number of another text with mistakes.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
         let next = self.documents.shown().and_then(Document::next_mistake);
-        next.ok_or_else(|| self.found.first_wrong_text())
+        next.ok_or_else(|| self.found.findings.as_ref()?.mistakes.first().map(|one| one.text))
     }
 }
 
@@ -102,7 +103,7 @@ impl Texts {
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.found.show_scene(source);
         if let Some(file) = self.documents.show_scene(source) {
-            self.files.open(&file);
+            self.files.file_thread.open(&file);
         }
         self.mark_mistakes();
     }
@@ -116,7 +117,7 @@ impl Texts {
     fn open(&mut self, file: &Path) -> bool {
         let is_new = self.documents.show_file(file);
         if is_new {
-            self.files.open(file);
+            self.files.file_thread.open(file);
         }
         is_new
     }
@@ -125,7 +126,7 @@ impl Texts {
         if let Some(file) = self.found.file(number).map(Path::to_owned) {
             if self.open(&file) {
                 // The cursor is set when the file has been read.
-                return self.documents.carry(range.start, (0.0, 0.0));
+                return self.documents.carried = Some((range.start, (0.0, 0.0)));
             }
         } else if number > 0 {
             return;
@@ -164,7 +165,7 @@ impl Texts {
         }
         self.files.copy(document)?;
         let (cursor, view) = (document.editing.cursor(), document.view);
-        self.documents.carry(cursor, view);
+        self.documents.carried = Some((cursor, view));
         Ok(())
     }
 
@@ -187,17 +188,17 @@ impl Texts {
 
     pub(super) fn forget_kept(&self) {
         if let Some(file) = self.documents.shown().and_then(Document::file) {
-            self.files.forget_kept(file);
+            self.files.file_thread.keep(file, None);
         }
     }
 
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
-        self.files.begin(self.found.source().and_then(SceneSource::file).and_then(Path::parent))
+        self.files.begin(self.found.source.as_ref().and_then(SceneSource::file).and_then(Path::parent))
     }
 
     pub(super) fn finish(&self) {
         self.documents.unsaved().for_each(|document| self.files.keep(document));
-        self.files.finish();
+        self.files.file_thread.finish(KEEP_LIMIT);
     }
 }
 
@@ -231,7 +232,7 @@ impl Texts {
     }
 
     fn mark_mistakes(&mut self) {
-        if let Some(findings) = self.found.findings() {
+        if let Some(findings) = self.found.findings.as_ref() {
             self.documents.show_mistakes(findings);
         }
     }
@@ -240,7 +241,7 @@ impl Texts {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
                 if self.documents.load(&file, holds, kept)? {
-                    self.files.forget_kept(&file);
+                    self.files.file_thread.keep(&file, None);
                 }
                 self.documents.reveal();
                 self.mark_mistakes();
@@ -263,7 +264,7 @@ impl Texts {
                 None
             }
             FileEvent::Failed { reason, .. } => {
-                self.documents.forget_carried();
+                self.documents.carried = None;
                 Some(reason)
             }
             FileEvent::Changed { file, holds } => self.read_change(&file, holds),

@@ -219,7 +219,7 @@ impl HeldNumbers {
 
     /// After new findings, checks if the numbers became inputs. Numbers that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
-        let (Some(turn), Some(findings)) = (&mut self.turn, texts.found.findings()) else { return };
+        let (Some(turn), Some(findings)) = (&mut self.turn, texts.found.findings.as_ref()) else { return };
         let Some(held) = &turn.held else { return };
         let are_inputs = held.inputs.iter().all(|input| findings.numbers.contains(&input.digits));
         if findings.version >= held.since && !are_inputs {

@@ -12,7 +12,7 @@ use mariana_player::playlist::{AUDIO_EXTENSIONS, Kind, compare_names};
 use mariana_scenes::{is_scene_file, is_shader_file};
 
 use super::{FileEntry, FileKind, Place, PlaceKind};
-use crate::limits::LIMITS;
+use crate::limits;
 
 pub(super) type Listing = Result<Vec<FileEntry>, String>;
 
@@ -42,7 +42,7 @@ impl FolderReader {
 
     /// Reads a folder. Fails if too many folders do not answer, or without threads.
     pub(super) fn request(&self, folder: PathBuf) -> Result<(), String> {
-        if self.open.load(Ordering::Relaxed) >= LIMITS.folders_read_max {
+        if self.open.load(Ordering::Relaxed) >= limits::FOLDERS_READ_MAX {
             return Err("several folders do not answer: check the disks and the network".to_owned());
         }
         let read = self.read.clone();
@@ -52,16 +52,11 @@ impl FolderReader {
         })
     }
 
-    /// Looks for the folders that the system provides.
-    pub(super) fn request_places(&self) -> Result<(), String> {
-        self.start(|| Answer::Places(common_places()))
-    }
-
     pub(super) fn answer(&self) -> Option<Answer> {
         self.answered.try_recv().ok()
     }
 
-    fn start(&self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {
+    pub(super) fn start(&self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {
         let (answers, wake, open) = (self.answers.clone(), self.wake.clone(), self.open.clone());
         open.fetch_add(1, Ordering::Relaxed);
         let of_thread = open.clone();
@@ -84,7 +79,7 @@ impl FolderReader {
 pub(super) fn entries_of(folder: &Path) -> Listing {
     let listing = fs::read_dir(folder).map_err(|error| error.to_string())?;
     let mut entries: Vec<FileEntry> =
-        listing.flatten().take(LIMITS.folder_entries_max).filter_map(|entry| entry_of(&entry)).collect();
+        listing.flatten().take(limits::FOLDER_ENTRIES_MAX).filter_map(|entry| entry_of(&entry)).collect();
     let rank = |kind| match kind {
         FileKind::Folder => 0,
         FileKind::Music | FileKind::List | FileKind::Scene => 1,
@@ -121,7 +116,7 @@ fn kind_of(path: &Path, is_folder: bool) -> FileKind {
     }
 }
 
-fn common_places() -> Vec<Place> {
+pub(super) fn common_places() -> Vec<Place> {
     let user = UserDirs::new();
     let home = user.as_ref().map(|user| user.home_dir().to_owned());
     let here = std::env::current_dir().ok();
@@ -153,7 +148,7 @@ fn media(home: Option<&Path>) -> Vec<Place> {
     let folders = above.into_iter().chain(["/media", "/mnt", "/Volumes"].map(PathBuf::from));
     let mut places: Vec<Place> = Vec::new();
     for folder in folders {
-        for entry in fs::read_dir(&folder).into_iter().flatten().flatten().take(LIMITS.media_places_max) {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten().take(limits::MEDIA_PLACES_MAX) {
             let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
             let (path, name) = (entry.path(), entry.file_name());
             let is_new = name != user && !places.iter().any(|place| place.path == path);
@@ -163,6 +158,6 @@ fn media(home: Option<&Path>) -> Vec<Place> {
             }
         }
     }
-    places.truncate(LIMITS.media_places_max);
+    places.truncate(limits::MEDIA_PLACES_MAX);
     places
 }

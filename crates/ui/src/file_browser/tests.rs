@@ -196,7 +196,7 @@ fn a_folder_that_does_not_answer_delays_no_other_folder() {
     read(&mut browser);
     assert_eq!(browser.entry(browser.selected).unwrap().name, "slow");
     // Too many folders without an answer are refused with a sentence.
-    for _ in 0..LIMITS.folders_read_max + 1 {
+    for _ in 0..limits::FOLDERS_READ_MAX + 1 {
         browser.enter(slow.clone());
     }
     assert!(browser.trouble().unwrap().contains("do not answer"), "{:?}", browser.trouble());

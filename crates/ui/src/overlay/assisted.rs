@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 
 use egui::accesskit::{Action, ActionData, ActionRequest, Live, Role};
-use egui::{Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind, Ui, accesskit_root_id};
+use egui::{
+    Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind, Ui, WidgetInfo, accesskit_root_id,
+};
 
 use super::style;
 
@@ -20,6 +22,11 @@ pub enum Assistance {
 
 pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
+}
+
+/// Sets the accessible name of a control that is on or off.
+pub(super) fn selected(response: &Response, role: Role, is_on: bool, name: impl ToString) {
+    response.widget_info(|| WidgetInfo::selected(role, true, is_on, name.to_string()));
 }
 
 /// Exposes text without a widget to screen readers, under a unique name. If `news` is true, they announce its changes.

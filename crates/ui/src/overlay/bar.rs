@@ -15,7 +15,9 @@ use mariana_player::track::Repeat;
 use super::events::UiEvent;
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
+use super::panels::Pass;
 use super::picture::{Cover, KeptPicture};
+use super::switches::PanelSwitches;
 use super::{assisted, marks, style};
 use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
 use mariana_render::reading_order::isolated;
@@ -68,12 +70,8 @@ pub struct Bar<'a> {
     pub level: f32,
     /// The shown scene, such as "speakers, 12 of 17".
     pub scene: &'a str,
-    /// The open panel.
-    pub open: Option<Panel>,
-    /// True if the table of keys is shown.
-    pub help: bool,
-    /// True if the sliders are shown.
-    pub sliders: bool,
+    /// The panels that are open: their buttons are lit.
+    pub panels: PanelSwitches,
     /// True in full screen.
     pub fullscreen: bool,
     /// True if a show controls the scenes.
@@ -89,7 +87,7 @@ const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows, self.decks);
+        let lit = (self.panels, self.fullscreen, self.follows, self.decks);
         (self.now, self.cover, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
@@ -99,13 +97,8 @@ impl Hash for Bar<'_> {
 }
 
 /// Draws the bar at the bottom of `space`. Returns the bar's area and adds the user's events to `events`.
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    bar: &Bar<'_>,
-    picture: &mut KeptPicture,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, bar: &Bar<'_>, picture: &mut KeptPicture) -> Rect {
+    let Pass { context, events } = pass;
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("bar"), Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
@@ -145,8 +138,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let full = ui.available_width();
     let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
     let painter = ui.painter();
-    let font = style::proportional(style::SMALL_SIZE);
-    let scene = style::line(painter, bar.scene, font, style::DIM, 0.4 * full);
+    let scene = style::line(painter, bar.scene, style::SMALL_SIZE, style::DIM, 0.4 * full);
     let left = scene.size().x;
     painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
     assisted::text(ui.ctx(), "scene", bar.scene, false);
@@ -157,10 +149,8 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     if bar.now.place.1 > 1 && !bar.now.live {
         text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
     }
-    let font = style::proportional(style::TEXT_SIZE);
     assisted::text(ui.ctx(), "track", &text, false);
-    let title = style::line(painter, &text, font, style::TEXT, full - left - 16.0);
-    painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
+    style::put(painter, line.left_center(), &text, style::TEXT_SIZE, style::TEXT, full - left - 16.0);
 }
 
 fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
@@ -198,8 +188,7 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
         events.push(UiEvent::Command(Command::SeekTo(seconds)));
     }
     let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(&front, &clock_time(seconds), font, style::TEXT, 200.0);
+    let galley = style::line(&front, &clock_time(seconds), style::SMALL_SIZE, style::TEXT, 200.0);
     let size = galley.size() + vec2(12.0, 6.0);
     let x =
         (rail.left() + pointed * rail.width()).clamp(rail.left() + 0.5 * size.x, rail.right() - 0.5 * size.x);
@@ -240,7 +229,7 @@ fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration:
         let line =
             Rect::from_min_max(pos2(left, place.bottom() - SECTION_HEIGHT), pos2(right, place.bottom()));
         painter.rect_filled(line, 1.0, color);
-        let letter = style::line(painter, &section.letter, style::proportional(LETTER_SIZE), color, f32::MAX);
+        let letter = style::line(painter, &section.letter, LETTER_SIZE, color, f32::MAX);
         if letter.size().x + 4.0 < right - left {
             let at = pos2(left + 2.0, line.top() - letter.size().y + 1.0);
             painter.galley(at, letter, color);
@@ -318,12 +307,12 @@ impl Control {
 fn controls(bar: &Bar<'_>, painter: &Painter) -> [Vec<(u8, Control)>; 2] {
     let now = bar.now;
     let button = |icon, command, lamp| Control::Button(icon, Box::new(command), lamp);
-    let panel = |icon, panel| button(icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)));
+    let panel =
+        |icon, panel| button(icon, Command::TogglePanel(panel), Lamp::Seen(bar.panels.open == Some(panel)));
     let pause = if now.paused { Icon::Play } else { Icon::Pause };
     let sound = if now.muted { Icon::Muted } else { Icon::Volume };
     let repeat = if now.repeat == Repeat::One { Icon::RepeatOne } else { Icon::Repeat };
-    let times =
-        style::line(painter, &now.times(), style::proportional(style::SMALL_SIZE), style::DIM, f32::MAX);
+    let times = style::line(painter, &now.times(), style::SMALL_SIZE, style::DIM, f32::MAX);
     let mut left = vec![
         (10, button(Icon::Previous, Command::PreviousTrack, Lamp::None)),
         (0, button(pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused))),
@@ -336,9 +325,9 @@ fn controls(bar: &Bar<'_>, painter: &Painter) -> [Vec<(u8, Control)>; 2] {
     ];
     let mut right = vec![
         (2, button(Icon::Fullscreen, Command::Fullscreen(Switch::Toggle), Lamp::Hidden(bar.fullscreen))),
-        (1, button(Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.help))),
+        (1, button(Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.panels.help))),
         (6, panel(Icon::Settings, Panel::Settings)),
-        (13, button(Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders))),
+        (13, button(Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.panels.sliders))),
         (12, panel(Icon::Text, Panel::Editor)),
         (5, panel(Icon::Scenes, Panel::Scenes)),
         (19, button(Icon::Decks, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks))),

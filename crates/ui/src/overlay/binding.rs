@@ -1,7 +1,8 @@
 //! The sound that moves a slider: a button in the slider's row, and the list of sounds below the row.
 
-use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2};
+use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, pos2};
 
+use super::assisted;
 use super::chips::{self, Chip};
 use super::events::UiEvent;
 use super::{params, style};
@@ -49,13 +50,14 @@ pub(super) fn button(ui: &Ui, rect: Rect, slider: &Slider, open: &mut OpenBindin
         (false, true) => style::TEXT,
         (false, false) => style::DIM,
     };
-    if is_open {
-        ui.painter().rect_filled(rect, 4.0, style::RAIL);
-    }
+    style::light(ui.painter(), rect, is_open);
     ui.painter().add(Shape::line(wave(rect.shrink(2.0)), Stroke::new(1.6, color)));
-    response.widget_info(|| {
-        WidgetInfo::selected(egui::Role::Button, true, is_open, format!("bind {} to a sound", slider.name))
-    });
+    assisted::selected(
+        &response,
+        egui::Role::Button,
+        is_open,
+        format_args!("bind {} to a sound", slider.name),
+    );
     if response.clicked() {
         open.toggle(&slider.name);
     }

@@ -5,13 +5,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use egui::{
-    ColorImage, Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
+    ColorImage, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
     WidgetInfo, pos2, vec2,
 };
 
+use super::assisted;
 use super::chips::{self, Chip};
 use super::events::{SceneListEvent, UiEvent};
 use super::icons::{self, Icon};
+use super::panels::Pass;
 use super::style;
 use image::RgbaImage;
 
@@ -54,29 +56,20 @@ impl TilePictures {
 }
 
 pub(super) fn show(
-    context: &egui::Context,
+    pass: &mut Pass<'_>,
     space: Rect,
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
-    events: &mut Vec<UiEvent>,
 ) -> Rect {
-    let width = space.width().min(WIDTH_MAX);
-    let area = style::area(Id::unique("scenes"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
-            let bottom = space.bottom() - style::PADDING.y - LINE;
-            // Without this, egui limits the height of a new panel.
-            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
-            heading(ui, browser, events);
-            filters(ui, browser, events);
-            tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, events);
-            comment(ui, browser);
-        });
-    });
-    shown.response.rect
+    let Pass { context, events } = pass;
+    style::panel(context, "scenes", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
+        ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
+        let bottom = space.bottom() - style::PADDING.y - LINE;
+        heading(ui, browser, events);
+        filters(ui, browser, events);
+        tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, events);
+        comment(ui, browser);
+    })
 }
 
 fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
@@ -90,28 +83,23 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
         all if all == browser.count() => format!("{all} scenes"),
         some => format!("{some} of {} scenes", browser.count()),
     };
-    let small = style::proportional(style::SMALL_SIZE);
-    let count = style::line(painter, &found, small.clone(), style::DIM, place.width());
+    let count = style::line(painter, &found, style::SMALL_SIZE, style::DIM, place.width());
     let right = cross.left() - count.size().x - 8.0;
     painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
-    let (words, color, font) = match browser.query() {
+    let (words, color, size) = match browser.query() {
         "" => (
             "type to search (B closes, a space and B search) · Enter or a click shows a scene · Tab or the star marks it · \
              Ctrl+M mood · Ctrl+E energy",
             style::DIM,
-            small,
+            style::SMALL_SIZE,
         ),
-        query => (query, style::TEXT, style::proportional(style::HEADING_SIZE)),
+        query => (query, style::TEXT, style::HEADING_SIZE),
     };
-    let galley = style::line(painter, words, font, color, right - place.left() - 12.0);
+    let galley = style::line(painter, words, size, color, right - place.left() - 12.0);
     let end = place.left() + galley.size().x + 2.0;
     painter.galley(place.min, galley, color);
     if !browser.query().is_empty() {
-        painter.vline(
-            end,
-            place.top()..=place.top() + style::HEADING_SIZE * 1.2,
-            Stroke::new(1.5, style::ACCENT),
-        );
+        style::caret(painter, pos2(end, place.top()));
     }
 }
 
@@ -125,20 +113,14 @@ fn filters(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     let moods = filters.moods.iter().enumerate();
     let moods = moods.map(|(at, mood)| (mood.as_str(), SceneFilter::Mood(at)));
     let all: Vec<_> = energies.chain(moods).collect();
-    let chip = |(name, filter): &(&'_ str, SceneFilter)| {
+    let chips = all.iter().map(|(name, filter)| {
         let kind = match filter {
             SceneFilter::Mood(_) => "mood",
             SceneFilter::Energy(_) => "energy",
         };
-        (format!("{kind}: {name}"), filters.is_on(*filter))
-    };
-    let chips: Vec<Chip<'_>> = all
-        .iter()
-        .map(|one| {
-            let (words, is_on) = chip(one);
-            Chip::new(one.0, words, is_on)
-        })
-        .collect();
+        Chip::new(name, format!("{kind}: {name}"), filters.is_on(*filter))
+    });
+    let chips: Vec<Chip<'_>> = chips.collect();
     let clicked = chips::row(ui, "filters", &chips).and_then(|at| all.get(at));
     if let Some((_, filter)) = clicked {
         events.push(UiEvent::Scenes(SceneListEvent::Filter(*filter)));
@@ -161,14 +143,11 @@ fn tiles(
     let columns = columns as usize;
     let count = browser.found();
     let rows = count.div_ceil(columns);
-    let scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
-    let moved = pictures.selected.replace(browser.selected) != Some(browser.selected);
-    let scroll = match moved {
-        true => {
-            scroll.vertical_scroll_offset(style::scrolled_to(browser.selected / columns, tile_height, height))
-        }
-        false => scroll,
-    };
+    let mut scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
+    if pictures.selected.replace(browser.selected) != Some(browser.selected) {
+        let offset = style::scrolled_to(browser.selected / columns, tile_height, height);
+        scroll = scroll.vertical_scroll_offset(offset);
+    }
     let mut seen: Range<usize> = 0..0;
     let mut pointed = None;
     scroll.show_rows(ui, tile_height, rows, |ui, rows| {
@@ -224,8 +203,8 @@ fn draw_tile(
             painter.image(texture, picture, whole, egui::Color32::WHITE);
         }
         TilePicture::Missing(reason) => {
-            let font = style::proportional(style::SMALL_SIZE);
-            let galley = style::lines(painter, reason, font, style::ERROR, picture.width() - 12.0, 4);
+            let galley =
+                style::lines(painter, reason, style::SMALL_SIZE, style::ERROR, picture.width() - 12.0, 4);
             painter.galley(picture.center() - galley.rect.center().to_vec2(), galley, style::ERROR);
         }
         TilePicture::Unseen | TilePicture::Coming => {
@@ -244,17 +223,14 @@ fn draw_tile(
         painter.rect_stroke(picture, 4.0, edge, StrokeKind::Inside);
     }
     let color = if browser.is_present(place) { style::ACCENT } else { style::TEXT };
-    let font = style::proportional(style::TEXT_SIZE);
-    let name = style::line(painter, &tile.name, font, color, rect.width() - 26.0);
-    painter.galley(pos2(rect.left() + 2.0, star.center().y - 0.5 * name.size().y), name, color);
+    let left = pos2(rect.left() + 2.0, star.center().y);
+    style::put(painter, left, &tile.name, style::TEXT_SIZE, color, rect.width() - 26.0);
     if tile.favourite || marks.hovered() || response.hovered() {
         let color = if tile.favourite { style::ACCENT } else { style::DIM };
         icons::draw(painter, Icon::Star, star, 12.0, color);
     }
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &tile.name));
-    marks.widget_info(|| {
-        WidgetInfo::selected(egui::Role::CheckBox, true, tile.favourite, format!("mark {}", tile.name))
-    });
+    assisted::selected(&marks, egui::Role::CheckBox, tile.favourite, format_args!("mark {}", tile.name));
     if marks.clicked() {
         events.push(UiEvent::Scenes(SceneListEvent::Mark(place)));
     } else if response.clicked() {
@@ -286,7 +262,6 @@ fn comment(ui: &mut Ui, browser: &SceneBrowser) {
         Some(tile) => format!("{}: {}", tile.name, tile.about.comment),
         None => "no scene matches; press Esc to see all scenes".to_owned(),
     };
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), &words, font, style::DIM, place.width());
+    let galley = style::line(ui.painter(), &words, style::SMALL_SIZE, style::DIM, place.width());
     ui.painter().galley(pos2(place.left(), place.bottom() - galley.size().y), galley, style::DIM);
 }

@@ -44,9 +44,8 @@ pub(super) fn row(ui: &mut Ui, id: &str, chips: &[Chip<'_>]) -> Option<usize> {
 
 /// Draws a chip of at most `width` points. Returns true if it was clicked.
 pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
-    let font = style::proportional(style::SMALL_SIZE);
     let plain = if chip.is_dim { style::DIM } else { style::BUTTON };
-    let galley = style::line(ui.painter(), chip.text, font, plain, width - 2.0 * PADDING);
+    let galley = style::line(ui.painter(), chip.text, style::SMALL_SIZE, plain, width - 2.0 * PADDING);
     let size = vec2(galley.size().x + 2.0 * PADDING, HEIGHT);
     let (rect, response): (Rect, _) = ui.allocate_exact_size(size, Sense::click());
     let (fill, color) = match (chip.is_chosen, response.hovered()) {

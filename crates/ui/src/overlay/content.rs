@@ -224,21 +224,9 @@ impl OverlayContent<'_> {
         !self.calm
             && self.corner.is_none()
             && self.problem.is_none()
-            && !self.has_params()
-            && self.help.is_none()
+            && !self.has_panels()
             && self.hint.is_none()
-            && self.sources.is_none()
             && self.bar.is_none()
-            && self.tracks.is_none()
-            && self.scenes.is_none()
-            && self.files.is_none()
-            && self.settings.is_none()
-            && self.editor.is_none()
-            && self.controllers.is_none()
-            && self.cues.is_none()
-            && self.decks.is_none()
-            && self.video.is_none()
-            && self.corners.is_none()
             && self.next.is_none()
             && self.ray.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
@@ -250,8 +238,11 @@ impl OverlayContent<'_> {
     }
 
     pub(super) fn is_interactive(&self) -> bool {
+        self.has_panels() || self.bar.is_some_and(|bar| bar.seen)
+    }
+
+    fn has_panels(&self) -> bool {
         self.has_params()
-            || self.bar.is_some_and(|bar| bar.seen)
             || self.tracks.is_some()
             || self.help.is_some()
             || self.sources.is_some()

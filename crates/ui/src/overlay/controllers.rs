@@ -1,11 +1,11 @@
 //! Draws the controllers panel.
 
-use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Order, Pos2, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::assisted;
 use super::events::UiEvent;
-use super::icons;
-use super::pairing_address;
-use super::style;
+use super::panels::Pass;
+use super::{pairing_address, style, words};
 use crate::controllers_panel::{ControllerRow, ControllersPanel, Field};
 use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;
@@ -18,65 +18,36 @@ const INDENT: f32 = 16.0;
 /// Width of the targets' names, as a fraction of a row.
 const NAME: f32 = 0.34;
 
-pub(super) type Seen = usize;
+pub(super) type Seen = Option<usize>;
 
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    panel: &ControllersPanel,
-    last_seen: &mut Option<Seen>,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
-    let width = space.width().min(WIDTH_MAX);
-    let area = style::area(Id::unique("hands"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            // Without this, egui limits the height of a new panel.
-            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let mut ask = |command| events.push(UiEvent::Command(command));
-            heading(ui, &mut ask);
-            let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
-            let before = last_seen.replace(panel.selected);
-            let moved = before.is_some_and(|before| before != panel.selected);
-            let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            if before.is_none() {
-                // Start at the top, because the connection code is there.
-                list = list.vertical_scroll_offset(0.0);
-            }
-            list.show(ui, |ui| {
-                ui.set_width((ui.available_width() - LANE).max(0.0));
-                for (place, row) in panel.rows.iter().enumerate() {
-                    let is_selected = place == panel.selected;
-                    let drawn =
-                        ui.push_id(place, |ui| draw_row(ui, row, is_selected, panel.field(), &mut ask));
-                    if is_selected && moved {
-                        drawn.inner.scroll_to_me(None);
-                    }
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, seen: &mut Seen) -> Rect {
+    let Pass { context, events } = pass;
+    style::panel(context, "hands", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        let mut ask = |command| events.push(UiEvent::Command(command));
+        let hint = "click a row, then move a knob · saved automatically";
+        if words::heading(ui, LINE, "Controllers", hint, "", "close the controllers") {
+            ask(Command::TogglePanel(Panel::Controllers));
+        }
+        let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
+        let before = seen.replace(panel.selected);
+        let moved = before.is_some_and(|before| before != panel.selected);
+        let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        if before.is_none() {
+            // Start at the top, because the connection code is there.
+            list = list.vertical_scroll_offset(0.0);
+        }
+        list.show(ui, |ui| {
+            ui.set_width((ui.available_width() - LANE).max(0.0));
+            for (place, row) in panel.rows.iter().enumerate() {
+                let is_selected = place == panel.selected;
+                let drawn = ui.push_id(place, |ui| draw_row(ui, row, is_selected, panel.field(), &mut ask));
+                if is_selected && moved {
+                    drawn.inner.scroll_to_me(None);
                 }
-            });
+            }
         });
-    });
-    shown.response.rect
-}
-
-fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "close the controllers") {
-        ask(Command::TogglePanel(Panel::Controllers));
-    }
-    let painter = ui.painter();
-    let font = style::proportional(style::HEADING_SIZE);
-    let title = style::line(painter, "Controllers", font, style::TEXT, place.width());
-    let left = place.left() + title.size().x + 14.0;
-    let font = style::proportional(style::SMALL_SIZE);
-    let words = "click a row, then move a knob · saved automatically";
-    let hint = style::line(painter, words, font, style::DIM, (cross.left() - left - 8.0).max(0.0));
-    painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
-    painter.galley(place.min, title, style::TEXT);
+    })
 }
 
 fn draw_row(
@@ -90,19 +61,15 @@ fn draw_row(
         ControllerRow::Words { text, is_bad } => {
             let color = if *is_bad { style::ERROR } else { style::DIM };
             let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-            put(ui, rect.left(), rect, text, color, rect.width());
+            put(ui, rect.left_center(), text, color, rect.width());
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, text));
             response
         }
         ControllerRow::Phone { pairing_address, about } => pairing_address::show(ui, pairing_address, about),
         ControllerRow::Clock(on) => {
             let name = "MIDI clock sets the tempo";
-            let response = two_words(
-                ui,
-                is_selected,
-                (name, style::TEXT),
-                (if *on { "on" } else { "off" }, style::ACCENT),
-            );
+            let state = if *on { "on" } else { "off" };
+            let response = two_words(ui, is_selected, (name, style::TEXT), (state, style::ACCENT));
             response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, *on, name));
             if response.clicked() {
                 ask(Command::EditMappings(KnobEdit::Clock(!on)));
@@ -113,50 +80,45 @@ fn draw_row(
             let color = if *learns { style::ACCENT } else { style::TEXT };
             let about_color = if *learns { style::ACCENT } else { style::DIM };
             let response = two_words(ui, is_selected, (name, color), (about, about_color));
-            response.widget_info(|| {
-                WidgetInfo::selected(egui::Role::Button, true, *learns, format!("learn {name}"))
-            });
+            assisted::selected(&response, egui::Role::Button, *learns, format_args!("learn {name}"));
             if response.clicked() {
                 ask(Command::Learn(target.clone()));
             }
             response
         }
         ControllerRow::Knob { mapping, words, stands } => {
-            draw_knob(ui, (mapping, words, *stands), is_selected.then_some(field), ask)
+            draw_knob(ui, mapping, words, *stands, is_selected.then_some(field), ask)
         }
     }
 }
 
 fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str, Color32)) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
-    if is_selected || response.hovered() {
-        ui.painter().rect_filled(rect, 4.0, style::RAIL);
-    }
+    style::light(ui.painter(), rect, is_selected || response.hovered());
     let middle = rect.left() + NAME * rect.width();
-    put(ui, rect.left() + 6.0, rect, name.0, name.1, middle - rect.left() - 12.0);
-    put(ui, middle, rect, about.0, about.1, rect.right() - middle - 6.0);
+    put(ui, rect.left_center() + vec2(6.0, 0.0), name.0, name.1, middle - rect.left() - 12.0);
+    put(ui, pos2(middle, rect.center().y), about.0, about.1, rect.right() - middle - 6.0);
     response
 }
 
 fn draw_knob(
     ui: &mut Ui,
-    (mapping, words, stands): (&Mapping, &str, Option<f32>),
+    mapping: &Mapping,
+    words: &str,
+    stands: Option<f32>,
     selected: Option<Field>,
     ask: &mut impl FnMut(Command),
 ) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * LINE), Sense::hover());
-    if selected.is_some() {
-        ui.painter().rect_filled(rect, 4.0, style::RAIL);
-    }
+    style::light(ui.painter(), rect, selected.is_some());
     let line = Rect::from_min_size(rect.min, vec2(rect.width(), LINE));
     let left = rect.left() + 6.0 + INDENT;
-    put(ui, left, line, words, style::BUTTON, rect.right() - left);
+    put(ui, pos2(left, line.center().y), words, style::BUTTON, rect.right() - left);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
     let mut at = pos2(left, rect.top() + LINE);
     for field in Field::ALL {
         let text = field.words(mapping);
-        let font = style::proportional(style::SMALL_SIZE);
-        let galley = style::line(ui.painter(), &text, font, style::TEXT, f32::MAX);
+        let galley = style::line(ui.painter(), &text, style::SMALL_SIZE, style::TEXT, f32::MAX);
         let place = Rect::from_min_size(at, vec2(galley.size().x + 14.0, LINE)).shrink2(vec2(1.0, 2.0));
         if place.right() > rect.right() {
             break;
@@ -195,8 +157,6 @@ fn draw_knob(
     response
 }
 
-fn put(ui: &Ui, left: f32, rect: Rect, text: &str, color: Color32, width: f32) {
-    let font = style::proportional(style::TEXT_SIZE);
-    let galley = style::line(ui.painter(), text, font, color, width.max(0.0));
-    ui.painter().galley(pos2(left, rect.center().y - 0.5 * galley.size().y), galley, color);
+fn put(ui: &Ui, left: Pos2, text: &str, color: Color32, width: f32) {
+    style::put(ui.painter(), left, text, style::TEXT_SIZE, color, width);
 }

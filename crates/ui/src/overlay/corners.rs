@@ -3,6 +3,7 @@
 use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
 use super::events::UiEvent;
+use super::panels::Pass;
 use super::{assisted, style};
 use crate::corner_handles::CornerHandles;
 use mariana_commands::{Command, MovedCorner};
@@ -14,12 +15,8 @@ const NAMES: [&str; 4] =
     ["upper left corner", "upper right corner", "lower right corner", "lower left corner"];
 
 /// Draws the handles in a window of `screen` points. Returns the areas in which they can be grabbed.
-pub(super) fn show(
-    context: &egui::Context,
-    screen: Rect,
-    handles: &CornerHandles,
-    events: &mut Vec<UiEvent>,
-) -> Vec<Rect> {
+pub(super) fn show(pass: &mut Pass<'_>, screen: Rect, handles: &CornerHandles) -> Vec<Rect> {
+    let Pass { context, events } = pass;
     let places = handles.places().map(|[x, y]| {
         pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height())
     });
@@ -30,8 +27,7 @@ pub(super) fn show(
         lines.line_segment(ends, Stroke::new(1.5, style::ACCENT));
     }
     let words = "drag the corners, or use Tab and the arrows (Shift for large steps) · Home resets them · Y when done";
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(&lines, words, font, style::TEXT, 0.9 * screen.width());
+    let galley = style::line(&lines, words, style::SMALL_SIZE, style::TEXT, 0.9 * screen.width());
     let ground = Rect::from_center_size(screen.center(), galley.size() + vec2(24.0, 12.0));
     style::ground(&lines, ground);
     lines.galley(ground.center() - 0.5 * galley.size(), galley, style::TEXT);

@@ -1,11 +1,12 @@
 //! The entries of the show: the present one, the times of the others, and those that wait for a key.
 
-use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::chips::{self, Chip};
 use super::content::{CueRow, CueSheet};
 use super::events::UiEvent;
 use super::now_playing::clock_time;
+use super::panels::Pass;
 use super::style;
 use mariana_commands::Command;
 
@@ -17,47 +18,34 @@ const LANE: f32 = 10.0;
 const MOMENT: f32 = 0.4;
 
 /// Draws the panel, and scrolls to the present entry when it is no longer `seen`. Returns the panel's area.
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    sheet: &CueSheet,
-    seen: &mut Option<usize>,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
-    let width = WIDTH.min(space.width());
-    let area =
-        style::area(Id::unique("cues"), Order::Middle).fixed_pos(pos2(space.right() - width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing.y = 0.0;
-            buttons(ui, sheet, events);
-            ui.add_space(6.0);
-            let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW).max(ROW);
-            let mut scroll = ScrollArea::vertical().max_height(height);
-            if let Some(current) = sheet.current.filter(|current| *seen != Some(*current)) {
-                *seen = Some(current);
-                scroll = scroll.vertical_scroll_offset(style::scrolled_to(current, ROW, height));
-            }
-            scroll.show_rows(ui, ROW, sheet.rows.len(), |ui, rows| {
-                ui.set_width((ui.available_width() - LANE).max(0.0));
-                for index in rows {
-                    if let Some(cue) = sheet.rows.get(index) {
-                        row(ui, cue, index, sheet.current, events);
-                    }
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mut Option<usize>) -> Rect {
+    let Pass { context, events } = pass;
+    style::panel(context, "cues", Order::Middle, style::right_part(space, WIDTH), |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        buttons(ui, sheet, events);
+        ui.add_space(6.0);
+        let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW).max(ROW);
+        let mut scroll = ScrollArea::vertical().max_height(height);
+        if let Some(current) = sheet.current.filter(|current| *seen != Some(*current)) {
+            *seen = Some(current);
+            scroll = scroll.vertical_scroll_offset(style::scrolled_to(current, ROW, height));
+        }
+        scroll.show_rows(ui, ROW, sheet.rows.len(), |ui, rows| {
+            ui.set_width((ui.available_width() - LANE).max(0.0));
+            for index in rows {
+                if let Some(cue) = sheet.rows.get(index) {
+                    row(ui, cue, index, sheet.current, events);
                 }
-            });
+            }
         });
-    });
-    shown.response.rect
+    })
 }
 
 /// The buttons for the next and the previous entry.
 fn buttons(ui: &mut Ui, sheet: &CueSheet, events: &mut Vec<UiEvent>) {
     if sheet.rows.is_empty() {
-        let font = style::proportional(style::TEXT_SIZE);
         let words = "no show is running: press A to let scenes follow the song";
-        let galley = style::line(ui.painter(), words, font, style::DIM, ui.available_width());
+        let galley = style::line(ui.painter(), words, style::TEXT_SIZE, style::DIM, ui.available_width());
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         ui.painter().galley(place.left_top(), galley, style::DIM);
         return;
@@ -89,9 +77,7 @@ fn next(sheet: &CueSheet) -> usize {
 fn row(ui: &mut Ui, cue: &CueRow, index: usize, current: Option<usize>, events: &mut Vec<UiEvent>) {
     let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let painter = ui.painter().clone();
-    if response.hovered() {
-        painter.rect_filled(place, 4.0, style::RAIL);
-    }
+    style::light(&painter, place, response.hovered());
     let color = match (current == Some(index), cue.start.is_some() || cue.waits) {
         (true, _) => style::ACCENT,
         (false, true) => style::TEXT,
@@ -103,10 +89,8 @@ fn row(ui: &mut Ui, cue: &CueRow, index: usize, current: Option<usize>, events: 
         None => "–".to_owned(),
     };
     let scene = &cue.scene;
-    let font = || style::proportional(style::SMALL_SIZE);
     let put = |text: &str, x: f32, width: f32, color| {
-        let galley = style::line(&painter, text, font(), color, width);
-        painter.galley(pos2(x, place.center().y - 0.5 * galley.size().y), galley, color);
+        style::put(&painter, pos2(x, place.center().y), text, style::SMALL_SIZE, color, width);
     };
     let (time_width, moment_width) = (46.0, MOMENT * place.width());
     let left = place.left() + 4.0;

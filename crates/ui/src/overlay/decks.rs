@@ -5,6 +5,7 @@ use egui::{Align, Align2, Id, Layout, Order, Rect, Ui};
 use super::chips::{self, Chip};
 use super::content::{Deck, DeckStrip};
 use super::events::UiEvent;
+use super::panels::Pass;
 use super::{params, style};
 use mariana_commands::Command;
 use mariana_control::{ChangedBy, Slider};
@@ -14,12 +15,8 @@ const WIDTH_MAX: f32 = 560.0;
 const NAME_MAX: f32 = 0.3;
 
 /// Draws the strip at the lower edge of `space`. Returns its area.
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    strip: &DeckStrip,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, strip: &DeckStrip) -> Rect {
+    let Pass { context, events } = pass;
     let width = space.width().min(WIDTH_MAX);
     let id = Id::unique("decks");
     if context.memory(|memory| memory.area_rect(id)).is_none() {

@@ -14,6 +14,7 @@ pub(super) use light::on_screen;
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::events::UiEvent;
+use super::panels::Pass;
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
@@ -32,12 +33,8 @@ const AROUND: f32 = 112.0;
 const EDGE: f32 = 10.0;
 
 /// Draws the editor, and its marks and cards over the frame. Returns all these areas, the editor's area first.
-pub(super) fn show(
-    context: &egui::Context,
-    rooms: &Rooms,
-    editor: &Editor,
-    events: &mut Vec<UiEvent>,
-) -> Vec<Rect> {
+pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<Rect> {
+    let Pass { context, events } = pass;
     let space = rooms.main;
     let fraction = if rooms.is_desk { 1.0 } else { WIDTH_FRACTION };
     let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
@@ -114,9 +111,13 @@ fn header(
             (false, true) => style::TEXT,
             (false, false) => style::DIM,
         };
-        let font = style::proportional(style::TEXT_SIZE);
-        let galley =
-            style::line(ui.painter(), &format!("{}{sign}", tab.name), font, color, (right - left).max(20.0));
+        let galley = style::line(
+            ui.painter(),
+            &format!("{}{sign}", tab.name),
+            style::TEXT_SIZE,
+            color,
+            (right - left).max(20.0),
+        );
         let rect = Rect::from_min_size(pos2(left, line.top()), vec2(galley.size().x, LINE));
         let at = rect.left_center() - vec2(0.0, 0.5 * galley.size().y);
         ui.painter().galley(at, galley, color);
@@ -174,8 +175,7 @@ fn written_key(action: EditAction) -> &'static str {
 }
 
 fn word_size(ui: &Ui, words: &str) -> egui::Vec2 {
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), words, font, style::ACCENT, f32::MAX);
+    let galley = style::line(ui.painter(), words, style::SMALL_SIZE, style::ACCENT, f32::MAX);
     vec2(galley.size().x + 14.0, LINE - 4.0)
 }
 
@@ -183,7 +183,7 @@ fn word_size(ui: &Ui, words: &str) -> egui::Vec2 {
 /// `is_on` marks a switch that is on.
 fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
-    let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
+    let galley = style::line(ui.painter(), words, style::SMALL_SIZE, color, f32::MAX);
     let size = word_size(ui, words);
     let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
     let response = ui.interact(rect, Id::unique(("editor word", words)), Sense::click());
@@ -206,7 +206,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());
     let mut lines = Vec::new();
     let mut add = |words: &str, font: egui::FontId, color| {
-        let galley = style::line(painter, words, font, color, width);
+        let galley = style::line_in(painter, words, font, color, width);
         lines.push((galley, color));
     };
     if let Some(mistake) = document.mistake() {
@@ -216,7 +216,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     } else if let Some(warning) = document.warning() {
         add(&warning.message, small.clone(), style::DIM);
         add(&warning.hint, small.clone(), style::ACCENT);
-    } else if let Some(about) = document.about_cursor() {
+    } else if let Some(about) = document.about(document.editing.cursor()).map(|(_, about)| about) {
         let facts = if about.facts.is_empty() { String::new() } else { format!("  [{}]", about.facts) };
         add(&about.head, style::monospace(style::SMALL_SIZE), style::ACCENT);
         add(&format!("{}{facts}", about.text), small.clone(), style::DIM);

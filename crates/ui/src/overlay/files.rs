@@ -6,6 +6,7 @@ use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, ve
 use super::events::{FileListEvent, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
+use super::panels::Pass;
 use super::{assisted, style, words};
 use crate::file_browser::{FileBrowser, FileEntry, FileKind, Place, PlaceKind};
 use mariana_player::decode::TrackTags;
@@ -32,45 +33,30 @@ pub(super) struct SelectedRows {
     place: Option<usize>,
 }
 
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    files: &FileBrowser,
-    last: &mut SelectedRows,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
-    let width = space.width().min(WIDTH_MAX);
-    let area = style::area(Id::unique("files"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            let inner = (width - 2.0 * style::PADDING.x).max(0.0);
-            ui.set_width(inner);
-            ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-            let mut ask = |request| events.push(UiEvent::Files(request));
-            heading(ui, files, &mut ask);
-            let height = (space.height() - 2.0 * style::PADDING.y - 1.2 * ROW - words::BUTTON - ROW).max(ROW);
-            let (body, _) = ui.allocate_exact_size(vec2(inner, height), Sense::hover());
-            let column = (PLACES_PART * inner).clamp(PLACES_WIDTH.0, PLACES_WIDTH.1).min(0.5 * inner);
-            let left = Rect::from_min_max(body.min, pos2(body.left() + column, body.bottom()));
-            let right = Rect::from_min_max(pos2(left.right() + GAP, body.top()), body.max);
-            ui.painter().vline(
-                left.right() + 0.5 * GAP,
-                body.y_range().shrink(4.0),
-                egui::Stroke::new(1.0, style::RAIL),
-            );
-            let mut column = |area: Rect, name: &str, show: &mut dyn FnMut(&mut Ui)| {
-                let builder = egui::UiBuilder::new().max_rect(area).scope_id(Id::unique(("files", name)));
-                let mut ui = ui.new_child(builder.layout(egui::Layout::top_down(egui::Align::Min)));
-                ui.set_clip_rect(area.intersect(ui.clip_rect()));
-                show(&mut ui);
-            };
-            column(left, "places", &mut |ui| places(ui, files, &mut last.place, &mut ask));
-            column(right, "entries", &mut |ui| rows(ui, height, files, &mut last.file, &mut ask));
-            footing(ui, files, &mut ask);
-        });
-    });
-    shown.response.rect
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser, last: &mut SelectedRows) -> Rect {
+    let Pass { context, events } = pass;
+    style::panel(context, "files", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
+        let inner = ui.available_width();
+        ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
+        let mut ask = |request| events.push(UiEvent::Files(request));
+        heading(ui, files, &mut ask);
+        let height = (space.height() - 2.0 * style::PADDING.y - 1.2 * ROW - words::BUTTON - ROW).max(ROW);
+        let (body, _) = ui.allocate_exact_size(vec2(inner, height), Sense::hover());
+        let column = (PLACES_PART * inner).clamp(PLACES_WIDTH.0, PLACES_WIDTH.1).min(0.5 * inner);
+        let left = Rect::from_min_max(body.min, pos2(body.left() + column, body.bottom()));
+        let right = Rect::from_min_max(pos2(left.right() + GAP, body.top()), body.max);
+        let stroke = egui::Stroke::new(1.0, style::RAIL);
+        ui.painter().vline(left.right() + 0.5 * GAP, body.y_range().shrink(4.0), stroke);
+        let mut column = |area: Rect, name: &str, show: &mut dyn FnMut(&mut Ui)| {
+            let builder = egui::UiBuilder::new().max_rect(area).scope_id(Id::unique(("files", name)));
+            let mut ui = ui.new_child(builder.layout(egui::Layout::top_down(egui::Align::Min)));
+            ui.set_clip_rect(area.intersect(ui.clip_rect()));
+            show(&mut ui);
+        };
+        column(left, "places", &mut |ui| places(ui, files, &mut last.place, &mut ask));
+        column(right, "entries", &mut |ui| rows(ui, height, files, &mut last.file, &mut ask));
+        footing(ui, files, &mut ask);
+    })
 }
 
 fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
@@ -106,10 +92,8 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
         "" => (folder.clone(), style::TEXT),
         query => (format!("{query}| in {folder}"), style::ACCENT),
     };
-    let font = style::proportional(style::HEADING_SIZE);
-    let left = up.right() + 8.0;
-    let galley = style::line(ui.painter(), &words, font, color, star.left() - left - 8.0);
-    ui.painter().galley(pos2(left, up.center().y - 0.5 * galley.size().y), galley, color);
+    let left = up.right_center() + vec2(8.0, 0.0);
+    style::put(ui.painter(), left, &words, style::HEADING_SIZE, color, star.left() - left.x - 8.0);
     assisted::text(ui.ctx(), "folder", &words, false);
     rises.on_hover_text("the folder above (Backspace)");
     marks.on_hover_text(name);
@@ -150,17 +134,14 @@ fn group(kind: PlaceKind) -> &'static str {
 
 fn place_row(ui: &mut Ui, width: f32, place: &Place, is_selected: bool, is_shown: bool) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click());
-    if is_selected || response.hovered() {
-        ui.painter().rect_filled(rect, 4.0, style::RAIL);
-    }
+    style::light(ui.painter(), rect, is_selected || response.hovered());
     if is_selected {
         let stroke = egui::Stroke::new(1.0, style::ACCENT);
         ui.painter().rect_stroke(rect, 4.0, stroke, egui::StrokeKind::Inside);
     }
     let color = if is_shown { style::ACCENT } else { style::TEXT };
-    let font = style::proportional(style::TEXT_SIZE);
-    let galley = style::line(ui.painter(), &place.name, font, color, rect.width() - 10.0);
-    ui.painter().galley(pos2(rect.left() + 6.0, rect.center().y - 0.5 * galley.size().y), galley, color);
+    let left = rect.left_center() + vec2(6.0, 0.0);
+    style::put(ui.painter(), left, &place.name, style::TEXT_SIZE, color, rect.width() - 10.0);
     let name = format!("{}, {}", place.name, group(place.kind));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_shown, &name));
     if is_selected {
@@ -179,9 +160,7 @@ fn rows(
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     if let Some(trouble) = files.trouble() {
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * ROW), Sense::hover());
-        let font = style::proportional(style::TEXT_SIZE);
-        let galley = style::line(ui.painter(), trouble, font, style::DIM, place.width());
-        ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * galley.size().y), galley, style::DIM);
+        style::put(ui.painter(), place.left_center(), trouble, style::TEXT_SIZE, style::DIM, place.width());
         assisted::text(ui.ctx(), "state of the folder", trouble, true);
         return;
     }
@@ -216,9 +195,7 @@ fn row(
     let is_selected = place == files.selected && files.selected_place.is_none();
     let over = [&response, &adds, &plays].iter().any(|part| part.contains_pointer());
     let painter = ui.painter().clone();
-    if is_selected || over {
-        painter.rect_filled(rect, 4.0, style::RAIL);
-    }
+    style::light(&painter, rect, is_selected || over);
     let tags = Some(entry).filter(|entry| entry.kind == FileKind::Music);
     let tags = tags.and_then(|entry| files.tags.get(&entry.path));
     draw_entry(&painter, rect, entry, tags.as_deref(), is_selected);
@@ -271,8 +248,7 @@ fn draw_entry(painter: &Painter, rect: Rect, entry: &FileEntry, tags: Option<&Tr
         icons::draw(painter, icon, place, 12.0, if is_selected { style::ACCENT } else { style::DIM });
     }
     let put = |text: &str, left: f32, width: f32, size: f32, color| {
-        let galley = style::line(painter, text, style::proportional(size), color, width);
-        painter.galley(pos2(left, rect.center().y - 0.5 * galley.size().y), galley, color);
+        style::put(painter, pos2(left, rect.center().y), text, size, color, width);
     };
     let left = rect.left() + ICON;
     let right = rect.right() - 2.0 * ROW;
@@ -281,8 +257,7 @@ fn draw_entry(painter: &Painter, rect: Rect, entry: &FileEntry, tags: Option<&Tr
     };
     let end = right - LENGTH;
     if let Some(seconds) = tags.duration {
-        let font = style::proportional(style::SMALL_SIZE);
-        let length = style::line(painter, &clock_time(seconds), font, style::DIM, LENGTH);
+        let length = style::line(painter, &clock_time(seconds), style::SMALL_SIZE, style::DIM, LENGTH);
         let at = pos2(right - 6.0 - length.size().x, rect.center().y - 0.5 * length.size().y);
         painter.galley(at, length, style::DIM);
     }

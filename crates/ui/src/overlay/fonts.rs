@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use egui::Context;
 use egui::epaint::text::{FallbackRequest, FontInsert, FontProvider};
 
-use crate::limits::LIMITS;
+use crate::limits;
 use mariana_render::system_fonts::SystemFonts;
 
 struct Start {
@@ -41,7 +41,7 @@ impl FontProvider for Missed {
     fn font_for(&self, request: &FallbackRequest<'_>) -> Option<FontInsert> {
         let letter = request.cluster.chars().next()?;
         let mut letters = lock(&self.0);
-        if letters.all.len() < LIMITS.letters_looked_for_max && letters.all.insert(letter) {
+        if letters.all.len() < limits::LETTERS_LOOKED_FOR_MAX && letters.all.insert(letter) {
             letters.new.insert(letter);
         }
         None

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use egui::text::LayoutJob;
-use egui::{
-    CornerRadius, Galley, Id, Order, Painter, Rect, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{CornerRadius, Galley, Id, Order, Painter, Rect, ScrollArea, Sense, Ui, pos2, vec2};
 
+use super::assisted;
 use super::events::UiEvent;
-use super::{icons, style};
+use super::panels::Pass;
+use super::{style, words};
 use crate::help_panel::HelpPanel;
 use mariana_commands::{Binding, Command, Group};
 
@@ -30,68 +30,31 @@ pub(super) struct Seen {
     offset: f32,
 }
 
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    help: &HelpPanel,
-    seen: &mut Option<Seen>,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mut Option<Seen>) -> Rect {
+    let Pass { context, events } = pass;
     let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
     let room = (space.width() - 2.0 * style::PADDING.x - LANE).max(1.0);
     let table = Table::new(&painter, help, room);
     let width = table.width() + LANE + 2.0 * style::PADDING.x;
     // Keep the panel's place while a search shortens the table.
-    let area = style::area(Id::unique("keys"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let height = (space.height() - 2.0 * style::PADDING.y).max(ROW);
-            // Without this, egui limits the height of a new panel.
-            ui.set_max_height(height);
-            heading(ui, help, events);
-            let height = (height - LINE).max(ROW);
-            let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            let selected = help.selected;
-            let before = seen.as_ref().filter(|before| before.selected != selected);
-            if let Some((before, (top, bottom))) = before.zip(table.span(selected)) {
-                // Scroll as little as possible, and show a row or heading beyond the selected row.
-                let offset = before.offset.min(top - HEADING).max(bottom + ROW - height);
-                scroll = scroll.vertical_scroll_offset(offset.max(0.0));
-            }
-            let shown = scroll.show(ui, |ui| table.draw(ui, selected, events));
-            *seen = Some(Seen { selected, offset: shown.state.clamped_offset().y });
-        });
-    });
-    shown.response.rect
-}
-
-fn heading(ui: &mut Ui, help: &HelpPanel, events: &mut Vec<UiEvent>) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "close the table of keys") {
-        events.push(UiEvent::Command(Command::ToggleHelp));
-    }
-    let painter = ui.painter();
-    let room = (cross.left() - place.left() - 8.0).max(0.0);
-    let font = style::proportional(style::HEADING_SIZE);
-    if help.query().is_empty() {
-        let title = style::line(painter, "Keys", font, style::TEXT, room);
-        let left = place.left() + title.size().x + 14.0;
-        let words = "type to search · Enter or a click does it · Esc closes";
-        let font = style::proportional(style::SMALL_SIZE);
-        let hint = style::line(painter, words, font, style::DIM, cross.left() - left - 8.0);
-        painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
-        painter.galley(place.min, title, style::TEXT);
-    } else {
-        let query = style::line(painter, help.query(), font, style::TEXT, room);
-        let end = place.left() + query.size().x + 2.0;
-        painter.galley(place.min, query, style::TEXT);
-        let caret = place.top()..=place.top() + style::HEADING_SIZE * 1.2;
-        painter.vline(end, caret, Stroke::new(1.5, style::ACCENT));
-    }
+    style::panel(context, "keys", Order::Foreground, style::middle(space, width), |ui| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        let hint = "type to search · Enter or a click does it · Esc closes";
+        if words::heading(ui, LINE, "Keys", hint, help.query(), "close the table of keys") {
+            events.push(UiEvent::Command(Command::ToggleHelp));
+        }
+        let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(ROW);
+        let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        let selected = help.selected;
+        let before = seen.as_ref().filter(|before| before.selected != selected);
+        if let Some((before, (top, bottom))) = before.zip(table.span(selected)) {
+            // Scroll as little as possible, and show a row or heading beyond the selected row.
+            let offset = before.offset.min(top - HEADING).max(bottom + ROW - height);
+            scroll = scroll.vertical_scroll_offset(offset.max(0.0));
+        }
+        let shown = scroll.show(ui, |ui| table.draw(ui, selected, events));
+        *seen = Some(Seen { selected, offset: shown.state.clamped_offset().y });
+    })
 }
 
 struct Row {
@@ -144,13 +107,7 @@ impl Table {
         let meaning_room = (column_width - caps_width - CAP_GAP).max(1.0);
         let mut place = 0;
         let blocks = help.found().into_iter().map(|(group, rows)| Block {
-            heading: style::line(
-                painter,
-                group.name(),
-                style::proportional(style::TEXT_SIZE),
-                style::ACCENT,
-                column_width,
-            ),
+            heading: style::line(painter, group.name(), style::TEXT_SIZE, style::ACCENT, column_width),
             group,
             rows: rows
                 .into_iter()
@@ -213,8 +170,7 @@ impl Table {
         }
         if self.columns.iter().all(Vec::is_empty) {
             let words = "no key does this; press Backspace to shorten the search";
-            let font = style::proportional(style::SMALL_SIZE);
-            let galley = style::line(ui.painter(), words, font, style::DIM, all.width());
+            let galley = style::line(ui.painter(), words, style::SMALL_SIZE, style::DIM, all.width());
             ui.painter().galley(all.min, galley, style::DIM);
         }
     }
@@ -222,9 +178,7 @@ impl Table {
     fn draw_row(&self, ui: &Ui, row: &Row, rect: Rect, is_selected: bool, events: &mut Vec<UiEvent>) {
         let response = ui.interact(rect, ui.scope_id().with(row.binding.written), Sense::click());
         let painter = ui.painter();
-        if is_selected || response.hovered() {
-            painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), 4.0, style::RAIL);
-        }
+        style::light(painter, rect.expand2(vec2(4.0, 0.0)), is_selected || response.hovered());
         let mut left = rect.left();
         for cap in &row.caps {
             let size = vec2(cap.size().x + 2.0 * CAP_PADDING, CAP_HEIGHT);
@@ -236,10 +190,12 @@ impl Table {
         let top = rect.center().y - 0.5 * row.meaning.size().y;
         let at = pos2(rect.left() + self.caps_width + CAP_GAP, top);
         painter.galley(at, row.meaning.clone(), style::TEXT);
-        response.widget_info(|| {
-            let words = format!("{}, key {}", row.binding.help, row.binding.written);
-            WidgetInfo::selected(egui::Role::Button, true, is_selected, words)
-        });
+        assisted::selected(
+            &response,
+            egui::Role::Button,
+            is_selected,
+            format_args!("{}, key {}", row.binding.help, row.binding.written),
+        );
         if response.clicked() {
             events.push(UiEvent::Help(row.place));
         }
@@ -263,9 +219,7 @@ fn balanced(blocks: Vec<Block>, columns: usize) -> Vec<Vec<Block>> {
 }
 
 fn caps(painter: &Painter, binding: &'static Binding) -> Vec<Arc<Galley>> {
-    let cap = |cap: &str| {
-        style::line(painter, cap, style::proportional(style::SMALL_SIZE), style::TEXT, f32::INFINITY)
-    };
+    let cap = |cap: &str| style::line(painter, cap, style::SMALL_SIZE, style::TEXT, f32::INFINITY);
     binding.caps().map(cap).collect()
 }
 

@@ -1,6 +1,9 @@
 //! Icons, drawn from lines and polygons so that they are sharp at every scale.
 
-use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2};
+use std::f32::consts::TAU;
+
+use egui::emath::Rot2;
+use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
 
 use super::style;
 
@@ -34,157 +37,110 @@ pub(super) enum Icon {
     Note,
 }
 
+impl Icon {
+    /// The shapes, each a word and the points that it is drawn through, from -1 to 1 to the right and down. The last
+    /// number of a dot, an arc or a ring is its radius. Fifths and eighths are repeated around the middle.
+    fn shapes(self) -> &'static str {
+        match self {
+            Self::Play => "fill -.6 -.85 .85 0 -.6 .85",
+            Self::Pause => "block -.65 -.8 -.18 .8; block .18 -.8 .65 .8",
+            Self::Previous => "block -.8 -.75 -.52 .75; fill .8 -.75 .8 .75 -.5 0",
+            Self::Next => "block .52 -.75 .8 .75; fill -.8 -.75 .5 0 -.8 .75",
+            Self::Shuffle => {
+                "line -.9 .5 -.4 .5 .3 -.5 .6 -.5; line -.9 -.5 -.4 -.5 -.2 -.22; line .1 .22 .3 .5 .6 .5; \
+                 fill .55 -.82 .95 -.5 .55 -.18; fill .55 .18 .95 .5 .55 .82"
+            }
+            Self::Repeat => {
+                "line -.85 .1 -.85 -.55 .4 -.55; line .85 -.1 .85 .55 -.4 .55; \
+                 fill .35 -.9 .75 -.55 .35 -.2; fill -.35 .2 -.75 .55 -.35 .9"
+            }
+            Self::RepeatOne => {
+                "line -.85 .1 -.85 -.55 .4 -.55; line .85 -.1 .85 .55 -.4 .55; \
+                 fill .35 -.9 .75 -.55 .35 -.2; fill -.35 .2 -.75 .55 -.35 .9; line -.15 -.1 .03 -.25 .03 .28"
+            }
+            Self::Volume => {
+                "fill -.9 -.3 -.5 -.3 -.5 .3 -.9 .3; fill -.5 -.3 -.05 -.75 -.05 .75 -.5 .3; \
+                 arc -.05 0 .45; arc -.05 0 .85"
+            }
+            Self::Muted => {
+                "fill -.9 -.3 -.5 -.3 -.5 .3 -.9 .3; fill -.5 -.3 -.05 -.75 -.05 .75 -.5 .3; \
+                 line .3 -.35 .9 .35; line .3 .35 .9 -.35"
+            }
+            Self::Decks => {
+                "block -.95 -.75 -.12 .15; block .12 -.75 .95 .15; line -.95 .62 .95 .62; block -.2 .38 .2 .86"
+            }
+            Self::Text => "line -.4 -.6 -.9 0 -.4 .6; line .4 -.6 .9 0 .4 .6; line .15 -.8 -.15 .8",
+            Self::Tracks => {
+                "block -.9 -.71 -.66 -.49; line -.4 -.6 .9 -.6; block -.9 -.11 -.66 .11; line -.4 0 .9 0; \
+                 block -.9 .49 -.66 .71; line -.4 .6 .9 .6"
+            }
+            Self::Source => {
+                "capsule -.3 -.9 .3 .25; line -.62 -.05 -.5 .38 0 .55 .5 .38 .62 -.05; line 0 .55 0 .9; \
+                 line -.35 .9 .35 .9"
+            }
+            Self::Scenes => {
+                "frame -.85 -.75 -.1 -.1; frame .1 -.75 .85 -.1; frame -.85 .1 -.1 .75; frame .1 .1 .85 .75"
+            }
+            Self::Show => {
+                "frame -.85 -.15 .85 .8; line -.85 -.45 .8 -.85; \
+                 line -.6 -.15 -.35 .2; line -.1 -.15 .15 .2; line .4 -.15 .65 .2"
+            }
+            Self::Video => "frame -.95 -.6 .4 .6; fill .5 0 .95 -.5 .95 .5",
+            Self::Sliders => {
+                "line -.9 -.6 .9 -.6; dot .35 -.6 .24; line -.9 0 .9 0; dot -.4 0 .24; line -.9 .6 .9 .6; \
+                 dot .1 .6 .24"
+            }
+            Self::Settings => "eighths .54 -.103 .942 -.126 .942 .126 .54 .103; ring 0 0 .5",
+            Self::Keys => {
+                "frame -.95 -.6 .95 .6; dot -.6 -.25 .1; dot -.2 -.25 .1; dot .2 -.25 .1; dot .6 -.25 .1; \
+                 line -.45 .25 .45 .25"
+            }
+            Self::Fullscreen => {
+                "line -.8 -.3 -.8 -.75 -.32 -.75; line .8 -.3 .8 -.75 .32 -.75; line .8 .3 .8 .75 .32 .75; \
+                 line -.8 .3 -.8 .75 -.32 .75"
+            }
+            Self::Folder => {
+                "line -.85 .7 -.85 -.65 -.3 -.65 -.1 -.4 .85 -.4 .85 .7 -.95 .7; line -.85 -.05 .85 -.05"
+            }
+            Self::Star => "fifths 0 0 -.247 -.34 0 -1 .247 -.34",
+            Self::Plus => "line -.75 0 .75 0; line 0 -.75 0 .75",
+            Self::Up => "line -.6 -.1 0 -.75 .6 -.1; line 0 -.75 0 .8",
+            Self::Note => "line -.35 .6 -.35 -.75 .7 -.75 .7 .4; dot -.6 .6 .27; dot .45 .4 .27",
+            Self::Cross => "line -.55 -.55 .55 .55; line -.55 .55 .55 -.55",
+        }
+    }
+}
+
 pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: Color32) {
-    let pen = Pen { painter, middle: rect.center(), unit: 0.5 * size, color };
-    match icon {
-        Icon::Play => pen.surface(&[(-0.6, -0.85), (0.85, 0.0), (-0.6, 0.85)]),
-        Icon::Pause => {
-            pen.block((-0.65, -0.8), (-0.18, 0.8));
-            pen.block((0.18, -0.8), (0.65, 0.8));
-        }
-        Icon::Previous => {
-            pen.block((-0.8, -0.75), (-0.52, 0.75));
-            pen.surface(&[(0.8, -0.75), (0.8, 0.75), (-0.5, 0.0)]);
-        }
-        Icon::Next => {
-            pen.block((0.52, -0.75), (0.8, 0.75));
-            pen.surface(&[(-0.8, -0.75), (0.5, 0.0), (-0.8, 0.75)]);
-        }
-        Icon::Shuffle => {
-            pen.line(&[(-0.9, 0.5), (-0.4, 0.5), (0.3, -0.5), (0.6, -0.5)]);
-            pen.line(&[(-0.9, -0.5), (-0.4, -0.5), (-0.2, -0.22)]);
-            pen.line(&[(0.1, 0.22), (0.3, 0.5), (0.6, 0.5)]);
-            pen.surface(&[(0.55, -0.82), (0.95, -0.5), (0.55, -0.18)]);
-            pen.surface(&[(0.55, 0.18), (0.95, 0.5), (0.55, 0.82)]);
-        }
-        Icon::Repeat | Icon::RepeatOne => {
-            pen.line(&[(-0.85, 0.1), (-0.85, -0.55), (0.4, -0.55)]);
-            pen.line(&[(0.85, -0.1), (0.85, 0.55), (-0.4, 0.55)]);
-            pen.surface(&[(0.35, -0.9), (0.75, -0.55), (0.35, -0.2)]);
-            pen.surface(&[(-0.35, 0.2), (-0.75, 0.55), (-0.35, 0.9)]);
-            if icon == Icon::RepeatOne {
-                pen.line(&[(-0.15, -0.1), (0.03, -0.25), (0.03, 0.28)]);
+    let (middle, unit) = (rect.center(), 0.5 * size);
+    let stroke = Stroke::new((0.2 * unit).max(1.0), color);
+    for shape in icon.shapes().split("; ") {
+        let (kind, numbers) = shape.split_once(' ').unwrap_or_default();
+        let numbers: Vec<f32> = numbers.split(' ').filter_map(|number| number.parse().ok()).collect();
+        let (points, last) = numbers.as_chunks::<2>();
+        let points: Vec<Pos2> = points.iter().map(|[x, y]| middle + unit * vec2(*x, *y)).collect();
+        let (whole, radius) = (Rect::from_points(&points), unit * last.iter().sum::<f32>());
+        let polygon = |points| Shape::convex_polygon(points, color, Stroke::NONE);
+        let repeated = |count: usize| {
+            let turn = |index| Rot2::from_angle(TAU * index as f32 / count as f32);
+            let turned = |turn: Rot2| points.iter().map(|point| middle + turn * (*point - middle)).collect();
+            (0..count).map(|index| polygon(turned(turn(index)))).collect::<Vec<_>>().into()
+        };
+        painter.add(match kind {
+            "fill" => polygon(points),
+            "fifths" => repeated(5),
+            "eighths" => repeated(8),
+            "block" => Shape::rect_filled(whole, 0.0, color),
+            "capsule" => Shape::rect_filled(whole, 0.3 * unit, color),
+            "frame" => Shape::rect_stroke(whole, 0.12 * unit, stroke, StrokeKind::Inside),
+            "dot" => Shape::circle_filled(whole.center(), radius, color),
+            "ring" => Shape::circle_stroke(whole.center(), radius, Stroke::new(0.28 * unit, color)),
+            "arc" => {
+                let at = |step: i32| whole.center() + radius * Vec2::angled(step as f32 * 0.2);
+                Shape::line((-4..=4).map(at).collect(), stroke)
             }
-        }
-        Icon::Volume | Icon::Muted => {
-            pen.surface(&[(-0.9, -0.3), (-0.5, -0.3), (-0.5, 0.3), (-0.9, 0.3)]);
-            pen.surface(&[(-0.5, -0.3), (-0.05, -0.75), (-0.05, 0.75), (-0.5, 0.3)]);
-            if icon == Icon::Muted {
-                pen.line(&[(0.3, -0.35), (0.9, 0.35)]);
-                pen.line(&[(0.3, 0.35), (0.9, -0.35)]);
-            } else {
-                pen.arc((-0.05, 0.0), 0.45);
-                pen.arc((-0.05, 0.0), 0.85);
-            }
-        }
-        Icon::Decks => {
-            pen.block((-0.95, -0.75), (-0.12, 0.15));
-            pen.block((0.12, -0.75), (0.95, 0.15));
-            pen.line(&[(-0.95, 0.62), (0.95, 0.62)]);
-            pen.block((-0.2, 0.38), (0.2, 0.86));
-        }
-        Icon::Text => {
-            pen.line(&[(-0.4, -0.6), (-0.9, 0.0), (-0.4, 0.6)]);
-            pen.line(&[(0.4, -0.6), (0.9, 0.0), (0.4, 0.6)]);
-            pen.line(&[(0.15, -0.8), (-0.15, 0.8)]);
-        }
-        Icon::Tracks => {
-            for y in [-0.6, 0.0, 0.6] {
-                pen.block((-0.9, y - 0.11), (-0.66, y + 0.11));
-                pen.line(&[(-0.4, y), (0.9, y)]);
-            }
-        }
-        Icon::Source => {
-            pen.rounded((-0.3, -0.9), (0.3, 0.25));
-            pen.line(&[(-0.62, -0.05), (-0.5, 0.38), (0.0, 0.55), (0.5, 0.38), (0.62, -0.05)]);
-            pen.line(&[(0.0, 0.55), (0.0, 0.9)]);
-            pen.line(&[(-0.35, 0.9), (0.35, 0.9)]);
-        }
-        Icon::Scenes => {
-            for (x, y) in [(-0.85, -0.75), (0.1, -0.75), (-0.85, 0.1), (0.1, 0.1)] {
-                pen.frame((x, y), (x + 0.75, y + 0.65));
-            }
-        }
-        Icon::Show => {
-            pen.frame((-0.85, -0.15), (0.85, 0.8));
-            pen.line(&[(-0.85, -0.45), (0.8, -0.85)]);
-            for x in [-0.5, 0.0, 0.5] {
-                pen.line(&[(x - 0.1, -0.15), (x + 0.15, 0.2)]);
-            }
-        }
-        Icon::Video => {
-            pen.frame((-0.95, -0.6), (0.4, 0.6));
-            pen.surface(&[(0.5, 0.0), (0.95, -0.5), (0.95, 0.5)]);
-        }
-        Icon::Sliders => {
-            for (y, knob) in [(-0.6, 0.35), (0.0, -0.4), (0.6, 0.1)] {
-                pen.line(&[(-0.9, y), (0.9, y)]);
-                pen.dot((knob, y), 0.24);
-            }
-        }
-        Icon::Settings => {
-            let eighth = std::f32::consts::TAU / 8.0;
-            for tooth in 0..8 {
-                let turn = |offset: f32, radius: f32| {
-                    let angle = (tooth as f32 + offset) * eighth;
-                    (radius * angle.cos(), radius * angle.sin())
-                };
-                pen.surface(&[turn(-0.24, 0.55), turn(-0.17, 0.95), turn(0.17, 0.95), turn(0.24, 0.55)]);
-            }
-            pen.ring(0.5, 0.28);
-        }
-        Icon::Keys => {
-            pen.frame((-0.95, -0.6), (0.95, 0.6));
-            for (x, y) in [(-0.6, -0.25), (-0.2, -0.25), (0.2, -0.25), (0.6, -0.25)] {
-                pen.dot((x, y), 0.1);
-            }
-            pen.line(&[(-0.45, 0.25), (0.45, 0.25)]);
-        }
-        Icon::Fullscreen => {
-            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                let (x, y) = (0.8 * x, 0.75 * y);
-                pen.line(&[(x, 0.4 * y), (x, y), (0.4 * x, y)]);
-            }
-        }
-        Icon::Folder => {
-            pen.line(&[
-                (-0.85, 0.7),
-                (-0.85, -0.65),
-                (-0.3, -0.65),
-                (-0.1, -0.4),
-                (0.85, -0.4),
-                (0.85, 0.7),
-                (-0.95, 0.7),
-            ]);
-            pen.line(&[(-0.85, -0.05), (0.85, -0.05)]);
-        }
-        Icon::Star => {
-            let tip = |turn: f32| (turn.sin(), -turn.cos());
-            let fifth = std::f32::consts::TAU / 5.0;
-            for point in 0..5 {
-                let turn = point as f32 * fifth;
-                let (a, b, c) = (tip(turn), tip(turn + 0.5 * fifth), tip(turn - 0.5 * fifth));
-                let inner = |(x, y): (f32, f32)| (0.42 * x, 0.42 * y);
-                pen.surface(&[(0.0, 0.0), inner(c), a, inner(b)]);
-            }
-        }
-        Icon::Plus => {
-            pen.line(&[(-0.75, 0.0), (0.75, 0.0)]);
-            pen.line(&[(0.0, -0.75), (0.0, 0.75)]);
-        }
-        Icon::Up => {
-            pen.line(&[(-0.6, -0.1), (0.0, -0.75), (0.6, -0.1)]);
-            pen.line(&[(0.0, -0.75), (0.0, 0.8)]);
-        }
-        Icon::Note => {
-            pen.line(&[(-0.35, 0.6), (-0.35, -0.75), (0.7, -0.75), (0.7, 0.4)]);
-            pen.dot((-0.6, 0.6), 0.27);
-            pen.dot((0.45, 0.4), 0.27);
-        }
-        Icon::Cross => {
-            pen.line(&[(-0.55, -0.55), (0.55, 0.55)]);
-            pen.line(&[(-0.55, 0.55), (0.55, -0.55)]);
-        }
+            _ => Shape::line(points, stroke),
+        });
     }
 }
 
@@ -195,65 +151,6 @@ pub(super) fn closing_cross(ui: &Ui, place: Rect, words: &str) -> bool {
     draw(ui.painter(), Icon::Cross, place, 13.0, color);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
     response.clicked()
-}
-
-/// Draws in icon coordinates: from -1 to 1, to the right and down.
-struct Pen<'a> {
-    painter: &'a Painter,
-    middle: Pos2,
-    unit: f32,
-    color: Color32,
-}
-
-impl Pen<'_> {
-    fn at(&self, (x, y): (f32, f32)) -> Pos2 {
-        self.middle + self.unit * vec2(x, y)
-    }
-
-    fn stroke(&self) -> Stroke {
-        Stroke::new((0.2 * self.unit).max(1.0), self.color)
-    }
-
-    fn line(&self, points: &[(f32, f32)]) {
-        let points = points.iter().map(|point| self.at(*point)).collect();
-        self.painter.add(Shape::line(points, self.stroke()));
-    }
-
-    fn surface(&self, corners: &[(f32, f32)]) {
-        let corners = corners.iter().map(|corner| self.at(*corner)).collect();
-        self.painter.add(Shape::convex_polygon(corners, self.color, Stroke::NONE));
-    }
-
-    fn block(&self, least: (f32, f32), most: (f32, f32)) {
-        self.painter.rect_filled(Rect::from_min_max(self.at(least), self.at(most)), 0.0, self.color);
-    }
-
-    fn frame(&self, least: (f32, f32), most: (f32, f32)) {
-        let rect = Rect::from_min_max(self.at(least), self.at(most));
-        self.painter.rect_stroke(rect, 0.12 * self.unit, self.stroke(), egui::StrokeKind::Inside);
-    }
-
-    fn rounded(&self, least: (f32, f32), most: (f32, f32)) {
-        let rect = Rect::from_min_max(self.at(least), self.at(most));
-        self.painter.rect_filled(rect, 0.3 * self.unit, self.color);
-    }
-
-    fn dot(&self, middle: (f32, f32), radius: f32) {
-        self.painter.circle_filled(self.at(middle), radius * self.unit, self.color);
-    }
-
-    fn ring(&self, radius: f32, width: f32) {
-        let stroke = Stroke::new(width * self.unit, self.color);
-        self.painter.circle_stroke(self.middle, radius * self.unit, stroke);
-    }
-
-    fn arc(&self, middle: (f32, f32), radius: f32) {
-        let points = (-4..=4).map(|step| {
-            let angle = step as f32 * 0.2;
-            self.at(middle) + radius * self.unit * Vec2::angled(angle)
-        });
-        self.painter.add(Shape::line(points.collect(), self.stroke()));
-    }
 }
 
 #[cfg(test)]

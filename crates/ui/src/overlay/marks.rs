@@ -27,7 +27,7 @@ pub fn near_border(time: f64, song: Option<&SongStructure>, duration: f64, reach
 /// Draws the marks over the seek bar, and moves the dragged one. While the panel of videos is open, there are always
 /// marks to drag.
 pub(super) fn show(ui: &Ui, place: Rect, bar: &Bar<'_>, duration: f64, events: &mut Vec<UiEvent>) {
-    let whole = (bar.open == Some(Panel::Video)).then_some([0.0, duration]);
+    let whole = (bar.panels.open == Some(Panel::Video)).then_some([0.0, duration]);
     let Some(marks) = bar.marks.or(whole) else { return };
     let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
     let [left, right] = marks.map(x);

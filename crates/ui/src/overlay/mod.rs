@@ -60,7 +60,7 @@ pub use content::{
 };
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, TrackListEvent, UiEvent};
 pub use marks::near_border;
-pub use now_playing::NowPlaying;
+pub use now_playing::{NowPlaying, clock_time};
 use panels::{LaidOut, Panels, pressed};
 use pending::PendingInput;
 pub use picture::Cover;
@@ -169,7 +169,7 @@ impl Overlay {
             let modifiers = Modifiers { shift, ..Modifiers::NONE };
             self.input.extend(pressed(key, modifiers));
         } else {
-            self.panels.request_focus();
+            self.panels.wants_focus = true;
         }
         true
     }

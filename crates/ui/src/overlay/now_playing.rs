@@ -86,7 +86,7 @@ impl Hash for NowPlaying {
 }
 
 /// Formats seconds: "0:07", "12:34", "1:02:03".
-pub(super) fn clock_time(seconds: f64) -> String {
+pub fn clock_time(seconds: f64) -> String {
     let whole = if seconds.is_finite() { seconds.max(0.0) as u64 } else { 0 };
     let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
     match hours {

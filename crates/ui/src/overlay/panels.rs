@@ -49,8 +49,8 @@ struct Kept {
     selected_track: Option<usize>,
     seen_key: Option<help::Seen>,
     seen_setting: Option<settings::Seen>,
-    seen_changed_by: Option<controllers::Seen>,
-    seen_video: Option<video::Seen>,
+    seen_changed_by: controllers::Seen,
+    seen_video: video::Seen,
     binding: binding::OpenBinding,
     next: KeptPicture,
     cover: KeptPicture,
@@ -81,10 +81,6 @@ impl Panels {
         &self.fallback
     }
 
-    pub(super) fn request_focus(&mut self) {
-        self.wants_focus = true;
-    }
-
     pub(super) fn forget_focus(&mut self) {
         self.wants_focus = false;
         self.had_controls = false;
@@ -107,7 +103,8 @@ impl Panels {
         let output = self.context.run_pass(input, |context| {
             panels.clear();
             events.clear();
-            params_changed |= show(context, content, now, &mut panels, &mut events, kept);
+            let mut pass = Pass { context, events: &mut events };
+            params_changed |= show(&mut pass, content, now, &mut panels, kept);
         });
         self.fallback.request_missing();
         let root = output.viewport_output.values().next();
@@ -121,14 +118,20 @@ pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     [true, false].map(event)
 }
 
+/// A pass of egui over the panels, and the events in it.
+pub(super) struct Pass<'a> {
+    pub context: &'a Context,
+    pub events: &'a mut Vec<UiEvent>,
+}
+
 fn show(
-    context: &Context,
+    pass: &mut Pass<'_>,
     content: &mut OverlayContent<'_>,
     now: Instant,
     panels: &mut Vec<Rect>,
-    events: &mut Vec<UiEvent>,
     kept: &mut Kept,
 ) -> bool {
+    let context = pass.context;
     assisted::window(context);
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
@@ -141,9 +144,9 @@ fn show(
     }
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    let space = show_bar(context, space, content, kept, panels, events);
+    let space = show_bar(pass, space, content, kept, panels);
     if let Some(handles) = &content.corners {
-        panels.extend(corners::show(context, screen, handles, events));
+        panels.extend(corners::show(pass, screen, handles));
     }
     let mut rooms = Rooms::of(space, screen, content.picture);
     if let Some(next) = content.next {
@@ -163,21 +166,24 @@ fn show(
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let (mut changed, mut beside_sliders) = (false, space);
-    let help = show_help(context, space, content, &mut kept.seen_key, events);
-    if let Some((rect, moved)) = show_params(context, side, help, content, &mut kept.binding, events) {
+    let help = content.help.map(|keys| help::show(pass, space, keys, &mut kept.seen_key));
+    kept.seen_key.take_if(|_| help.is_none());
+    if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
+        let shown = params::Shown { sliders, learning: content.learning, snapshots: content.snapshots };
+        let (rect, moved) = params::show(pass, side, help, shown, &mut kept.binding);
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
         beside_sliders = beside(space, rect);
     }
     if let Some(text) = content.editor {
-        let parts = editor::show(context, &rooms, text, events);
+        let parts = editor::show(pass, &rooms, text);
         let right = parts.first().map_or(left.left(), |rect| rect.right() + style::MARGIN);
         panels.extend(parts);
         left.min.x = right.min(left.right());
     }
     let mut sentences = space;
-    if let Some(rect) = show_right_list(context, space, content, events, kept) {
+    if let Some(rect) = show_right_list(pass, space, content, kept) {
         panels.push(rect);
         leave_beside(&mut left, rect);
         sentences.max.x = (rect.left() - style::MARGIN).max(space.left() + SENTENCE_WIDTH_MIN);
@@ -187,13 +193,13 @@ fn show(
         panels.push(show_problem(context, &back, left, problem));
     }
     panels.extend(help);
-    panels.extend(show_lists(context, space, beside_sliders, content, events, kept));
+    show_lists(pass, space, beside_sliders, content, panels, kept);
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, &mut kept.cover, now);
     }
     let below = show_sentences(context, &front, sentences, content, now);
     if let Some(list) = &content.sources {
-        panels.push(sources::show(context, below, list, events));
+        panels.push(sources::show(pass, below, list));
     }
     assisted::ring(context, &front);
     changed
@@ -201,23 +207,22 @@ fn show(
 
 /// Shows the bar and the strip of decks. Returns the space above them.
 fn show_bar(
-    context: &Context,
+    pass: &mut Pass<'_>,
     mut space: Rect,
     content: &OverlayContent<'_>,
     kept: &mut Kept,
     panels: &mut Vec<Rect>,
-    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let above = |rect: Rect, space: Rect| (rect.top() - 0.5 * style::MARGIN).max(space.top());
     if let Some(bar) = &content.bar {
-        let rect = bar::show(context, space, bar, &mut kept.cover, events);
+        let rect = bar::show(pass, space, bar, &mut kept.cover);
         if bar.seen {
             panels.push(rect);
             space.max.y = above(rect, space);
         }
     }
     if let Some(strip) = &content.decks {
-        let rect = decks::show(context, space, strip, events);
+        let rect = decks::show(pass, space, strip);
         panels.push(rect);
         space.max.y = above(rect, space);
     }
@@ -230,91 +235,56 @@ fn show_problem(context: &Context, back: &Painter, space: Rect, problem: &Proble
     problem::draw(back, space, problem)
 }
 
-/// Shows the open table of keys, and discards the state of a closed one. Returns the table's area.
-fn show_help(
-    context: &Context,
-    space: Rect,
-    content: &OverlayContent<'_>,
-    seen: &mut Option<help::Seen>,
-    events: &mut Vec<UiEvent>,
-) -> Option<Rect> {
-    let shown = content.help.map(|keys| help::show(context, space, keys, seen, events));
-    if shown.is_none() {
-        *seen = None;
-    }
-    shown
-}
-
-/// Shows the sliders of a scene that has some. Returns their area, and true if a value changed.
-fn show_params(
-    context: &Context,
-    side: Rect,
-    help: Option<Rect>,
-    content: &mut OverlayContent<'_>,
-    open: &mut binding::OpenBinding,
-    events: &mut Vec<UiEvent>,
-) -> Option<(Rect, bool)> {
-    let sliders = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty())?;
-    let shown = params::Shown { sliders, learning: content.learning, snapshots: content.snapshots };
-    Some(params::show(context, side, help, shown, open, events))
-}
-
 /// Shows the track list or the entries of the show at the right, if one of them is open. Returns its area.
 fn show_right_list(
-    context: &Context,
+    pass: &mut Pass<'_>,
     space: Rect,
     content: &OverlayContent<'_>,
-    events: &mut Vec<UiEvent>,
     kept: &mut Kept,
 ) -> Option<Rect> {
     if let Some(list) = &content.tracks {
-        return Some(tracks::show(context, space, list, &mut kept.selected_track, events));
+        return Some(tracks::show(pass, space, list, &mut kept.selected_track));
     }
     kept.selected_track = None;
     let sheet = content.cues.as_ref()?;
-    Some(cues::show(context, space, sheet, &mut kept.seen_cue, events))
+    Some(cues::show(pass, space, sheet, &mut kept.seen_cue))
 }
 
 /// Shows the open list in the middle, and discards the state of closed lists. The controllers are in `beside_sliders`,
 /// because a click on a slider's name learns its control. Returns the areas.
 fn show_lists(
-    context: &Context,
+    pass: &mut Pass<'_>,
     space: Rect,
     beside_sliders: Rect,
     content: &OverlayContent<'_>,
-    events: &mut Vec<UiEvent>,
+    panels: &mut Vec<Rect>,
     kept: &mut Kept,
-) -> Vec<Rect> {
-    let mut panels = Vec::new();
+) {
     match content.scenes {
-        Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, events)),
+        Some(scenes) => panels.push(browser::show(pass, space, scenes, &mut kept.pictures)),
         None => kept.pictures.clear(),
     }
     match content.files {
-        Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, events)),
+        Some(list) => panels.push(files::show(pass, space, list, &mut kept.selected_file)),
         None => kept.selected_file = Default::default(),
     }
     match content.settings {
-        Some(rows) => {
-            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, events));
-        }
+        Some(rows) => panels.push(settings::show(pass, space, rows, &mut kept.seen_setting)),
         None => kept.seen_setting = None,
     }
     match content.controllers {
         Some(rows) => {
-            let seen = &mut kept.seen_changed_by;
-            panels.push(controllers::show(context, beside_sliders, rows, seen, events));
+            panels.push(controllers::show(pass, beside_sliders, rows, &mut kept.seen_changed_by));
         }
         None => kept.seen_changed_by = None,
     }
     match content.video {
-        Some(rows) => panels.push(video::show(context, space, rows, &mut kept.seen_video, events)),
+        Some(rows) => panels.push(video::show(pass, space, rows, &mut kept.seen_video)),
         None => kept.seen_video = None,
     }
     if content.bar.is_none() && content.welcome.is_none() {
         kept.cover.clear();
     }
-    panels
 }
 
 fn show_sentences(
@@ -364,8 +334,7 @@ fn leave_beside(left: &mut Rect, panel: Rect) {
 }
 
 fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let galley = style::line(painter, text, style::SMALL_SIZE, style::TEXT, LINE_WIDTH_MAX * space.width());
     let size = galley.size() + vec2(20.0, 8.0);
     let rect = Rect::from_min_size(pos2(space.left(), space.bottom() - size.y), size);
     style::ground(painter, rect);
@@ -383,8 +352,7 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
 }
 
 fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> Rect {
-    let font = style::proportional(style::HEADING_SIZE);
-    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let galley = style::line(painter, text, style::HEADING_SIZE, style::TEXT, LINE_WIDTH_MAX * space.width());
     let width = galley.size().x.max(FRACTION_WIDTH).min(space.width());
     let size = vec2(width + 32.0, galley.size().y + 24.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
@@ -398,9 +366,8 @@ fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> R
 }
 
 fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
-    let font = style::proportional(style::HEADING_SIZE);
     let width = LINE_WIDTH_MAX * space.width();
-    let galley = style::lines(painter, text, font, color, width, SENTENCE_ROWS_MAX);
+    let galley = style::lines(painter, text, style::HEADING_SIZE, color, width, SENTENCE_ROWS_MAX);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);

@@ -5,6 +5,7 @@ use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2}
 use super::binding::{self, OpenBinding};
 use super::content::SnapshotRow;
 use super::events::UiEvent;
+use super::panels::Pass;
 use super::{assisted, snapshots, style};
 use mariana_commands::Command;
 use mariana_control::Slider;
@@ -34,13 +35,13 @@ pub(super) fn width(window: f32) -> f32 {
 /// Draws the panel at the upper right. Returns the panel's area, and true if a value changed. Ignores clicks while the
 /// area `cover` overlaps the panel.
 pub(super) fn show(
-    context: &egui::Context,
+    pass: &mut Pass<'_>,
     space: Rect,
     cover: Option<Rect>,
     Shown { sliders, learning, snapshots }: Shown<'_>,
     open: &mut OpenBinding,
-    events: &mut Vec<UiEvent>,
 ) -> (Rect, bool) {
+    let Pass { context, events } = pass;
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
@@ -112,9 +113,8 @@ fn row(
         style::monospace(style::SMALL_SIZE),
         style::TEXT,
     );
-    let font = style::proportional(style::TEXT_SIZE);
     let room = value.left() - line.left() - 8.0;
-    let name = style::line(painter, &slider.name, font, style::TEXT, room);
+    let name = style::line(painter, &slider.name, style::TEXT_SIZE, style::TEXT, room);
     let size = name.size();
     let label = ui.interact(
         Rect::from_min_size(pos2(line.left(), line.center().y - 0.5 * size.y), size),
@@ -129,13 +129,10 @@ fn row(
     } else {
         bound.as_deref().unwrap_or_else(|| slider.changed_by_words())
     };
-    let font = style::proportional(style::SMALL_SIZE);
-    let words = style::line(painter, words, font, style::DIM, (room - size.x - 8.0).max(0.0));
+    let words = style::line(painter, words, style::SMALL_SIZE, style::DIM, (room - size.x - 8.0).max(0.0));
     let at = pos2(label.rect.right() + 8.0, line.center().y - 0.5 * words.size().y);
     painter.galley_with_override_text_color(at, words, if is_learning { style::ACCENT } else { style::DIM });
-    label.widget_info(|| {
-        WidgetInfo::selected(egui::Role::Button, true, is_learning, format!("learn {}", slider.name))
-    });
+    assisted::selected(&label, egui::Role::Button, is_learning, format_args!("learn {}", slider.name));
     if label.clicked() {
         events.push(UiEvent::Command(Command::LearnParameter(slider.name.clone())));
     }

@@ -37,9 +37,8 @@ pub(super) fn show(
 ) -> Rect {
     let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
     let (place, width) = rooms.small(WIDTH, FRACTION);
-    let font = style::proportional(style::SMALL_SIZE);
     let words = format!("next: {}", next.title);
-    let name = style::line(&painter, &words, font, style::TEXT, width);
+    let name = style::line(&painter, &words, style::SMALL_SIZE, style::TEXT, width);
     let place = Rect::from_min_size(place, vec2(width, width * 9.0 / 16.0));
     let below = place.bottom() + 4.0;
     let bottom = below + name.size().y + 4.0 + LEVEL;

@@ -16,13 +16,7 @@ const LINE_HEIGHT: f32 = 1.1;
 /// Draws the panel at the lower left and returns its area. The panel is as large as its text. Long text is cut.
 pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
-    let heading = style::line(
-        painter,
-        problem.heading,
-        style::proportional(style::HEADING_SIZE),
-        style::ERROR,
-        inner.x,
-    );
+    let heading = style::line(painter, problem.heading, style::HEADING_SIZE, style::ERROR, inner.x);
     let longest = problem.text.lines().map(width).max().unwrap_or(0) as f32;
     let fits = |size: &f32| longest * cell_of(painter, *size).x <= inner.x;
     let size = SIZES.into_iter().find(fits).unwrap_or(SIZES[SIZES.len() - 1]);

@@ -6,8 +6,9 @@ use std::time::Duration;
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::events::{SettingEvent, UiEvent};
+use super::panels::Pass;
 use super::style;
-use super::{assisted, icons};
+use super::{assisted, words};
 use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_settings::{Setting, SettingRow, Values};
@@ -39,12 +40,12 @@ pub(super) struct Seen {
 const MEANING_LINES: usize = 2;
 
 pub(super) fn show(
-    context: &egui::Context,
+    pass: &mut Pass<'_>,
     space: Rect,
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
-    events: &mut Vec<UiEvent>,
 ) -> Rect {
+    let Pass { context, events } = pass;
     let width = space.width().min(WIDTH_MAX);
     let gives_way = gives_way(context, settings, last_seen.as_ref());
     let area = style::area(Id::unique("settings"), Order::Foreground)
@@ -62,11 +63,14 @@ pub(super) fn show(
             let mut ask = |request| events.push(UiEvent::Settings(request));
             ui.scope(|ui| {
                 fade(ui, gives_way);
-                heading(ui, &mut ask);
+                let hint = "change with the arrows and Enter, or a click · saved automatically";
+                if words::heading(ui, ROW, "Settings", hint, "", "close the settings") {
+                    ask(SettingEvent::Close);
+                }
             });
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
-            let pointed = rows(ui, (height, gives_way), settings, last_seen, &mut ask);
+            let pointed = rows(ui, height, gives_way, settings, last_seen, &mut ask);
             let row = settings.rows.get(pointed.unwrap_or(settings.selected));
             fade(ui, gives_way);
             footing(ui, row.map_or("", |row| &row.purpose), meaning);
@@ -90,29 +94,6 @@ fn fade(ui: &mut Ui, gives_way: bool) {
     }
 }
 
-fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 3.0), vec2(ROW, ROW));
-    if icons::closing_cross(ui, cross, "close the settings") {
-        ask(SettingEvent::Close);
-    }
-    let painter = ui.painter();
-    let title = style::line(
-        painter,
-        "Settings",
-        style::proportional(style::HEADING_SIZE),
-        style::TEXT,
-        place.width(),
-    );
-    let words = "change with the arrows and Enter, or a click · saved automatically";
-    let left = place.left() + title.size().x + 14.0;
-    let font = style::proportional(style::SMALL_SIZE);
-    let hint = style::line(painter, words, font, style::DIM, cross.left() - left - 8.0);
-    let baseline = place.top() + title.size().y;
-    painter.galley(pos2(left, baseline - hint.size().y - 1.0), hint, style::DIM);
-    painter.galley(place.min, title, style::TEXT);
-}
-
 /// Height of the heading above a row: 0 if the row before is in the same group.
 fn heading_above(rows: &[SettingRow], place: usize) -> f32 {
     let group_of = |row: &SettingRow| row.group;
@@ -126,8 +107,7 @@ fn heading_above(rows: &[SettingRow], place: usize) -> f32 {
 
 fn draw_group(ui: &mut Ui, words: &str) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), Sense::hover());
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), words, font, style::DIM, place.width());
+    let galley = style::line(ui.painter(), words, style::SMALL_SIZE, style::DIM, place.width());
     let at = pos2(place.left() + 6.0, place.bottom() - galley.size().y - 2.0);
     ui.painter().galley(at, galley, style::DIM);
     assisted::text(ui.ctx(), words, words, false);
@@ -136,7 +116,8 @@ fn draw_group(ui: &mut Ui, words: &str) {
 /// Draws all rows. Returns the index of the row under the pointer.
 fn rows(
     ui: &mut Ui,
-    (height, gives_way): (f32, bool),
+    height: f32,
+    gives_way: bool,
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
     ask: &mut impl FnMut(SettingEvent),
@@ -175,8 +156,12 @@ fn rows(
                     });
                 }
                 fade(ui, gives_way && !is_selected);
-                let ground = gives_way && is_selected;
-                draw_row(ui, row, place, (is_selected, ground), &mut held, ask)
+                if gives_way && is_selected {
+                    let size =
+                        vec2(ui.available_width(), ROW * lines_of(ui, row, ui.available_width()) as f32);
+                    style::ground(ui.painter(), Rect::from_min_size(ui.cursor().min, size));
+                }
+                draw_row(ui, row, place, is_selected, &mut held, ask)
             });
             let response = drawn.inner;
             if response.contains_pointer() {
@@ -194,7 +179,7 @@ fn draw_row(
     ui: &mut Ui,
     row: &SettingRow,
     place: usize,
-    (is_selected, has_ground): (bool, bool),
+    is_selected: bool,
     held: &mut bool,
     ask: &mut impl FnMut(SettingEvent),
 ) -> Response {
@@ -202,23 +187,12 @@ fn draw_row(
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
     // Rows that are alternatives to each other are buttons. In all other rows, only the values can be clicked.
-    let sense = match row.values {
-        Values::OneOfRows { .. } | Values::Fold { .. } => Sense::click(),
-        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
-    };
-    let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
-    if has_ground {
-        style::ground(ui.painter(), rect);
-    }
     let is_button = matches!(row.values, Values::OneOfRows { .. } | Values::Fold { .. });
-    if is_selected || response.hovered() && is_button {
-        ui.painter().rect_filled(rect, 4.0, style::RAIL);
-    }
+    let sense = if is_button { Sense::click() } else { Sense::hover() };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
+    style::light(ui.painter(), rect, is_selected || response.hovered() && is_button);
     let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
-    let name_width = match row.values {
-        Values::OneOfRows { .. } | Values::Fold { .. } => width - 12.0,
-        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => start - 12.0,
-    };
+    let name_width = if is_button { width } else { start } - 12.0;
     draw_name(ui, row, rect, name_width, is_selected);
     match &row.values {
         Values::OneOfRows { chosen, .. } => {
@@ -238,14 +212,10 @@ fn draw_row(
                 ask(SettingEvent::Pick { row: place, value });
             }
         }
-        Values::Delay(shift) => {
-            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT, held) {
-                ask(SettingEvent::Change { row: place, number: shift, settled });
-            }
-        }
-        Values::Percent { percent, .. } => {
-            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT, held) {
-                ask(SettingEvent::Change { row: place, number: shift, settled });
+        Values::Delay(number) | Values::Percent { percent: number, .. } => {
+            let scale = if matches!(row.values, Values::Delay(_)) { &SHIFT } else { &PERCENT };
+            if let Some((number, settled)) = draw_number(ui, values, &row.name, *number, scale, held) {
+                ask(SettingEvent::Change { row: place, number, settled });
             }
         }
     }
@@ -264,24 +234,19 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
         (_, false) => ("", style::TEXT),
     };
     let words = format!("{mark}{}", row.name);
-    let name = style::line(painter, &words, style::proportional(style::TEXT_SIZE), color, width);
-    let middle = rect.top() + 0.5 * ROW;
-    let end = rect.left() + 6.0 + name.size().x;
-    painter.galley(pos2(rect.left() + 6.0, middle - 0.5 * name.size().y), name, color);
+    let left = pos2(rect.left() + 6.0, rect.top() + 0.5 * ROW);
+    let end = style::put(painter, left, &words, style::TEXT_SIZE, color, width);
     if row.for_this_run {
         // If there is no room for the words, draw only a dot.
-        let font = style::proportional(style::SMALL_SIZE);
-        let left = rect.left() + 6.0 + width - end;
-        let mark = style::line(painter, THIS_RUN, font, style::DIM, left.max(8.0));
-        painter.galley(pos2(end + 6.0, middle - 0.5 * mark.size().y), mark, style::DIM);
+        let room = (left.x + width - end).max(8.0);
+        style::put(painter, pos2(end + 6.0, left.y), THIS_RUN, style::SMALL_SIZE, style::DIM, room);
     }
 }
 
 const THIS_RUN: &str = "this run";
 
 fn name_width(ui: &Ui, name: &str) -> f32 {
-    let font = style::proportional(style::TEXT_SIZE);
-    style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0
+    style::line(ui.painter(), name, style::TEXT_SIZE, style::TEXT, f32::MAX).size().x + 18.0
 }
 
 fn start_of_values(width: f32) -> f32 {
@@ -330,12 +295,14 @@ fn draw_names(
         if let Some(fill) = fill {
             painter.rect_filled(ground, 4.0, fill);
         }
-        let galley = style::line(painter, name, style::proportional(style::TEXT_SIZE), color, width);
+        let galley = style::line(painter, name, style::TEXT_SIZE, color, width);
         painter.galley_with_override_text_color(ground.center() - 0.5 * galley.size(), galley, color);
-        response.widget_info(|| {
-            let words = format!("{}: {name}", row.name);
-            WidgetInfo::selected(egui::Role::RadioButton, true, place == chosen, words)
-        });
+        assisted::selected(
+            &response,
+            egui::Role::RadioButton,
+            place == chosen,
+            format_args!("{}: {name}", row.name),
+        );
         if response.clicked() {
             clicked = Some(place);
         }
@@ -385,7 +352,7 @@ fn draw_number(
 ) -> Option<(f64, bool)> {
     let painter = ui.painter();
     let words = (scale.words)(shift);
-    let number = style::line(painter, &words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
+    let number = style::line(painter, &words, style::TEXT_SIZE, style::TEXT, 80.0);
     let place = pos2(rect.right() - 8.0 - number.size().x, rect.center().y - 0.5 * number.size().y);
     painter.galley(place, number, style::TEXT);
     let hold =
@@ -424,7 +391,7 @@ fn draw_number(
 
 fn footing(ui: &mut Ui, words: &str, height: f32) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::paragraph(ui.painter(), words, font, style::DIM, place.width(), MEANING_LINES);
+    let galley =
+        style::paragraph(ui.painter(), words, style::SMALL_SIZE, style::DIM, place.width(), MEANING_LINES);
     ui.painter().galley(pos2(place.left() + 6.0, place.top() + 6.0), galley, style::DIM);
 }

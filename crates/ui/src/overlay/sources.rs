@@ -1,9 +1,11 @@
 //! Draws the list of sound sources.
 
-use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, ScrollArea, Sense, pos2, vec2};
 
+use super::assisted;
 use super::content::SourceList;
 use super::events::UiEvent;
+use super::panels::Pass;
 use super::style;
 use mariana_commands::Command;
 
@@ -13,20 +15,15 @@ const ROW: f32 = 1.7;
 const WIDTH_MAX: f32 = 0.6;
 
 /// Draws the panel at the upper left of `space` and returns the panel's area. A click chooses a source.
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    list: &SourceList,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, list: &SourceList) -> Rect {
+    let Pass { context, events } = pass;
     let row_height = ROW * style::TEXT_SIZE;
     let area = style::area(Id::unique("sources"), Order::Foreground).fixed_pos(space.min);
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             let line = |text: &str, color| {
-                let font = style::proportional(style::TEXT_SIZE);
-                style::line(ui.painter(), text, font, color, WIDTH_MAX * space.width())
+                style::line(ui.painter(), text, style::TEXT_SIZE, color, WIDTH_MAX * space.width())
             };
             let heading = line("D: listen to", style::DIM);
             let rows: Vec<_> = list
@@ -46,15 +43,11 @@ pub(super) fn show(
             ScrollArea::vertical().max_height(height).show(ui, |ui| {
                 for (index, (galley, name)) in rows.into_iter().enumerate() {
                     let (place, response) = ui.allocate_exact_size(vec2(widest, row_height), Sense::click());
-                    if response.hovered() {
-                        ui.painter().rect_filled(place.expand2(vec2(5.0, 0.0)), 4.0, style::RAIL);
-                    }
+                    style::light(ui.painter(), place.expand2(vec2(5.0, 0.0)), response.hovered());
                     let top = place.center().y - 0.5 * galley.size().y;
                     ui.painter().galley(pos2(place.left(), top), galley, style::TEXT);
                     let is_present = list.present == Some(index);
-                    response.widget_info(|| {
-                        WidgetInfo::selected(egui::Role::RadioButton, true, is_present, name)
-                    });
+                    assisted::selected(&response, egui::Role::RadioButton, is_present, name);
                     if response.clicked() {
                         events.push(UiEvent::Command(Command::Listen(index)));
                     } else if is_present && response.rect.is_positive() && !ui.is_rect_visible(place) {

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeKind, Vec2};
+use egui::{
+    Color32, CornerRadius, FontId, Galley, Id, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2,
+};
 
 use mariana_render::reading_order::as_seen;
 
@@ -43,7 +45,18 @@ pub(super) fn monospace(size: f32) -> FontId {
 }
 
 /// One line of text. Text beyond `width` points is replaced by an ellipsis.
-pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
+pub(super) fn line(painter: &Painter, text: &str, size: f32, color: Color32, width: f32) -> Arc<Galley> {
+    line_in(painter, text, proportional(size), color, width)
+}
+
+/// Like [`line`], in a font.
+pub(super) fn line_in(
+    painter: &Painter,
+    text: &str,
+    font: FontId,
+    color: Color32,
+    width: f32,
+) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(as_seen(text).into_owned(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
     painter.layout_job(job)
@@ -53,28 +66,28 @@ pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, 
 pub(super) fn lines(
     painter: &Painter,
     text: &str,
-    font: FontId,
+    size: f32,
     color: Color32,
     width: f32,
     rows: usize,
 ) -> Arc<Galley> {
-    painter.layout_job(LayoutJob { halign: egui::Align::Center, ..wrapped(text, font, color, width, rows) })
+    painter.layout_job(LayoutJob { halign: egui::Align::Center, ..wrapped(text, size, color, width, rows) })
 }
 
 /// Text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
 pub(super) fn paragraph(
     painter: &Painter,
     text: &str,
-    font: FontId,
+    size: f32,
     color: Color32,
     width: f32,
     rows: usize,
 ) -> Arc<Galley> {
-    painter.layout_job(wrapped(text, font, color, width, rows))
+    painter.layout_job(wrapped(text, size, color, width, rows))
 }
 
-fn wrapped(text: &str, font: FontId, color: Color32, width: f32, rows: usize) -> LayoutJob {
-    let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
+fn wrapped(text: &str, size: f32, color: Color32, width: f32, rows: usize) -> LayoutJob {
+    let mut job = LayoutJob::simple(as_seen(text).into_owned(), proportional(size), color, width.max(1.0));
     job.wrap.max_rows = rows;
     job
 }
@@ -86,6 +99,56 @@ pub(super) fn ground(painter: &Painter, rect: Rect) {
 /// A panel area that egui lays out, with a fixed position and without a fade.
 pub(super) fn area(id: egui::Id, order: egui::Order) -> egui::Area {
     egui::Area::new(id).kind(egui::UiKind::Window).order(order).constrain(false).fade_in(false)
+}
+
+/// Shows a panel at the top left of `place`, with the width and at most the height of `place`. Returns its area.
+pub(super) fn panel(
+    context: &egui::Context,
+    id: &str,
+    order: Order,
+    place: Rect,
+    content: impl FnOnce(&mut Ui),
+) -> Rect {
+    let shown = area(Id::unique(id), order).fixed_pos(place.min).show(context, |ui| {
+        frame().show(ui, |ui| {
+            let inner = (place.size() - 2.0 * PADDING).max(Vec2::ZERO);
+            ui.set_width(inner.x);
+            // Without this, egui limits the height of a new panel.
+            ui.set_max_height(inner.y);
+            content(ui);
+        });
+    });
+    shown.response.rect
+}
+
+/// The middle of `space`, at most `width_max` points wide.
+pub(super) fn middle(space: Rect, width_max: f32) -> Rect {
+    Rect::from_center_size(space.center(), vec2(space.width().min(width_max), space.height()))
+}
+
+/// The right part of `space`, at most `width_max` points wide.
+pub(super) fn right_part(space: Rect, width_max: f32) -> Rect {
+    space.with_min_x(space.right() - space.width().min(width_max))
+}
+
+/// Draws a line of text from the middle of its left edge. Returns the x of its right edge.
+pub(super) fn put(painter: &Painter, left: Pos2, text: &str, size: f32, color: Color32, width: f32) -> f32 {
+    let galley = line(painter, text, size, color, width);
+    let end = left.x + galley.size().x;
+    painter.galley(left - vec2(0.0, 0.5 * galley.size().y), galley, color);
+    end
+}
+
+/// Lights the ground of a selected or pointed row.
+pub(super) fn light(painter: &Painter, rect: Rect, is_lit: bool) {
+    if is_lit {
+        painter.rect_filled(rect, 4.0, RAIL);
+    }
+}
+
+/// Draws the caret of a search.
+pub(super) fn caret(painter: &Painter, top: Pos2) {
+    painter.vline(top.x, top.y..=top.y + HEADING_SIZE * 1.2, Stroke::new(1.5, ACCENT));
 }
 
 pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {

@@ -10,7 +10,8 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, SourceList, Tracks, UiEvent, style,
+    Bar, Notice, NowPlaying, OverlayContent, PanelSwitches, Problem, SettingEvent, SourceList, Tracks,
+    UiEvent, style,
 };
 use crate::editor::Editor;
 use crate::help_panel::HelpPanel;
@@ -208,9 +209,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         marks: None,
         level: 0.5,
         scene,
-        open: None,
-        help: false,
-        sliders: false,
+        panels: PanelSwitches::default(),
         fullscreen: false,
         follows: true,
         decks: false,
@@ -496,9 +495,7 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
         now: &playing(),
         level: 0.5,
         scene: "speakers, 1 of 17",
-        open: None,
-        help: true,
-        sliders: true,
+        panels: PanelSwitches { help: true, sliders: true, ..Default::default() },
         fullscreen: false,
         follows: false,
         decks: false,

@@ -6,6 +6,7 @@ use mariana_commands::Command;
 use super::events::{TrackListEvent, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
+use super::panels::Pass;
 use super::{assisted, style, words};
 use crate::track_panel::TrackPanel;
 
@@ -30,34 +31,23 @@ pub struct Tracks<'a> {
     pub present: usize,
 }
 
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    tracks: &Tracks<'_>,
-    last_selected: &mut Option<usize>,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
-    let width = (PART * space.width()).clamp(WIDTH.0, WIDTH.1).min(space.width());
-    let area =
-        style::area(Id::unique("tracks"), Order::Middle).fixed_pos(pos2(space.right() - width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-            heading(ui, tracks, events);
-            let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
-            rows(ui, height, tracks, last_selected, events);
-            buttons(ui, tracks, events);
-            let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-            let keys = if tracks.panel.is_searching() {
-                "type to search · Enter plays · Esc shows all tracks"
-            } else {
-                "Enter plays · Delete removes · Alt+arrow moves · / searches"
-            };
-            words::hint(ui, place, keys);
-        });
-    });
-    shown.response.rect
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, tracks: &Tracks<'_>, last: &mut Option<usize>) -> Rect {
+    let Pass { context, events } = pass;
+    let place = style::right_part(space, (PART * space.width()).clamp(WIDTH.0, WIDTH.1));
+    style::panel(context, "tracks", Order::Middle, place, |ui| {
+        ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
+        heading(ui, tracks, events);
+        let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
+        rows(ui, height, tracks, last, events);
+        buttons(ui, tracks, events);
+        let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+        let keys = if tracks.panel.is_searching() {
+            "type to search · Enter plays · Esc shows all tracks"
+        } else {
+            "Enter plays · Delete removes · Alt+arrow moves · / searches"
+        };
+        words::hint(ui, place, keys);
+    })
 }
 
 fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
@@ -70,19 +60,13 @@ fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
         None => (tracks.panel.totals(clock_time), style::TEXT),
         Some(query) => (format!("search: {query}| {} tracks", tracks.panel.rows()), style::ACCENT),
     };
-    let font = style::proportional(style::TEXT_SIZE);
-    let galley = style::line(ui.painter(), &words, font, color, cross.left() - place.left() - 8.0);
+    let galley =
+        style::line(ui.painter(), &words, style::TEXT_SIZE, color, cross.left() - place.left() - 8.0);
     ui.painter().galley(place.left_top(), galley, color);
     assisted::text(ui.ctx(), "length of the list", &words, tracks.panel.is_searching());
 }
 
-fn rows(
-    ui: &mut Ui,
-    height: f32,
-    tracks: &Tracks<'_>,
-    last_selected: &mut Option<usize>,
-    events: &mut Vec<UiEvent>,
-) {
+fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>, events: &mut Vec<UiEvent>) {
     let (panel, count) = (tracks.panel, tracks.panel.rows());
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     if count == 0 {
@@ -97,7 +81,7 @@ fn rows(
     let builder = egui::UiBuilder::new().max_rect(place).scope_id(Id::unique("rows of tracks"));
     let ui = &mut ui.new_child(builder);
     let mut scroll = ScrollArea::vertical().id_salt("tracks").max_height(height).auto_shrink([false, false]);
-    if last_selected.replace(panel.selected) != Some(panel.selected) {
+    if last.replace(panel.selected) != Some(panel.selected) {
         scroll = scroll.vertical_scroll_offset(style::scrolled_to(panel.selected, ROW, height));
     }
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
@@ -192,8 +176,7 @@ fn drag(
     if let Some(pointer) = pointer.filter(|_| response.dragged()) {
         let front =
             response.ctx.layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("dragged track")));
-        let font = style::proportional(style::TEXT_SIZE);
-        let name = style::line(&front, &words.title, font, style::TEXT, 0.7 * place.width());
+        let name = style::line(&front, &words.title, style::TEXT_SIZE, style::TEXT, 0.7 * place.width());
         let ground = Rect::from_min_size(pointer + vec2(12.0, -0.5 * ROW), name.size() + vec2(14.0, 8.0));
         style::ground(&front, ground);
         front.galley(ground.min + vec2(7.0, 4.0), name, style::TEXT);
@@ -239,11 +222,7 @@ impl Words {
 
     fn draw(&self, painter: &Painter, place: Rect, end: f32, is_present: bool) {
         let put = |text: &str, left: f32, width: f32, size: f32, color| {
-            let galley = style::line(painter, text, style::proportional(size), color, width);
-            let at = pos2(left, place.center().y - 0.5 * galley.size().y);
-            let right = at.x + galley.size().x;
-            painter.galley(at, galley, color);
-            right
+            style::put(painter, pos2(left, place.center().y), text, size, color, width)
         };
         let indent = 10.0 + 7.5 * self.digits as f32;
         if is_present {
@@ -252,8 +231,7 @@ impl Words {
         } else {
             put(&self.number, place.left() + 2.0, indent, style::SMALL_SIZE, style::DIM);
         }
-        let font = style::proportional(style::SMALL_SIZE);
-        let length = style::line(painter, &self.length, font, style::DIM, LENGTH);
+        let length = style::line(painter, &self.length, style::SMALL_SIZE, style::DIM, LENGTH);
         let at = pos2(end - 4.0 - length.size().x, place.center().y - 0.5 * length.size().y);
         painter.galley(at, length, style::DIM);
         let left = place.left() + indent;

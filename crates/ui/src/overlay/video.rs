@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use egui::{Galley, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Galley, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::chips::{self, Chip};
 use super::events::UiEvent;
-use super::{assisted, icons, style};
-use crate::video_panel::{VideoOption, VideoPanel, VideoRow, choose, job};
-use mariana_commands::{Command, Panel, VideoChoice, VideoEdit};
+use super::panels::Pass;
+use super::{assisted, style, words};
+use crate::video_panel::{VideoPanel, VideoRow, choose, job};
+use mariana_commands::{Command, Panel, VideoEdit};
 
 const WIDTH_MAX: f32 = 640.0;
 const LINE: f32 = 24.0;
@@ -24,56 +25,30 @@ const GAP: f32 = 4.0;
 const MAKE: &str = "make the video";
 
 /// The selected row and the number of videos at the last layout.
-pub(super) type Seen = (usize, usize);
+pub(super) type Seen = Option<(usize, usize)>;
 
-pub(super) fn show(
-    context: &egui::Context,
-    space: Rect,
-    panel: &VideoPanel,
-    last_seen: &mut Option<Seen>,
-    events: &mut Vec<UiEvent>,
-) -> Rect {
-    let width = space.width().min(WIDTH_MAX);
-    let area = style::area(Id::unique("videos"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let mut ask = |command| events.push(UiEvent::Command(command));
-            heading(ui, &mut ask);
-            let foot = Foot::new(ui, panel);
-            let height = (space.height() - 2.0 * style::PADDING.y - LINE - foot.height()).max(LINE);
-            let jobs = panel.rows.iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
-            let before = last_seen.replace((panel.selected, jobs));
-            let moved = before.is_some_and(|(selected, _)| selected != panel.selected);
-            let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            if before.is_none_or(|(_, before)| before < jobs) {
-                // Show the queue, which is above the choices.
-                list = list.vertical_scroll_offset(0.0);
-            }
-            list.show(ui, |ui| rows(ui, panel, moved, &mut ask));
-            foot.show(ui, panel, &mut ask);
-        });
-    });
-    shown.response.rect
-}
-
-fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "close the videos") {
-        ask(Command::TogglePanel(Panel::Video));
-    }
-    let painter = ui.painter();
-    let font = style::proportional(style::HEADING_SIZE);
-    let title = style::line(painter, "Make a video", font, style::TEXT, place.width());
-    let left = place.left() + title.size().x + 14.0;
-    let words = "Enter makes it · choose with the arrows or a click";
-    let font = style::proportional(style::SMALL_SIZE);
-    let hint = style::line(painter, words, font, style::DIM, (cross.left() - left - 8.0).max(0.0));
-    painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
-    painter.galley(place.min, title, style::TEXT);
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &mut Seen) -> Rect {
+    let Pass { context, events } = pass;
+    style::panel(context, "videos", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        let mut ask = |command| events.push(UiEvent::Command(command));
+        let hint = "Enter makes it · choose with the arrows or a click";
+        if words::heading(ui, LINE, "Make a video", hint, "", "close the videos") {
+            ask(Command::TogglePanel(Panel::Video));
+        }
+        let foot = Foot::new(ui, panel);
+        let height = (space.height() - 2.0 * style::PADDING.y - LINE - foot.height()).max(LINE);
+        let jobs = panel.rows.iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
+        let before = seen.replace((panel.selected, jobs));
+        let moved = before.is_some_and(|(selected, _)| selected != panel.selected);
+        let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        if before.is_none_or(|(_, before)| before < jobs) {
+            // Show the queue, which is above the choices.
+            list = list.vertical_scroll_offset(0.0);
+        }
+        list.show(ui, |ui| rows(ui, panel, moved, &mut ask));
+        foot.show(ui, panel, &mut ask);
+    })
 }
 
 /// Draws the queue and the choices.
@@ -83,10 +58,7 @@ fn rows(ui: &mut Ui, panel: &VideoPanel, moved: bool, ask: &mut impl FnMut(Comma
         let selected = (place == panel.selected).then(|| panel.selected_button());
         let drawn = match row {
             VideoRow::Job { .. } => ui.push_id(place, |ui| draw_job(ui, row, selected, ask)).inner,
-            VideoRow::Choice { what, name, options, chosen } => {
-                let choice = (*what, *name, &options[..], *chosen);
-                ui.push_id(place, |ui| draw_choice(ui, choice, selected, ask)).inner
-            }
+            VideoRow::Choice { .. } => ui.push_id(place, |ui| draw_choice(ui, row, selected, ask)).inner,
             VideoRow::Make { .. } => continue,
         };
         if selected.is_some() && moved {
@@ -97,30 +69,29 @@ fn rows(ui: &mut Ui, panel: &VideoPanel, moved: bool, ask: &mut impl FnMut(Comma
 
 fn draw_choice(
     ui: &mut Ui,
-    (what, name, options, chosen): (VideoChoice, &str, &[VideoOption], Option<usize>),
+    row: &VideoRow,
     selected: Option<Option<usize>>,
     ask: &mut impl FnMut(Command),
 ) -> Response {
+    let VideoRow::Choice { what, name, options, chosen } = row else { return ui.response() };
     let ground = ui.painter().add(egui::Shape::Noop);
     let drawn = ui.horizontal(|ui| {
         let color = if selected.is_some() { style::ACCENT } else { style::TEXT };
         let (place, _) = ui.allocate_exact_size(vec2(NAME, LINE), Sense::hover());
-        let font = style::proportional(style::TEXT_SIZE);
-        let galley = style::line(ui.painter(), name, font, color, NAME - INDENT);
-        let top = place.center().y - 0.5 * galley.size().y;
-        ui.painter().galley(pos2(place.left() + INDENT, top), galley, color);
+        let left = place.left_center() + vec2(INDENT, 0.0);
+        style::put(ui.painter(), left, name, style::TEXT_SIZE, color, NAME - INDENT);
         let chips: Vec<Chip<'_>> = options
             .iter()
             .enumerate()
             .map(|(index, option)| {
-                let is_lit = chosen == Some(index) || selected.is_some_and(|button| button == Some(index));
+                let is_lit = *chosen == Some(index) || selected == Some(Some(index));
                 Chip::new(&option.text, format!("{name}: {}", option.text), is_lit)
             })
             .collect();
         ui.vertical(|ui| {
             ui.add_space(2.0);
             if let Some(option) = chips::row(ui, name, &chips) {
-                ask(choose(what, option));
+                ask(choose(*what, option));
             }
             ui.add_space(2.0);
         });
@@ -148,21 +119,14 @@ fn draw_job(
     let drawn = ui.vertical(|ui| {
         let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
         let color = if selected.is_some() { style::ACCENT } else { style::TEXT };
-        let put = |text: &str, left: f32, size: f32, color, width: f32| {
-            let galley = style::line(ui.painter(), text, style::proportional(size), color, width.max(1.0));
-            let end = left + galley.size().x;
-            ui.painter().galley(pos2(left, place.center().y - 0.5 * galley.size().y), galley, color);
-            end
-        };
-        let left = place.left() + INDENT;
-        let long_about = *is_bad;
-        let end = put(name, left, style::TEXT_SIZE, color, 0.55 * place.width());
-        if !long_about {
-            put(about, end + 10.0, style::SMALL_SIZE, style::DIM, place.right() - end - 10.0);
-        }
+        let left = place.left_center() + vec2(INDENT, 0.0);
+        let end = style::put(ui.painter(), left, name, style::TEXT_SIZE, color, 0.55 * place.width());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, format!("{name}, {about}")));
-        if long_about {
+        if *is_bad {
             sentence(ui, about, style::ERROR);
+        } else {
+            let (left, room) = (pos2(end + 10.0, left.y), place.right() - end - 10.0);
+            style::put(ui.painter(), left, about, style::SMALL_SIZE, style::DIM, room);
         }
         if let Some(fraction) = fraction {
             let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), RAIL_HEIGHT), Sense::hover());
@@ -178,8 +142,7 @@ fn draw_job(
                 .iter()
                 .enumerate()
                 .map(|(index, (_, words))| {
-                    let is_lit = selected.is_some_and(|button| button == Some(index));
-                    Chip::new(words, format!("{words}, {name}"), is_lit)
+                    Chip::new(words, format!("{words}, {name}"), selected == Some(Some(index)))
                 })
                 .collect();
             if let Some((action, _)) = chips::row(ui, "actions", &chips).and_then(|at| actions.get(at)) {
@@ -194,13 +157,13 @@ fn draw_job(
 
 /// Draws a sentence in at most [`ABOUT_ROWS`] lines.
 fn sentence(ui: &mut Ui, text: &str, color: egui::Color32) {
-    let galley = words(ui, text, color, ui.available_width() - 2.0 * INDENT);
+    let galley = wrapped(ui, text, color, ui.available_width() - 2.0 * INDENT);
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), galley.size().y), Sense::hover());
     ui.painter().galley(pos2(place.left() + INDENT, place.top()), galley, color);
 }
 
-fn words(ui: &Ui, text: &str, color: egui::Color32, width: f32) -> Arc<Galley> {
-    style::paragraph(ui.painter(), text, style::proportional(style::SMALL_SIZE), color, width, ABOUT_ROWS)
+fn wrapped(ui: &Ui, text: &str, color: egui::Color32, width: f32) -> Arc<Galley> {
+    style::paragraph(ui.painter(), text, style::SMALL_SIZE, color, width, ABOUT_ROWS)
 }
 
 /// The lower end of the panel: the explanation of the selected option, the button that makes a video, and what is
@@ -216,7 +179,7 @@ impl Foot {
         let meaning = match panel.rows.get(panel.selected) {
             Some(VideoRow::Choice { options, chosen, .. }) => {
                 let option = chosen.or(panel.selected_button()).and_then(|option| options.get(option));
-                option.map(|option| words(ui, &option.meaning, style::DIM, width))
+                option.map(|option| wrapped(ui, &option.meaning, style::DIM, width))
             }
             _ => None,
         };
@@ -225,7 +188,7 @@ impl Foot {
             _ => ("", false),
         };
         let color = if is_bad { style::ERROR } else { style::TEXT };
-        Self { meaning, about: words(ui, about, color, width - MAKE_WIDTH) }
+        Self { meaning, about: wrapped(ui, about, color, width - MAKE_WIDTH) }
     }
 
     fn line(&self) -> f32 {

@@ -59,8 +59,7 @@ pub(super) fn draw(
     painter.set_opacity(welcome.opacity(now));
     let cover = welcome.cover.map_or(0.0, |_| COVER.min(0.25 * space.width()) + style::PADDING.x);
     let width = WIDTH_MAX * space.width() - 2.0 * style::PADDING.x - cover;
-    let line =
-        |text: &str, size: f32, color| style::line(&painter, text, style::proportional(size), color, width);
+    let line = |text: &str, size: f32, color| style::line(&painter, text, size, color, width);
     let mut lines = vec![line(welcome.title, 1.6 * style::TEXT_SIZE, style::TEXT)];
     lines.extend(welcome.artist.map(|artist| line(artist, style::HEADING_SIZE, style::TEXT)));
     lines.push(line(&format!("scene: {}", welcome.scene), style::TEXT_SIZE, style::DIM));
@@ -126,9 +125,7 @@ impl Hints {
         for (galley, cap) in self.parts {
             let size = vec2(Self::width_of(&galley, cap), galley.size().y + 4.0);
             let place = Rect::from_min_size(pos2(x, at.y + self.height - size.y), size);
-            if cap {
-                painter.rect_filled(place, 4.0, style::RAIL);
-            }
+            style::light(painter, place, cap);
             painter.galley(place.center() - 0.5 * galley.size(), galley, style::TEXT);
             x += size.x + GAP;
         }

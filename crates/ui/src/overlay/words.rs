@@ -1,8 +1,8 @@
 //! Buttons that consist of words.
 
-use egui::{Rect, Response, Sense, Ui, WidgetInfo, vec2};
+use egui::{Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::style;
+use super::{icons, style};
 
 /// Height of a button with the space around it.
 pub(super) const BUTTON: f32 = 24.0;
@@ -10,9 +10,8 @@ const PADDING: f32 = 7.0;
 
 /// A button with these words. A button that is not `enabled` is dim and ignores clicks.
 pub(super) fn button(ui: &mut Ui, words: &str, enabled: bool) -> Response {
-    let font = style::proportional(style::TEXT_SIZE);
     let room = (ui.available_width() - 2.0 * PADDING).max(60.0);
-    let galley = style::line(ui.painter(), words, font, style::ACCENT, room);
+    let galley = style::line(ui.painter(), words, style::TEXT_SIZE, style::ACCENT, room);
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (place, response) = ui.allocate_exact_size(vec2(galley.size().x + 2.0 * PADDING, BUTTON), sense);
     let color = match (enabled, response.hovered()) {
@@ -20,9 +19,7 @@ pub(super) fn button(ui: &mut Ui, words: &str, enabled: bool) -> Response {
         (true, true) => style::TEXT,
         (true, false) => style::ACCENT,
     };
-    if enabled {
-        ui.painter().rect_filled(place.shrink2(vec2(0.0, 2.0)), 4.0, style::RAIL);
-    }
+    style::light(ui.painter(), place.shrink2(vec2(0.0, 2.0)), enabled);
     ui.painter().galley_with_override_text_color(place.center() - 0.5 * galley.size(), galley, color);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, words));
     response
@@ -30,11 +27,27 @@ pub(super) fn button(ui: &mut Ui, words: &str, enabled: bool) -> Response {
 
 /// A line of dim words at the bottom of `place`.
 pub(super) fn hint(ui: &Ui, place: Rect, words: &str) {
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), words, font, style::DIM, place.width());
-    ui.painter().galley(
-        egui::pos2(place.left(), place.center().y - 0.5 * galley.size().y),
-        galley,
-        style::DIM,
-    );
+    style::put(ui.painter(), place.left_center(), words, style::SMALL_SIZE, style::DIM, place.width());
+}
+
+/// The top of a panel: its title with a hint, or the text of a search, and a close button with the accessible name
+/// `closing`. Returns true if the button was clicked.
+pub(super) fn heading(ui: &mut Ui, height: f32, title: &str, hint: &str, query: &str, closing: &str) -> bool {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * height, 3.0), vec2(height, height));
+    let is_closed = icons::closing_cross(ui, cross, closing);
+    let painter = ui.painter();
+    let words = if query.is_empty() { title } else { query };
+    let words =
+        style::line(painter, words, style::HEADING_SIZE, style::TEXT, cross.left() - place.left() - 8.0);
+    let end = place.left() + words.size().x;
+    if query.is_empty() {
+        let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, cross.left() - end - 22.0);
+        let top = place.top() + words.size().y - hint.size().y - 1.0;
+        painter.galley(pos2(end + 14.0, top), hint, style::DIM);
+    } else {
+        style::caret(painter, pos2(end + 2.0, place.top()));
+    }
+    painter.galley(place.min, words, style::TEXT);
+    is_closed
 }

@@ -14,15 +14,15 @@ impl SceneSession {
     pub(crate) fn toggle_refinement(&mut self) -> bool {
         if self.refinement.is_on() {
             self.refine_only(None);
-            self.messages.answer("no longer refined".to_owned());
+            self.messages.answer("no longer refined");
             return false;
         }
         if let Some(words) = why_not_refined(&self.scenes, &self.composer) {
-            self.messages.answer(words.to_owned());
+            self.messages.answer(words);
             return false;
         }
         self.refinement.request();
-        self.messages.answer("refining this moment by paths of light".to_owned());
+        self.messages.answer("refining this moment by paths of light");
         self.request_paths();
         true
     }
@@ -60,7 +60,7 @@ impl SceneSession {
         let patience = self.preparation.library.length_of_go();
         let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(frame) = self.composer.pictures.frame() else { return Ok(None) };
-        match self.refinement.resume(renderer, (scene, mode, frame), of, patience) {
+        match self.refinement.resume(renderer, scene, mode, frame, of, patience) {
             Ok((is_better, words)) => {
                 words.into_iter().for_each(|words| self.messages.answer(words));
                 let spent = crate::clock::since(begun);
@@ -69,7 +69,7 @@ impl SceneSession {
             Err(GpuError::Object { what, reason }) => {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.refine_only(None);
-                self.messages.answer("the driver has no memory to refine this moment".to_owned());
+                self.messages.answer("the driver has no memory to refine this moment");
                 Ok(None)
             }
             Err(error) => Err(error),
@@ -91,7 +91,7 @@ impl SceneSession {
         }
         if let Some(words) = why_not_refined(&self.scenes, &self.composer) {
             self.refinement.end();
-            return self.messages.answer(words.to_owned());
+            return self.messages.answer(words);
         }
         let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
         // Another program may still come, which will draw the scene.

@@ -51,7 +51,7 @@ pub(super) fn show(
         let (left, width) = (rect.left() + 10.0, rect.width() - 20.0);
         let mut y = rect.top() + 6.0;
         let mut add = |x: f32, text: &str, font, color, width: f32, next: f32| {
-            let galley = style::line(painter, text, font, color, width);
+            let galley = style::line_in(painter, text, font, color, width);
             painter.galley(pos2(x, y), galley, color);
             y += next;
         };
@@ -71,7 +71,7 @@ pub(super) fn show(
         }
         let heading = format!("{name}, line {number}: click to go there");
         let mut add = |text: &str, font, color| {
-            let galley = style::line(painter, text, font, color, width);
+            let galley = style::line_in(painter, text, font, color, width);
             painter.galley(pos2(left, y), galley, color);
             y += ROW;
         };

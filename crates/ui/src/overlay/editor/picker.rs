@@ -68,8 +68,7 @@ pub(super) fn show(
                 true => format!("colour, {} times as bright as white", short(picked.bright)),
                 false => "colour".to_owned(),
             };
-            let font = style::proportional(style::SMALL_SIZE);
-            let galley = style::line(ui.painter(), &words, font, style::DIM, row.width() - 24.0);
+            let galley = style::line(ui.painter(), &words, style::SMALL_SIZE, style::DIM, row.width() - 24.0);
             ui.painter().galley(row.min, galley, style::DIM);
             changed
         })

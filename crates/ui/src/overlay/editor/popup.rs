@@ -22,7 +22,8 @@ pub(super) fn show(
     space: Rect,
     at: Pos2,
     line: f32,
-    (proposing, object_preview): (&Proposing, Option<&ObjectPreview>),
+    proposing: &Proposing,
+    object_preview: Option<&ObjectPreview>,
     ask: &mut impl FnMut(EditorEvent),
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
@@ -46,7 +47,7 @@ pub(super) fn show(
             painter.rect_filled(place, 3.0, style::RAIL);
         }
         let color = if selected { style::ACCENT } else { style::TEXT };
-        let galley = style::line(&painter, &one.name, style::monospace(12.5), color, place.width() - 8.0);
+        let galley = style::line_in(&painter, &one.name, style::monospace(12.5), color, place.width() - 8.0);
         painter.galley(pos2(place.left() + 4.0, place.center().y - 0.5 * galley.size().y), galley, color);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &one.name));
         if response.clicked() {

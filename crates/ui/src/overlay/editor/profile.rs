@@ -44,10 +44,10 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
     let column = (0.13 * space.width()).clamp(46.0, 76.0);
     let names = space.width() - 5.0 * column;
     let draw = |y: f32, name: &str, cells: &[String; 5], color| {
-        let galley = style::line(&painter, name, style::proportional(style::SMALL_SIZE), color, names - 8.0);
+        let galley = style::line(&painter, name, style::SMALL_SIZE, color, names - 8.0);
         painter.galley(pos2(table.left() + 4.0, y), galley, color);
         for (number, cell) in cells.iter().enumerate() {
-            let galley = style::line(&painter, cell, style::proportional(style::SMALL_SIZE), color, column);
+            let galley = style::line(&painter, cell, style::SMALL_SIZE, color, column);
             let right = table.left() + names + (number + 1) as f32 * column - 4.0;
             painter.galley(pos2(right - galley.size().x, y), galley, color);
         }

@@ -118,7 +118,7 @@ pub(super) fn show(
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
     if let Some(proposing) = editor.proposals.shown() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, (proposing, editor.proposals.object_preview()), ask);
+        popup::show(ui, space, at, cell.y, proposing, editor.proposals.object_preview(), ask);
     }
     let (at, _) = editor.held_numbers.picked_color(document)?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
@@ -153,7 +153,7 @@ fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document)
 fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document: &Document) {
     let is_current = document.editing.buffer().line_of(document.editing.cursor()) == line;
     let color = if is_current { style::TEXT } else { style::DIM };
-    let galley = style::line(painter, &(line + 1).to_string(), style::monospace(SIZE), color, f32::MAX);
+    let galley = style::line_in(painter, &(line + 1).to_string(), style::monospace(SIZE), color, f32::MAX);
     painter.galley(pos2(right - galley.size().x, page.at(line, 0).y), galley, color);
 }
 
@@ -165,7 +165,7 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
     let mut row_starts =
         page.starts(line).iter().copied().skip_while(|start| *start <= visible.start).peekable();
     let mut words = words.iter().peekable();
-    let mut run = Run::default();
+    let mut run = TextRun::default();
     for cell in cells(text) {
         if cell.column + cell.width <= visible.start {
             continue;
@@ -183,7 +183,11 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
         match bytes {
             b"\t" => {}
             [byte @ b' '..=b'~'] => {
-                run.push(painter, page, line, (cell.column, char::from(*byte), color), font)
+                if !run.ends_at(cell.column) {
+                    run.flush(painter, page, line, font);
+                    run.column = cell.column;
+                }
+                run.push(char::from(*byte), color);
             }
             _ => {
                 run.flush(painter, page, line, font);
@@ -216,25 +220,18 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
 }
 
 #[derive(Default)]
-struct Run {
+struct TextRun {
     column: usize,
     text: String,
     colors: Vec<(usize, Color32)>,
 }
 
-impl Run {
-    fn push(
-        &mut self,
-        painter: &Painter,
-        page: &Page,
-        line: usize,
-        (column, letter, color): (usize, char, Color32),
-        font: &FontId,
-    ) {
-        if column != self.column + self.text.len() {
-            self.flush(painter, page, line, font);
-            self.column = column;
-        }
+impl TextRun {
+    fn ends_at(&self, column: usize) -> bool {
+        column == self.column + self.text.len()
+    }
+
+    fn push(&mut self, letter: char, color: Color32) {
         if self.colors.last().is_none_or(|(_, last)| *last != color) {
             self.colors.push((self.text.len(), color));
         }
@@ -317,7 +314,7 @@ fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &s
     }
     let cursor = document.editing.cursor();
     let at = page.rect_of(document.editing.buffer(), &(cursor..cursor)).left_top();
-    let galley = style::line(painter, letters, font.clone(), style::TEXT, f32::MAX);
+    let galley = style::line_in(painter, letters, font.clone(), style::TEXT, f32::MAX);
     let rect = Rect::from_min_size(at, vec2(galley.size().x + 2.0, page.cell.y));
     painter.rect_filled(rect, 0.0, style::ON_ACCENT);
     painter.galley(at, galley, style::TEXT);

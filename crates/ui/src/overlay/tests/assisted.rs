@@ -56,7 +56,9 @@ fn toggles_exposed_no_state_to_screen_readers() {
     assert_eq!(states(&off, |_| ()), [Some(Toggled::False); 8]);
     let now = NowPlaying { paused: true, shuffled: true, repeat: Repeat::One, muted: true, ..playing() };
     let all_on = |bar: &mut Bar<'_>| {
-        (bar.fullscreen, bar.help, bar.sliders, bar.open) = (true, true, true, Some(Panel::Settings));
+        bar.fullscreen = true;
+        bar.panels =
+            PanelSwitches { help: true, sliders: true, open: Some(Panel::Settings), ..Default::default() };
     };
     assert_eq!(states(&now, all_on), [Some(Toggled::True); 8]);
 }
@@ -131,7 +133,7 @@ fn tab_did_not_reach_the_bar() {
     let focused = |stage: &Stage| stage.panels.context.memory(|memory| memory.focused());
     stage.frame(vec![], OverlayContent::default());
     assert_eq!(focused(&stage), None, "keys belong to the show");
-    stage.panels.request_focus();
+    stage.panels.wants_focus = true;
     while stage.panels.wants_focus {
         stage.frame(vec![], content());
     }

@@ -65,8 +65,9 @@ fn a_long_queue_leaves_the_button_in_the_window_and_everything_has_a_name() {
 fn a_mark_is_dragged_to_a_border_and_the_song_does_not_move() {
     let now: &'static NowPlaying = Box::leak(Box::new(NowPlaying { duration: Some(100.0), ..playing() }));
     let mut stage = Stage::new(SCREEN);
+    let panels = PanelSwitches { open: Some(Panel::Video), ..Default::default() };
     let content = |marks: Option<[f64; 2]>| OverlayContent {
-        bar: Some(Bar { marks, open: Some(Panel::Video), ..bar(now) }),
+        bar: Some(Bar { marks, panels, ..bar(now) }),
         ..Default::default()
     };
     (0..3).for_each(|_| drop(stage.frame(vec![], content(None))));
