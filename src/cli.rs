@@ -34,8 +34,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::config::Folders;
 use crate::ending;
-use crate::export::ExportError;
-use crate::export::print::print_line;
+use crate::export::{ExportError, print_line};
 use crate::scenes::SceneError;
 use crate::session::Prepared;
 use common::colors;

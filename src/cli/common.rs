@@ -13,12 +13,9 @@ use super::choices::choice;
 use super::files::scene_of;
 use crate::config::SdfChoice;
 use crate::ending::{self, Signal};
-use crate::export::output::Output;
-use crate::export::painter::SceneChoice;
-use crate::export::print::print_message;
+use crate::export::{Output, SceneChoice, print_message};
 use crate::frame::held_inputs::Setting;
-use crate::gpu::mode::CellUse;
-use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::{CellUse, ShaderLibrary};
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 

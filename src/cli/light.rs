@@ -6,9 +6,8 @@ use clap::Args;
 use super::choices::choice;
 use super::parse::{parse_noise, parse_samples};
 use super::projection::ShutterArguments;
-use crate::export::painter::SceneChoice;
 use crate::export::paths::{LightModel, PathChoice};
-use crate::export::shutter::Shutter;
+use crate::export::{SceneChoice, Shutter};
 
 #[derive(Args)]
 pub(super) struct LightArguments {

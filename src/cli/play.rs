@@ -19,8 +19,7 @@ use crate::config::{
     Snapshot,
 };
 use crate::demo_track::DEMO_TRACK;
-use crate::export::painter::SceneChoice;
-use crate::export::print::{print_line, print_message};
+use crate::export::{SceneChoice, print_line, print_message};
 use crate::limits;
 use crate::program_cache::ProgramCache;
 use crate::scenes::SceneSource;

@@ -8,10 +8,8 @@ use clap::Args;
 use super::common::end_by_signals;
 use super::files::{scene_of, song_or_demo};
 use crate::config::FollowChoice;
-use crate::export::output::Output;
-use crate::export::print::print_line;
 use crate::export::show_file::{ShowFileRequest, write_show_file};
-use crate::export::showing::Showing;
+use crate::export::{Output, Showing, print_line};
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::ShowSource;
 

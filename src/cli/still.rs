@@ -21,11 +21,10 @@ use super::projection::ProjectionArguments;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::ending::asked_to_end;
-use crate::export::output::Output;
-use crate::export::painter::SceneChoice;
 use crate::export::paths::PathWatch;
 use crate::export::still::{Blend, StillRequest, write_still, write_still_watched};
 use crate::export::video::{Preset, VideoPlace};
+use crate::export::{Output, SceneChoice};
 use mariana_field::world::BlendKind;
 
 #[derive(Args)]

@@ -16,13 +16,10 @@ use super::progress::Progress;
 use super::projection::ProjectionArguments;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
-use crate::export::output::Output;
-use crate::export::painter::SceneChoice;
-use crate::export::print::print_line;
-use crate::export::showing::Showing;
 use crate::export::video::{
     Codec, EncodingQuality, Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video,
 };
+use crate::export::{Output, SceneChoice, Showing, print_line};
 use crate::gpu::edge_samples::EdgeSamples;
 use mariana_player::lyrics::Lyrics;
 

@@ -7,9 +7,7 @@
 use super::error::ExportError;
 use crate::frame::Frame;
 use crate::frame::picture::Picture;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::Renderer;
-use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::{Program, Renderer, SceneResources};
 use crate::scenes::ReadyScene;
 
 /// `sample_light.glsl` gives bright samples less weight. At this low exposure, all samples have almost equal weight.

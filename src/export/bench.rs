@@ -17,16 +17,12 @@ use super::painter::SceneChoice;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
-use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::gl::Gl;
-use crate::gpu::headless::Headless;
-use crate::gpu::mode::CellUse;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::{Counting, Evaluations, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, drawing_variant_of, link_scene, variant_of};
-use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, SceneResources};
-use crate::gpu::shader_source::{ShaderLibrary, Variant};
+use crate::gpu::scene_program::{drawing_variant_of, link_scene, variant_of};
 use crate::gpu::timer::GpuTimer;
+use crate::gpu::{
+    BuiltRegions, CellUse, Counting, EdgeSamples, Evaluations, Gl, Headless, Interpreter, Mode, Program,
+    RegionMaker, Renderer, SceneResources, ShaderLibrary, Variant,
+};
 use crate::scenes::ReadyScene;
 use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;

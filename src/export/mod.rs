@@ -24,3 +24,8 @@ pub mod structure;
 pub mod video;
 
 pub use error::ExportError;
+pub use output::Output;
+pub use painter::SceneChoice;
+pub use print::{print_line, print_message};
+pub use showing::Showing;
+pub use shutter::Shutter;

@@ -13,19 +13,14 @@ use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
 use crate::frame::projection::Projection;
 use crate::frame::{Frame, FrameOptions};
-use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::{Gl, GlInfo};
-use crate::gpu::headless::Headless;
-use crate::gpu::mode::CellUse;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
-    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_scene,
-    path_texts, projected, variant_of, without_sky,
+    COMPILED_BY_ITSELF_MAX, as_coverage, as_views, drawing_variant_of, link_scene, path_texts, projected,
+    variant_of, without_sky,
 };
-use crate::gpu::scene_resources::SceneResources;
-use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::{
+    CellUse, Counting, EdgeSamples, Gl, GlInfo, GpuError, Headless, Interpreter, Mode, Program, Renderer,
+    SceneResources, ShaderLibrary,
+};
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPainter;

@@ -19,9 +19,8 @@ use super::output::pieces_of;
 use super::print::print_message;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::frame::Frame;
-use crate::gpu::gl::GlInfo;
-use crate::gpu::path_state::{KeptPaths, PIXEL_BYTES_MAX};
-use crate::gpu::renderer::PathOrder;
+use crate::gpu::path_state::PIXEL_BYTES_MAX;
+use crate::gpu::{GlInfo, KeptPaths, PathOrder};
 use mariana_player::song::Song;
 
 /// Begins a file.

@@ -5,8 +5,8 @@ use std::time::Duration;
 use super::path_store::SharedStore;
 use crate::config::Choice;
 use crate::frame::Frame;
-use crate::gpu::path_state::KeptPaths;
-use crate::gpu::renderer::{PathOrder, PathProgress, PathSampling, PathWatcher};
+use crate::gpu::renderer::{PathProgress, PathWatcher};
+use crate::gpu::{KeptPaths, PathOrder, PathSampling};
 
 /// How the light of an image is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

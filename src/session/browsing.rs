@@ -26,8 +26,8 @@ impl Session {
                 files.enter_parent();
                 Vec::new()
             }
-            FileListEvent::Drawn { first, end } => {
-                files.record_drawn(first..end);
+            FileListEvent::Drawn(rows) => {
+                files.record_drawn(rows);
                 Vec::new()
             }
         };
@@ -39,7 +39,7 @@ impl Session {
         match event {
             TrackListEvent::Search => tracks.toggle_search(),
             TrackListEvent::Select(row) => tracks.select(row),
-            TrackListEvent::Drawn { first, end } => tracks.record_drawn(first..end),
+            TrackListEvent::Drawn(rows) => tracks.record_drawn(rows),
         }
     }
 

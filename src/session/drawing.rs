@@ -407,7 +407,7 @@ impl Interface {
         let shape = shape.flatten();
         let cover = playback.listening.cover();
         let song = playback.listening.present_structure().filter(|_| shows_bar);
-        let (assisted, follows) = (self.overlay.is_assisted(), playback.follows());
+        let (assisted, follows) = (self.overlay.assisted, playback.follows());
         let fullscreen = screen.is_fullscreen();
         let cues = (self.ui_state.panels.open == Some(Panel::Cues)).then(|| playback.cue_sheet());
         Seen { awake, assisted, fullscreen, cues, cover, shape, follows, song }

@@ -124,11 +124,6 @@ impl DrawingPace {
         }
     }
 
-    /// Sets whether frames use fewer samples because the scene is `edited`. An idle show still gets the best quality.
-    pub(crate) fn set_edited(&mut self, edited: bool) {
-        self.resolution.set_edited(edited);
-    }
-
     /// True if the last frame lacks pixels or samples of the current level, with sides of at most `side_max`.
     pub(crate) fn could_be_better(&self, now: Instant, is_view: bool, side_max: u32) -> bool {
         let Some((shown, window)) = self.shown.zip(self.window_size) else { return false };

@@ -4,10 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::clock;
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::Gl;
-use crate::gpu::picture_reader::PictureReader;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::{Gl, GpuError, PictureReader, Renderer};
 use crate::placement::{Placement, fitted, within};
 use crate::sending::{OutgoingFrame, SendError, SenderTarget, Sending};
 

@@ -1,7 +1,6 @@
 //! Places a frame on its screen, and copies the frame there.
 
-use crate::gpu::error::GpuError;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::{GpuError, Renderer};
 use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
 pub(crate) struct Lay {

@@ -14,8 +14,7 @@ use super::waker::Waker;
 use crate::attempt::{self, Attempt};
 use crate::clock;
 use crate::config::{Folders, PlaySettings};
-use crate::export::painter::SceneChoice;
-use crate::export::print::print_message;
+use crate::export::{SceneChoice, print_message};
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneError, SceneSource, TextureCache};
 
 /// Longest wait for the first scene before the window opens. A mistake found until then ends the program without one.

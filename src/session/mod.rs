@@ -60,18 +60,20 @@ pub use error::SessionError;
 use std::time::{Duration, Instant};
 
 use cues::Cues;
+pub(crate) use lay::Lay;
 pub(crate) use loading::BackgroundWork;
 pub(crate) use opening::Opening;
 pub use opening::Prepared;
 use preview::Preview;
 pub(crate) use running::Run;
+pub(crate) use screen::{Event, Paint, Screen};
 use ui_state::UiState;
+pub use waker::Waker;
 
 use crate::clock;
 use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, Folders, PlaySettings};
-use crate::gpu::renderer::Renderer;
-use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::{Renderer, ShaderLibrary};
 use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::Drafts;
 use crate::session::announcer::TrackOrder;
@@ -84,10 +86,8 @@ use crate::session::master_output::MasterOutput;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::SceneSession;
-use crate::session::screen::Screen;
 use crate::session::title::{live_title, title};
 use crate::session::typing_times::TypingTimes;
-use crate::session::waker::Waker;
 use crate::show::LiveDirector;
 use crate::thumbnails::Thumbnails;
 use crate::ui::overlay::Assistance;
@@ -314,7 +314,7 @@ impl Session {
         let edited = self.playback.scene.saves_samples(now);
         // After an edit, finish the frame in progress before restoring its samples.
         if edited || !self.playback.scene.composer.is_drawing() {
-            self.playback.pace.set_edited(edited);
+            self.playback.pace.resolution.set_edited(edited);
         }
         if let Some(until) = self.playback.scene.awaits_edit(now)
             && self
@@ -427,10 +427,6 @@ impl Playback {
         self.renderer.forget_flashes();
     }
 
-    pub(crate) fn command_of_desktop(&self) -> Option<Command> {
-        self.reports.command_of_desktop()
-    }
-
     fn update_idle_lock(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
         if let Some(live) = self.listening.sound.live_status() {
@@ -459,7 +455,7 @@ impl Interface {
     /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used the key.
     fn pass_to_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
-            && (held.shift_key() || self.overlay.is_assisted())
+            && (held.shift_key() || self.overlay.assisted)
             && self.ui_state.corners.is_none();
         let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {

@@ -17,12 +17,8 @@ use super::{BackgroundWork, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::covers;
-use crate::export::painter::SceneChoice;
-use crate::export::print::print_message;
-use crate::gpu::background::Sources;
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::Gl;
-use crate::gpu::renderer::{Counting, Renderer};
+use crate::export::{SceneChoice, print_message};
+use crate::gpu::{Counting, Gl, GpuError, Renderer, Sources};
 use crate::scenes::Drafts;
 use crate::session::SessionError;
 use crate::session::announcer::Announcer;
@@ -315,7 +311,7 @@ pub(super) fn renewed(
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;
     // Drop the objects of the old context while it is current: in the new context, their names denote other objects.
-    let assisted = overlay.is_assisted();
+    let assisted = overlay.assisted;
     drop(overlay);
     drop(old_renderer);
     frame_senders.let_go();

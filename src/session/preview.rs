@@ -12,9 +12,7 @@ use image::RgbaImage;
 
 use super::{Playback, Session};
 use crate::clock;
-use crate::gpu::error::GpuError;
-use crate::gpu::picture_reader::PictureReader;
-use crate::gpu::renderer::Sketch;
+use crate::gpu::{GpuError, PictureReader, Sketch};
 use crate::session::screen::Screen;
 use crate::ui::overlay::NextScene;
 use mariana_music::Sound;

@@ -99,7 +99,7 @@ impl Recording {
         });
         take.record(time, seen);
         take.has_changed = true;
-        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.reported_full, true);
+        let is_news = take.performance.is_full && !std::mem::replace(&mut take.reported_full, true);
         is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 

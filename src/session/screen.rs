@@ -7,9 +7,7 @@ use egui::{CursorIcon, Rect};
 
 use super::SessionError;
 use super::lay::Lay;
-use crate::gpu::background::WorkerContext;
-use crate::gpu::gl::Gl;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::{Gl, Renderer, WorkerContext};
 use crate::input::Input;
 use crate::monitor::Monitor;
 use crate::placement::Area;

@@ -6,8 +6,7 @@
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoopProxy;
 
-use crate::session::SessionError;
-use crate::session::waker::Waker;
+use crate::session::{SessionError, Waker};
 use crate::shell::messages::WindowMessage;
 use crate::shell::monitors::{Monitor, MonitorWatch, named, names};
 use crate::shell::shared_window::SharedWindow;

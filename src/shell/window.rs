@@ -22,9 +22,7 @@ use winit::raw_window_handle::RawWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use crate::gpu::api::Api;
-use crate::gpu::background::WorkerContext;
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::Gl;
+use crate::gpu::{Gl, GpuError, WorkerContext};
 use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::messages::WindowMessage;

@@ -9,14 +9,10 @@ use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 
 use crate::export::print::print_message;
-use crate::gpu::background::WorkerContext;
-use crate::gpu::gl::Gl;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::{Gl, Renderer, WorkerContext};
 use crate::monitor::Monitor;
 use crate::placement::{Area, WHOLE};
-use crate::session::SessionError;
-use crate::session::lay::Lay;
-use crate::session::screen::{Event, Paint, Screen};
+use crate::session::{Event, Lay, Paint, Screen, SessionError};
 use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::idle::StayAwake;
 use crate::shell::messages::{Message, Typing, WindowMessage, may_open_text};

@@ -21,7 +21,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "tracing",
         ],
     ),
-    ("language_server", &["mariana-editing", "mariana-field", "serde", "serde_json"]),
+    ("language_server", &["mariana-editing", "mariana-field", "percent-encoding", "serde", "serde_json"]),
     ("music", &["ebur128", "mariana-transforms", "serde"]),
     (
         "player",

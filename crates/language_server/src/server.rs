@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use crate::check::{Check, Checked};
 use crate::documents::{Documents, Files};
 use crate::framing::Unreadable;
-use crate::limits;
 use crate::positions::Unit;
 use crate::protocol::{
     ChangedParams, ClientCapabilities, Failure, InitializeParams, OfDocument, OpenedParams, TextEdit, answer,
@@ -17,7 +16,7 @@ use crate::protocol::{
 };
 use crate::semantic_tokens::TYPES;
 use crate::uri::path_of;
-use crate::{color, completion, hover, navigation, outline, rename, semantic_tokens, signature};
+use crate::{color, completion, hover, limits, navigation, outline, rename, semantic_tokens, signature};
 
 /// How the client has ended the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -55,7 +55,8 @@ fn reachable(listens: IpAddr) -> IpAddr {
 /// A QR code without its white margin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Code {
-    side: usize,
+    /// Number of modules along an edge.
+    pub side: usize,
     dark: Vec<bool>,
 }
 
@@ -68,11 +69,6 @@ impl Code {
         let code = QrCode::with_error_correction_level(text, EcLevel::M).ok()?;
         let dark = code.to_colors().into_iter().map(|color| color == qrcode::Color::Dark).collect();
         Some(Self { side: code.width(), dark })
-    }
-
-    /// Returns the number of modules per side.
-    pub fn side(&self) -> usize {
-        self.side
     }
 
     /// Returns the positions of the dark modules, from the left and from the top.
@@ -111,9 +107,9 @@ mod tests {
     #[test]
     fn a_code_is_a_square_with_three_finder_patterns() {
         let code = Code::of("http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/").unwrap();
-        assert!((21..=37).contains(&code.side()), "{} modules are hard to scan", code.side());
+        assert!((21..=37).contains(&code.side), "{} modules are hard to scan", code.side);
         let dark: std::collections::BTreeSet<_> = code.dark().collect();
-        let last = code.side() - 1;
+        let last = code.side - 1;
         for corner in [(0, 0), (last, 0), (0, last), (3, 3)] {
             assert!(dark.contains(&corner), "{corner:?}");
         }

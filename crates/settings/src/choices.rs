@@ -9,8 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::setting_rows::{SettingGroup, SettingRow, Shown};
 use super::{FollowChoice, QualityChoice};
-use crate::limits;
-use crate::with_settings;
+use crate::{limits, with_settings};
 use mariana_render::frame::projection::{ProjectionKind, Stereo};
 use mariana_render::placement::{Corners, Crop, Flip, Placement};
 

@@ -90,8 +90,8 @@ pub struct Turned<'a> {
 pub struct Performance {
     scenes: Vec<Played>,
     last: Option<f64>,
-    /// True if a limit on cue lists was reached.
-    is_full: bool,
+    /// True if a limit was reached, so that the end of the performance is missing.
+    pub is_full: bool,
     /// The image settings in the last recorded frame.
     finish: [f32; 2],
 }
@@ -251,11 +251,6 @@ impl Performance {
         }
     }
 
-    /// Returns the last recorded moment, in seconds of the song.
-    pub fn last(&self) -> Option<f64> {
-        self.last
-    }
-
     /// Records the initial image settings in the first entry.
     fn begin_finish(&mut self, picture: &Finish) {
         let Some(played) = self.scenes.last_mut().filter(|_| !picture.is_shown) else { return };
@@ -291,11 +286,6 @@ impl Performance {
                 line.record(time, before, value);
             }
         }
-    }
-
-    /// True if a limit was reached, so that the end of the performance is missing.
-    pub fn is_full(&self) -> bool {
-        self.is_full
     }
 
     /// True if no frame was recorded.

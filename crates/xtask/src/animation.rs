@@ -6,11 +6,9 @@ use std::process::Command;
 use anyhow::{Context as _, ensure};
 use image::RgbaImage;
 use mariana::demo_track::DEMO_TRACK;
-use mariana::export::output::Output;
-use mariana::export::showing::Showing;
-use mariana::export::shutter::Shutter;
 use mariana::export::still::{StillRequest, write_still};
 use mariana::export::video::{EncodingQuality, VideoRequest, write_video};
+use mariana::export::{Output, Showing, Shutter};
 use mariana::scenes::SceneSource;
 use mariana_music::Gain;
 

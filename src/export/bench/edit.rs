@@ -5,10 +5,8 @@ use std::time::{Instant, SystemTime};
 use super::{BenchRequest, EditReport, Run, milliseconds};
 use crate::export::error::ExportError;
 use crate::frame::Frame;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, drawing_variant_of, link_scene};
-use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::scene_program::{drawing_variant_of, link_scene};
+use crate::gpu::{Counting, Interpreter, Mode, Program, Renderer, SceneResources};
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 

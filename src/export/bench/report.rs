@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use crate::gpu::gl::GlInfo;
-use crate::gpu::renderer::Evaluations;
-use crate::gpu::scene_program::Mode;
+use crate::gpu::{Evaluations, GlInfo, Mode};
 use mariana_field::region::RegionStats;
 use mariana_field::world::Cost;
 

@@ -12,9 +12,7 @@ use super::prepared_scene::{FirstTree, PreparedScene};
 use super::program_task::Task;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
-use crate::gpu::renderer::Renderer;
-use crate::gpu::scene_program::Mode;
-use crate::gpu::scene_resources::BuiltRegions;
+use crate::gpu::{BuiltRegions, Mode, Renderer};
 use crate::limits;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
@@ -385,7 +383,7 @@ mod tests {
         // The scene is now the next one, and stays prepared.
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
-        assert_eq!(ahead.all().filter_map(|neighbour| neighbour.source.as_ref()).next(), Some(&ball));
+        assert_eq!(ahead.next_sources().next(), Some(&ball));
         // The tree of this scene is too slow, so the other scene is prepared.
         ahead.receive_tree(7, None);
         assert!(ahead.prepare_next(sdf, None).is_none() && ahead.scenes().next().is_none());

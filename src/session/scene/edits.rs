@@ -7,8 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::scene_program::Mode;
+use crate::gpu::{EdgeSamples, Mode};
 
 pub(crate) const SAMPLES: EdgeSamples = EdgeSamples::Two;
 /// Time without changes until a text counts as finished.

@@ -7,8 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::gpu::error::GpuError;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::{GpuError, Renderer};
 use mariana_player::Moment;
 
 /// Maximum progress in one frame of a fade by the clock, so that a slow frame does not turn the fade into a cut.

@@ -6,9 +6,7 @@ use std::time::Duration;
 use super::prepared_scene::PreparedScene;
 use crate::clock;
 use crate::frame::Frame;
-use crate::gpu::error::GpuError;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::{FeedbackRequest, Renderer};
+use crate::gpu::{FeedbackRequest, GpuError, Program, Renderer};
 
 /// Maximum number of frames of feedback before an image: those of two histories of ten seconds take less than two
 /// seconds at 60 images a second.

@@ -4,8 +4,7 @@ use std::rc::Rc;
 
 use super::prepared_scene::PreparedScene;
 use super::program_task::ProgramOf;
-use crate::gpu::program::Program;
-use crate::gpu::scene_program::Mode;
+use crate::gpu::{Mode, Program};
 use crate::limits;
 
 /// Programs by key; the least recently used is dropped first. A program takes about 20 MiB with a software renderer.

@@ -25,13 +25,7 @@ use super::tree_trials::TreeTrials;
 use super::versions::{last_version, only_settles};
 use crate::clock;
 use crate::config::SdfChoice;
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::Gl;
-use crate::gpu::mode::CellUse;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::Renderer;
-use crate::gpu::scene_program::Mode;
-use crate::gpu::scene_resources::BuiltRegions;
+use crate::gpu::{BuiltRegions, CellUse, Gl, GpuError, Mode, Program, Renderer};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 use mariana_field::lang::render_all;
 

@@ -12,11 +12,7 @@ use super::prepared_scene::PreparedScene;
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::clock;
 use crate::frame::Frame;
-use crate::gpu::error::GpuError;
-use crate::gpu::mode::CellUse;
-use crate::gpu::picture_reader::PictureReader;
-use crate::gpu::renderer::{Renderer, Sketch};
-use crate::gpu::scene_program::Mode;
+use crate::gpu::{CellUse, GpuError, Mode, PictureReader, Renderer, Sketch};
 use mariana_music::{Features, Sound};
 
 /// Interval of previews that need their own tree.

@@ -14,16 +14,12 @@ use super::universal::UniversalInterpreters;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::projection::Projection;
-use crate::gpu::background::{BackgroundCompiler, ProgramJob, ProgramProduct, Sources, WorkerContext};
-use crate::gpu::error::GpuError;
-use crate::gpu::gl::Gl;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::Counting;
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, ProgramProduct};
 use crate::gpu::scene_program::{
-    Interpreter, Mode, as_paths, as_views, compiled_drawing_variant, compiled_variant_of, projected,
+    as_paths, as_views, compiled_drawing_variant, compiled_variant_of, projected,
 };
-use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
+use crate::gpu::{Counting, Gl, GpuError, Interpreter, Mode, Program, Sources, Variant, WorkerContext};
 
 pub(super) struct ProgramLibrary {
     gl: Gl,

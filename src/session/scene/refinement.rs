@@ -8,9 +8,8 @@ use super::program_task::ProgramOf;
 use super::regions::Shown;
 use crate::export::paths::PathChoice;
 use crate::frame::Frame;
-use crate::gpu::error::GpuError;
-use crate::gpu::renderer::{PathOrder, PathPicture, PathSampling, Renderer};
-use crate::gpu::scene_program::Mode;
+use crate::gpu::renderer::PathPicture;
+use crate::gpu::{GpuError, Mode, PathOrder, PathSampling, Renderer};
 use crate::limits;
 use crate::session::drawing_pace::within_pixels;
 

@@ -15,13 +15,7 @@ use super::testing::loader;
 use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
-use crate::gpu::background::Sources;
-use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::error::GpuError;
-use crate::gpu::headless::Headless;
-use crate::gpu::mode::CellUse;
-use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::{CellUse, Counting, EdgeSamples, GpuError, Headless, Renderer, ShaderLibrary, Sources};
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
 

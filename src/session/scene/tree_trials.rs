@@ -5,9 +5,7 @@ use std::sync::Arc;
 use super::region_builder::{RegionBuilder, TreeJob};
 use super::regions::longest_wait;
 use crate::frame::Frame;
-use crate::gpu::mode::CellUse;
-use crate::gpu::scene_program::Mode;
-use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::gpu::{BuiltRegions, CellUse, Mode, SceneResources};
 use mariana_music::Features;
 
 /// Size of the frame for a scene's first tree. Only its aspect ratio matters.

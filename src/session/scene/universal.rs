@@ -4,8 +4,7 @@
 
 use std::rc::Rc;
 
-use crate::gpu::program::Program;
-use crate::gpu::scene_program::Interpreter;
+use crate::gpu::{Interpreter, Program};
 
 pub(super) struct UniversalInterpreters([UniversalInterpreter; 2]);
 

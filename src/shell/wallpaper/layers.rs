@@ -33,8 +33,7 @@ use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
 use output_surface::Borne;
 pub(crate) use output_surface::{Extent, OutputSurface, OutputSurfaces};
 
-use crate::session::SessionError;
-use crate::session::waker::Waker;
+use crate::session::{SessionError, Waker};
 use crate::shell::messages::WindowMessage;
 use crate::shell::window::wayland_connection;
 

@@ -20,9 +20,8 @@ use rest::WallpaperPause;
 use wall::Wall;
 
 use crate::placement::Area;
-use crate::session::SessionError;
 use crate::session::lay::Panel;
-use crate::session::waker::Waker;
+use crate::session::{SessionError, Waker};
 use crate::shell::monitors::{Monitor, MonitorWatch, Rect, around};
 use crate::shell::window::GlWindowContext;
 

@@ -7,8 +7,7 @@ use std::time::Instant;
 use raw_window_handle::RawWindowHandle;
 use winit::event_loop::EventLoop;
 
-use crate::session::SessionError;
-use crate::session::waker::Waker;
+use crate::session::{SessionError, Waker};
 use crate::shell::messages::WindowMessage;
 
 pub(crate) fn is_wayland() -> bool {

@@ -9,7 +9,7 @@ use super::layers::OutputSurfaces;
 use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
 use super::windows;
-use crate::session::waker::Waker;
+use crate::session::Waker;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 use crate::shell::monitors::Rect;
 

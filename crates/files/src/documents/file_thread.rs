@@ -10,10 +10,9 @@ use std::thread::Builder;
 use std::time::{Duration, Instant, SystemTime};
 
 use super::{Bytes, FileEvent, KeptTexts, OnDisk, stem_of};
-use crate::Folders;
 use crate::atomic_file::AtomicFile;
-use crate::limits;
 use crate::reading::read_at_most;
+use crate::{Folders, limits};
 
 /// Interval of the checks for changes that other programs make to the files.
 const LOOK: Duration = Duration::from_millis(400);

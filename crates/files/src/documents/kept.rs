@@ -9,12 +9,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::Folders;
+use crate::{Folders, limits};
 use serde::{Deserialize, Serialize};
 
 use super::Bytes;
 use crate::atomic_file::AtomicFile;
-use crate::limits;
 
 const ENDING: &str = "unsaved";
 

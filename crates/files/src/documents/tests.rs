@@ -7,8 +7,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::*;
-use crate::Folders;
-use crate::limits;
+use crate::{Folders, limits};
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 

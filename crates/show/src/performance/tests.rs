@@ -200,7 +200,7 @@ fn a_long_performance_continues_in_another_entry() {
         "{:?}",
         read.diagnostics.first()
     );
-    assert!(!performance.is_full());
+    assert!(!performance.is_full);
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_frozen_frame_stays_across_scene_changes() {
         note_orb(&mut performance, f64::from(frame) / 60.0, "orb", PLAIN_PICTURE);
     }
     let held = Finish { numbers: [1.0, 1.0], is_shown: false };
-    let shown = performance.last().unwrap();
+    let shown = performance.last.unwrap();
     assert_eq!(shown, 2.0);
     performance.record_picture(shown, &held);
     for frame in 121..=480 {

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use mariana_commands::Command;
 use mariana_field::lang::Turning;
-use mariana_scenes::{Drafts, Findings};
+use mariana_scenes::Drafts;
 
 use super::document::Document;
 
 pub(super) struct Outbox {
-    drafts: Drafts,
+    pub(super) drafts: Drafts,
     /// True while turned numbers are frame inputs, so that turning them does not reload the text.
     turns: bool,
     commands: Vec<Command>,
@@ -26,10 +26,6 @@ impl Outbox {
 
     pub(super) fn drain_commands(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
-    }
-
-    pub(super) fn drain_findings(&self) -> Vec<Findings> {
-        self.drafts.drain_findings()
     }
 
     pub(super) fn draft(&mut self, document: &mut Document) {

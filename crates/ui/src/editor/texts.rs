@@ -222,7 +222,7 @@ impl Texts {
 impl Texts {
     pub(super) fn drain_findings(&mut self) -> bool {
         let mut any = false;
-        for findings in self.outbox.drain_findings() {
+        for findings in self.outbox.drafts.drain_findings() {
             any |= self.found.store(findings);
         }
         if any {

@@ -12,10 +12,9 @@ use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
-use super::events::UiEvent;
+use super::events::{Pass, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
-use super::panels::Pass;
 use super::picture::{Cover, KeptPicture};
 use super::switches::PanelSwitches;
 use super::{assisted, marks, style};

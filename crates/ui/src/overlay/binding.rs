@@ -2,10 +2,9 @@
 
 use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, pos2};
 
-use super::assisted;
 use super::chips::{self, Chip};
 use super::events::UiEvent;
-use super::{params, style};
+use super::{assisted, params, style};
 use mariana_commands::{Bind, Command};
 use mariana_control::{Bound, ChangedBy, Curve, Slider, SoundBinding};
 use mariana_field::graph::{UnitInput, Wave};

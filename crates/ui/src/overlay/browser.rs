@@ -9,12 +9,10 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::assisted;
 use super::chips::{self, Chip};
-use super::events::{SceneListEvent, UiEvent};
+use super::events::{Pass, SceneListEvent, UiEvent};
 use super::icons::{self, Icon};
-use super::panels::Pass;
-use super::style;
+use super::{assisted, style};
 use image::RgbaImage;
 
 use crate::scene_browser::{ENERGIES, SceneBrowser, SceneFilter, Tile, TilePicture};

@@ -233,16 +233,12 @@ impl OverlayContent<'_> {
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
-    pub(super) fn has_params(&self) -> bool {
-        self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
-    }
-
     pub(super) fn is_interactive(&self) -> bool {
         self.has_panels() || self.bar.is_some_and(|bar| bar.seen)
     }
 
     fn has_panels(&self) -> bool {
-        self.has_params()
+        self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
             || self.tracks.is_some()
             || self.help.is_some()
             || self.sources.is_some()

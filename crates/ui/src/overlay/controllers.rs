@@ -2,10 +2,8 @@
 
 use egui::{Color32, Order, Pos2, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::assisted;
-use super::events::UiEvent;
-use super::panels::Pass;
-use super::{pairing_address, style, words};
+use super::events::{Pass, UiEvent};
+use super::{assisted, pairing_address, style, words};
 use crate::controllers_panel::{ControllerRow, ControllersPanel, Field};
 use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;

@@ -2,8 +2,7 @@
 
 use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
-use super::events::UiEvent;
-use super::panels::Pass;
+use super::events::{Pass, UiEvent};
 use super::{assisted, style};
 use crate::corner_handles::CornerHandles;
 use mariana_commands::{Command, MovedCorner};

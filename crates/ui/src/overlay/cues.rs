@@ -4,9 +4,8 @@ use egui::{Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::chips::{self, Chip};
 use super::content::{CueRow, CueSheet};
-use super::events::UiEvent;
+use super::events::{Pass, UiEvent};
 use super::now_playing::clock_time;
-use super::panels::Pass;
 use super::style;
 use mariana_commands::Command;
 

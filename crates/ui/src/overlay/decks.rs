@@ -4,8 +4,7 @@ use egui::{Align, Align2, Id, Layout, Order, Rect, Ui};
 
 use super::chips::{self, Chip};
 use super::content::{Deck, DeckStrip};
-use super::events::UiEvent;
-use super::panels::Pass;
+use super::events::{Pass, UiEvent};
 use super::{params, style};
 use mariana_commands::Command;
 use mariana_control::{ChangedBy, Slider};

@@ -13,8 +13,7 @@ pub(super) use light::on_screen;
 
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::UiEvent;
-use super::panels::Pass;
+use super::events::{Pass, UiEvent};
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;

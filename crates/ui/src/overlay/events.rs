@@ -6,6 +6,12 @@ use crate::editor::EditorEvent;
 use crate::scene_browser::SceneFilter;
 use mariana_commands::Command;
 
+/// A pass of egui over the panels, and the events in it.
+pub(super) struct Pass<'a> {
+    pub context: &'a egui::Context,
+    pub events: &'a mut Vec<UiEvent>,
+}
+
 /// An event of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum UiEvent {
@@ -51,7 +57,7 @@ pub enum SceneListEvent {
 }
 
 /// An event of the file list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileListEvent {
     /// A matching entry was chosen.
     Open {
@@ -74,30 +80,20 @@ pub enum FileListEvent {
     /// The mark of the shown folder was toggled.
     Mark,
     /// The matching entries from `first` up to, but without, `end` were drawn.
-    Drawn {
-        /// Index of the first entry.
-        first: usize,
-        /// Index after the last entry.
-        end: usize,
-    },
+    Drawn(Range<usize>),
     /// The list was closed.
     Close,
 }
 
 /// An event of the track list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TrackListEvent {
     /// The search was opened or closed.
     Search,
     /// The pointer chose or moved the track in this row.
     Select(usize),
     /// The rows from `first` up to, but without, `end` were drawn.
-    Drawn {
-        /// The first row.
-        first: usize,
-        /// The row after the last row.
-        end: usize,
-    },
+    Drawn(Range<usize>),
 }
 
 /// An event of the settings panel.

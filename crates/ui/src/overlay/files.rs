@@ -3,10 +3,9 @@
 
 use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{FileListEvent, UiEvent};
+use super::events::{FileListEvent, Pass, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::panels::Pass;
 use super::{assisted, style, words};
 use crate::file_browser::{FileBrowser, FileEntry, FileKind, Place, PlaceKind};
 use mariana_player::decode::TrackTags;
@@ -170,7 +169,7 @@ fn rows(
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {
         let width = (ui.available_width() - LANE).max(0.0);
-        ask(FileListEvent::Drawn { first: places.start, end: places.end });
+        ask(FileListEvent::Drawn(places.clone()));
         for place in places {
             let Some(entry) = files.entry(place) else { break };
             row(ui, width, files, place, entry, ask);

@@ -5,10 +5,8 @@ use std::sync::Arc;
 use egui::text::LayoutJob;
 use egui::{CornerRadius, Galley, Id, Order, Painter, Rect, ScrollArea, Sense, Ui, pos2, vec2};
 
-use super::assisted;
-use super::events::UiEvent;
-use super::panels::Pass;
-use super::{style, words};
+use super::events::{Pass, UiEvent};
+use super::{assisted, style, words};
 use crate::help_panel::HelpPanel;
 use mariana_commands::{Binding, Command, Group};
 

@@ -91,7 +91,7 @@ pub struct Overlay {
     typed_at: Option<Rect>,
     shown: Option<Shown>,
     /// True while an assistive technology receives the controls.
-    assisted: bool,
+    pub assisted: bool,
 }
 
 struct Shown {
@@ -187,11 +187,6 @@ impl Overlay {
         self.assisted = assistance == Assistance::Begins;
         // Make the next paint lay out the panels again and report the controls.
         self.shown = None;
-    }
-
-    /// True while assistive technology receives the controls.
-    pub fn is_assisted(&self) -> bool {
-        self.assisted
     }
 
     /// Returns when `content` must be drawn again: `now` or later. `None` if only input can change the drawing.

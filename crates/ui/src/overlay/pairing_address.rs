@@ -61,7 +61,7 @@ fn wrapped(
 }
 
 fn squares(code: &Code) -> usize {
-    code.side() + 2 * Code::EDGE
+    code.side + 2 * Code::EDGE
 }
 
 /// Returns the side of a module (a square of the code) in points: whole pixels, so that the code fits into `side`.

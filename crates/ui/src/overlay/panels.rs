@@ -9,7 +9,7 @@ use egui::{
 
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent, Problem};
-use super::events::UiEvent;
+use super::events::{Pass, UiEvent};
 use super::fonts::Fallback;
 use super::picture::KeptPicture;
 use super::rooms::Rooms;
@@ -116,12 +116,6 @@ impl Panels {
 pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
     [true, false].map(event)
-}
-
-/// A pass of egui over the panels, and the events in it.
-pub(super) struct Pass<'a> {
-    pub context: &'a Context,
-    pub events: &'a mut Vec<UiEvent>,
 }
 
 fn show(

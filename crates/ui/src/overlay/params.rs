@@ -4,8 +4,7 @@ use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2}
 
 use super::binding::{self, OpenBinding};
 use super::content::SnapshotRow;
-use super::events::UiEvent;
-use super::panels::Pass;
+use super::events::{Pass, UiEvent};
 use super::{assisted, snapshots, style};
 use mariana_commands::Command;
 use mariana_control::Slider;

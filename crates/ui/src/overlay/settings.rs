@@ -5,10 +5,8 @@ use std::time::Duration;
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{SettingEvent, UiEvent};
-use super::panels::Pass;
-use super::style;
-use super::{assisted, words};
+use super::events::{Pass, SettingEvent, UiEvent};
+use super::{assisted, style, words};
 use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_settings::{Setting, SettingRow, Values};

@@ -2,11 +2,9 @@
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, pos2, vec2};
 
-use super::assisted;
 use super::content::SourceList;
-use super::events::UiEvent;
-use super::panels::Pass;
-use super::style;
+use super::events::{Pass, UiEvent};
+use super::{assisted, style};
 use mariana_commands::Command;
 
 /// Height of a row as a multiple of the text size.

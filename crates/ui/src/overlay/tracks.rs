@@ -3,10 +3,9 @@
 use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
 
-use super::events::{TrackListEvent, UiEvent};
+use super::events::{Pass, TrackListEvent, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::panels::Pass;
 use super::{assisted, style, words};
 use crate::track_panel::TrackPanel;
 
@@ -87,7 +86,7 @@ fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>,
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let width = (ui.available_width() - LANE).max(0.0);
-        events.push(UiEvent::Tracks(TrackListEvent::Drawn { first: rows.start, end: rows.end }));
+        events.push(UiEvent::Tracks(TrackListEvent::Drawn(rows.clone())));
         rows.for_each(|at| row(ui, width, tracks, at, events));
         scroll_during_drag(ui);
     });

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use egui::{Galley, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::chips::{self, Chip};
-use super::events::UiEvent;
-use super::panels::Pass;
+use super::events::{Pass, UiEvent};
 use super::{assisted, style, words};
 use crate::video_panel::{VideoPanel, VideoRow, choose, job};
 use mariana_commands::{Command, Panel, VideoEdit};

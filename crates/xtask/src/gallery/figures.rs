@@ -5,11 +5,8 @@ use std::fmt;
 use anyhow::Context as _;
 use image::RgbaImage;
 use mariana::frame::Frame;
-use mariana::gpu::headless::Headless;
-use mariana::gpu::renderer::{Counting, Evaluations, Renderer};
-use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
-use mariana::gpu::scene_resources::SceneResources;
-use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::gpu::scene_program::{link_scene, variant_of};
+use mariana::gpu::{Counting, Evaluations, Headless, Mode, Renderer, SceneResources, ShaderLibrary};
 use mariana::scenes::{ReadyScene, SceneSource};
 use mariana_music::Sound;
 

@@ -6,16 +6,12 @@ use anyhow::{Context as _, bail};
 use cpu_time::ProcessTime;
 use mariana::ending::begin_to_leave;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
-use mariana::gpu::headless::Headless;
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::mode::CellUse;
 use mariana::gpu::post::POST_SHADERS;
-use mariana::gpu::program::Program;
-use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
-use mariana::gpu::scene_program::{
-    Interpreter, Mode, SCENE_SHADER, as_views, drawing_variant_of, variant_of,
-};
-use mariana::gpu::shader_source::{ShaderLibrary, Variant};
+use mariana::gpu::renderer::{EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
+use mariana::gpu::scene_program::{SCENE_SHADER, as_views, drawing_variant_of, variant_of};
+use mariana::gpu::{CellUse, Counting, Headless, Interpreter, Mode, Program, ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::layer::{Context, SubscriberExt};

@@ -1,10 +1,7 @@
 //! Refines the shown frame of a paused moment ([`super::super::refinement`]), and takes the programs of views and paths.
 
 use super::{PreparedScene, PreparedScenes, SceneComposer, SceneSession};
-use crate::gpu::error::GpuError;
-use crate::gpu::program::Program;
-use crate::gpu::renderer::Renderer;
-use crate::gpu::scene_program::Mode;
+use crate::gpu::{GpuError, Mode, Program, Renderer};
 use crate::session::scene::composer::Drawn;
 use crate::session::scene::program_task::Task;
 use crate::session::scene::regions::Shown;

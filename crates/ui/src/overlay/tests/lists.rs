@@ -68,7 +68,7 @@ fn the_file_list_shows_tags_and_fits_into_every_window() {
             assert!(shows(&texts, wanted), "{screen:?}: no {wanted} in {texts:?}");
         }
         assert_eq!(shows(&texts, "01 long"), screen.x > 700.0, "{screen:?}");
-        let drawn = UiEvent::Files(FileListEvent::Drawn { first: 0, end: 2 });
+        let drawn = UiEvent::Files(FileListEvent::Drawn(0..2));
         assert!(laid_out.events.contains(&drawn), "{:?}", laid_out.events);
     }
 }
@@ -84,7 +84,7 @@ fn the_pointer_opens_adds_and_plays_entries_of_the_file_list() {
     let (laid_out, texts) = texts(&mut stage, &content);
     let mut pressed = |place: Pos2| -> Vec<FileListEvent> {
         let is_ours = |event| match event {
-            UiEvent::Files(event) if !matches!(event, FileListEvent::Drawn { .. }) => Some(event),
+            UiEvent::Files(event) if !matches!(event, FileListEvent::Drawn(_)) => Some(event),
             _ => None,
         };
         stage.seconds += 2.0;
@@ -136,7 +136,7 @@ fn the_track_list_shows_titles_artists_and_the_total_length() {
         for wanted in all {
             assert!(shows(&texts, wanted), "{screen:?}: no {wanted} in {texts:?}");
         }
-        assert!(laid_out.events.contains(&UiEvent::Tracks(TrackListEvent::Drawn { first: 0, end: 2 })));
+        assert!(laid_out.events.contains(&UiEvent::Tracks(TrackListEvent::Drawn(0..2))));
         let clear = place_of(&texts, "clear").center();
         assert_eq!(commands(&mut stage, clear, content), [Command::ClearTracks], "{screen:?} {clear:?}");
         let undo = place_of(&texts, "undo: remove x.wav").center();
