@@ -7,7 +7,6 @@ use cpu_time::ProcessTime;
 use mariana::ending::begin_to_leave;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
-use mariana::gpu::mode::CellUse;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::renderer::{EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{SCENE_SHADER, as_views, drawing_variant_of, variant_of};
