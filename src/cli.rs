@@ -172,7 +172,7 @@ enum Command {
 /// Fails if the command fails. Usage errors exit the program with code 2 instead.
 pub fn run() -> anyhow::Result<()> {
     #[cfg(target_os = "linux")]
-    crate::gpu::program_store::leave_full_driver_cache();
+    crate::gpu::driver_cache::leave_where_full();
     quiet_contained_panics();
     ending::outlive_file_limits();
     #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -3,6 +3,7 @@
 pub mod api;
 pub mod background;
 #[cfg(target_os = "linux")]
+pub mod driver_cache;
 mod edge_list;
 pub mod edge_samples;
 pub mod error;
