@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 #[path = "../fuzz/src/lib.rs"]
-#[allow(dead_code, reason = "only libFuzzer uses the rest")]
+#[allow(dead_code, unreachable_pub, reason = "only libFuzzer uses the rest")]
 mod fuzz;
 
 fn survives(target: &fuzz::Target) {

@@ -20,9 +20,9 @@ mod words;
 
 use std::path::Path;
 
-pub(crate) use seeds::{Seed, changed, dictionary};
+pub use seeds::{Seed, changed, dictionary};
 
-pub(crate) struct Target {
+pub struct Target {
     /// Name of the target and of its program in `bin/`.
     pub name: &'static str,
     pub run: fn(&[u8]),
@@ -34,21 +34,21 @@ pub(crate) struct Target {
 }
 
 /// Lexer and parser of scenes.
-pub(crate) const SYNTAX: Target =
+pub const SYNTAX: Target =
     Target { name: "syntax", run: text::syntax, seeds: seeds::scenes, speaks: true, changes: 400 };
 /// Scenes, from text to tapes and GLSL.
-pub(crate) const SCENE: Target =
+pub const SCENE: Target =
     Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
 /// The import of GLSL.
-pub(crate) const GLSL: Target =
+pub const GLSL: Target =
     Target { name: "glsl", run: text::glsl, seeds: seeds::shaders, speaks: false, changes: 150 };
-pub(crate) const REGIONS: Target =
+pub const REGIONS: Target =
     Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
 /// Tapes of expressions, and their encoding.
-pub(crate) const TAPE: Target =
+pub const TAPE: Target =
     Target { name: "tape", run: expression::tape, seeds: seeds::steps, speaks: false, changes: 1_000 };
 /// All evaluators of an expression.
-pub(crate) const DIFFERENTIAL: Target = Target {
+pub const DIFFERENTIAL: Target = Target {
     name: "differential",
     run: expression::differential,
     seeds: seeds::steps,
@@ -56,33 +56,33 @@ pub(crate) const DIFFERENTIAL: Target = Target {
     changes: 300,
 };
 /// Sound files of any container.
-pub(crate) const DECODE: Target =
+pub const DECODE: Target =
     Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 };
-pub(crate) const LISTS: Target =
+pub const LISTS: Target =
     Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
-pub(crate) const SETTINGS: Target =
+pub const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
-pub(crate) const PHONES: Target =
+pub const PHONES: Target =
     Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 
-pub(crate) const OSC: Target =
+pub const OSC: Target =
     Target { name: "osc", run: control::osc, seeds: seeds::packets, speaks: false, changes: 4_000 };
-pub(crate) const MIDI: Target =
+pub const MIDI: Target =
     Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
 
-pub(crate) const SHOWS: Target =
+pub const SHOWS: Target =
     Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
 
 /// Drawings (SVG) as shapes.
-pub(crate) const DRAWINGS: Target =
+pub const DRAWINGS: Target =
     Target { name: "drawings", run: drawn::drawings, seeds: seeds::drawings, speaks: false, changes: 60 };
 /// Fonts of letters as shapes.
-pub(crate) const FONTS: Target =
+pub const FONTS: Target =
     Target { name: "fonts", run: drawn::fonts, seeds: seeds::fonts, speaks: false, changes: 60 };
-pub(crate) const LYRICS: Target =
+pub const LYRICS: Target =
     Target { name: "lyrics", run: drawn::lyrics, seeds: seeds::lyrics, speaks: false, changes: 4_000 };
 
-pub(crate) const TARGETS: [&Target; 16] = [
+pub const TARGETS: [&Target; 16] = [
     &SYNTAX,
     &SCENE,
     &GLSL,
@@ -106,7 +106,7 @@ pub(crate) const TARGETS: [&Target; 16] = [
 ///
 /// # Panics
 /// Panics if the files cannot be written.
-pub(crate) fn prepare(target: &Target) {
+pub fn prepare(target: &Target) {
     let Some(folder) = std::env::var_os("MARIANA_FUZZ_SEEDS") else { return };
     let folder = Path::new(&folder);
     let seeds = folder.join("seeds");

@@ -9,7 +9,7 @@ use mariana_testing::tiny_font::TinyFont;
 use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;
 
-pub(crate) struct Seed {
+pub struct Seed {
     /// The file name.
     pub name: String,
     pub bytes: Vec<u8>,
@@ -437,7 +437,7 @@ pub(crate) fn lyrics() -> Vec<Seed> {
 }
 
 /// Returns the words of the scene language as a libFuzzer dictionary.
-pub(crate) fn dictionary() -> String {
+pub fn dictionary() -> String {
     const SIGNS: &[&str] = &[
         "(",
         ")",
@@ -510,7 +510,7 @@ pub(crate) fn dictionary() -> String {
 }
 
 /// Returns a seed with some mutations: bytes changed, deleted, duplicated, inserted, or copied from another seed.
-pub(crate) fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
+pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
     let mut random = Random(0x5EED ^ number as u64);
     let mut bytes = seeds[number % seeds.len()].bytes.clone();
     for _ in 0..1 + random.below(6) {
