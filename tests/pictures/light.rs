@@ -57,7 +57,7 @@ fn no_curtain_hangs_where_the_cells_of_a_repetition_meet() {
         for (x, y, pixel) in drawn.enumerate_pixels().filter(|(_, y, _)| y * 5 < SIZE.1 * 2) {
             let expected = sky.get_pixel(x, y);
             let off = pixel.0.iter().zip(expected.0).map(|(a, b)| a.abs_diff(b)).max();
-            assert!(off <= Some(4), "{mode}, {x}, {y}: {pixel:?} in place of the sky, {expected:?}");
+            assert!(off <= Some(4), "{mode}, {x}, {y}: {pixel:?}, but the sky is {expected:?}");
         }
     }
 }

@@ -112,7 +112,7 @@ pub(super) struct FrameWriter {
 impl FrameWriter {
     pub(super) fn start(sink: Sink) -> Result<Self, ExportError> {
         let (frames, incoming) = sync_channel(WAITING_MAX);
-        let incoming = Arc::new(Mutex::new(incoming));
+        let incoming = Arc::new(Mutex::new(Some(incoming)));
         let sinks = sink.shared();
         let threads = sinks.into_iter().map(|sink| {
             let incoming = incoming.clone();
@@ -132,21 +132,44 @@ impl FrameWriter {
     /// Waits until all frames are written, and moves the output to its path. Returns the path of a video.
     pub(super) fn finish(self) -> Result<Option<PathBuf>, ExportError> {
         drop(self.frames);
-        let mut file = None;
-        for thread in self.threads {
-            let sink = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-            file = sink.finish()?;
-        }
-        Ok(file)
+        let join =
+            |thread: JoinHandle<_>| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        // Wait for all threads before an error is returned, so that none leaves a file half written.
+        let ended: Vec<Result<Sink, ExportError>> = self.threads.into_iter().map(join).collect();
+        ended.into_iter().try_fold(None, |_, sink| sink?.finish())
     }
 }
 
-fn write_all(mut sink: Sink, incoming: &Mutex<Receiver<Frame>>) -> Result<Sink, ExportError> {
+/// Writes frames until no more come. The thread that fails ends the writing for all.
+fn write_all(mut sink: Sink, incoming: &Mutex<Option<Receiver<Frame>>>) -> Result<Sink, ExportError> {
+    let lock = || incoming.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
-        let next = incoming.lock().unwrap_or_else(PoisonError::into_inner).recv();
-        let Ok((number, rgba)) = next else { return Ok(sink) };
-        if !sink.write(number, &rgba)? {
-            return Ok(sink);
+        let next = lock().as_ref().map(Receiver::recv);
+        let Some(Ok((number, rgba))) = next else { return Ok(sink) };
+        match sink.write(number, &rgba) {
+            Ok(true) => {}
+            ended => {
+                lock().take();
+                return ended.map(|_| sink);
+            }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_still_that_cannot_be_written_ends_the_video() {
+        let folder = tempfile::tempdir().unwrap();
+        // A file cannot replace this folder.
+        std::fs::create_dir(folder.path().join("frame-00003.png")).unwrap();
+        let sink =
+            Sink::Stills { folder: folder.path().to_owned(), size: (1, 1), has_alpha: false, first: 0 };
+        let mut writer = FrameWriter::start(sink).unwrap();
+        let written = (0..20_000).take_while(|_| writer.write(vec![0; 4])).count();
+        assert!((3..20_000).contains(&written), "{written} frames");
+        assert!(writer.finish().is_err());
     }
 }

@@ -68,7 +68,7 @@ pub(super) struct Ingredients<'a> {
     pub choice: DrawingChoice,
 }
 
-/// What a frame follows, besides its scenes.
+/// The show, the parameters and the way of drawing by which a frame is composed.
 pub(super) struct Direction<'a> {
     pub show: &'a ShowFollower,
     pub parameters: &'a Parameters,

@@ -382,7 +382,7 @@ pub struct SwarmPicture {
     pub size: [u32; 2],
 }
 
-/// What the eye sees of a point.
+/// The part of the picture that a point may cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Outline {
     /// Lower left and upper right corner of a box around it, in pixels from the picture's lower left corner.

@@ -202,7 +202,7 @@ impl Live {
     }
 }
 
-// What live input tells about the song that plays.
+// Facts about the playing song, found from live input.
 
 /// The harmony and the form of live input, heard without knowledge of the music to come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
