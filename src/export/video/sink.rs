@@ -106,7 +106,12 @@ type Frame = (u64, Vec<u8>);
 pub(super) struct FrameWriter {
     frames: SyncSender<Frame>,
     sent: u64,
-    threads: Vec<JoinHandle<Result<Sink, ExportError>>>,
+    threads: Vec<JoinHandle<Result<Sink, FailedFrame>>>,
+}
+
+struct FailedFrame {
+    number: u64,
+    error: ExportError,
 }
 
 impl FrameWriter {
@@ -129,19 +134,21 @@ impl FrameWriter {
         self.frames.send((self.sent - 1, rgba)).is_ok()
     }
 
-    /// Waits until all frames are written, and moves the output to its path. Returns the path of a video.
+    /// Waits until all frames are written, and moves the output to its path. Returns the path of a video, or the
+    /// error of the first frame of the video that could not be written.
     pub(super) fn finish(self) -> Result<Option<PathBuf>, ExportError> {
         drop(self.frames);
         let join =
             |thread: JoinHandle<_>| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         // Wait for all threads before an error is returned, so that none leaves a file half written.
-        let ended: Vec<Result<Sink, ExportError>> = self.threads.into_iter().map(join).collect();
-        ended.into_iter().try_fold(None, |_, sink| sink?.finish())
+        let mut ended: Vec<Result<Sink, FailedFrame>> = self.threads.into_iter().map(join).collect();
+        ended.sort_by_key(|ended| ended.as_ref().err().map_or(u64::MAX, |failed| failed.number));
+        ended.into_iter().try_fold(None, |_, sink| sink.map_err(|failed| failed.error)?.finish())
     }
 }
 
 /// Writes frames until no more come. The thread that fails ends the writing for all.
-fn write_all(mut sink: Sink, incoming: &Mutex<Option<Receiver<Frame>>>) -> Result<Sink, ExportError> {
+fn write_all(mut sink: Sink, incoming: &Mutex<Option<Receiver<Frame>>>) -> Result<Sink, FailedFrame> {
     let lock = || incoming.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
         let next = lock().as_ref().map(Receiver::recv);
@@ -150,7 +157,7 @@ fn write_all(mut sink: Sink, incoming: &Mutex<Option<Receiver<Frame>>>) -> Resul
             Ok(true) => {}
             ended => {
                 lock().take();
-                return ended.map(|_| sink);
+                return ended.map(|_| sink).map_err(|error| FailedFrame { number, error });
             }
         }
     }
@@ -161,15 +168,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_still_that_cannot_be_written_ends_the_video() {
+    fn stills_that_cannot_be_written_end_the_video_and_the_first_is_reported() {
         let folder = tempfile::tempdir().unwrap();
-        // A file cannot replace this folder.
-        std::fs::create_dir(folder.path().join("frame-00003.png")).unwrap();
+        // A file cannot replace a folder.
+        for number in 3..11 {
+            std::fs::create_dir(folder.path().join(format!("frame-{number:05}.png"))).unwrap();
+        }
         let sink =
             Sink::Stills { folder: folder.path().to_owned(), size: (1, 1), has_alpha: false, first: 0 };
         let mut writer = FrameWriter::start(sink).unwrap();
         let written = (0..20_000).take_while(|_| writer.write(vec![0; 4])).count();
         assert!((3..20_000).contains(&written), "{written} frames");
-        assert!(writer.finish().is_err());
+        let error = writer.finish().unwrap_err().to_string();
+        assert!(error.contains("frame-00003.png"), "{error}");
     }
 }
