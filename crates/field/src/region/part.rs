@@ -28,6 +28,9 @@ const AGAIN_MAX: usize = 3072;
 /// mostly because cells differed in the sign of an ABS's operand or in the larger operand of a MAX. The limit costs
 /// lattice and city 3 % more clauses; dropping such decisions in all bricks would cost speakers 13 %.
 const GROUPS_MANY: usize = 16;
+/// A pass over a program with more steps than this takes longer than 0.1 ms. Between shorter passes, a clock would take a
+/// part of the time.
+const LONG_PASS: usize = 1000;
 /// Rays look up the object only within this distance of surfaces.
 const OBJECT_REACH: f32 = 0.25;
 
@@ -106,7 +109,8 @@ impl<'a> Part<'a> {
         self.build_while(&|| true);
     }
 
-    /// Builds the cells while `is_wanted` returns true. `is_wanted` is called every few ms. Discard a cancelled part.
+    /// Builds the cells while `is_wanted` returns true: it is asked before each block of the root and before each pass
+    /// over a program of more than [`LONG_PASS`] steps. Discard a cancelled part.
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
@@ -139,7 +143,7 @@ impl<'a> Part<'a> {
                     let cells = match number > 0 && lowest > self.scale.around {
                         // A ray crosses large cells in few steps, so exact bounds would save little.
                         true => std::array::from_fn(|_| self.cell(lowest, trunk.whole.second(), [0; 2])),
-                        false => self.cells(&level.short, &level.structure, inner, 1),
+                        false => self.cells(&level.short, &level.structure, inner, 1, is_wanted),
                     };
                     self.blocks.push((CELLS * number + cell, cells));
                 }
@@ -183,9 +187,19 @@ impl<'a> Part<'a> {
         (self.blocks, self.written.texels, self.stats)
     }
 
-    fn cells(&mut self, program: &Program, structure: &Structure, block: Block, depth: usize) -> Cells {
+    fn cells(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        block: Block,
+        depth: usize,
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Cells {
         let mut cells = [[0; 4]; CELLS];
         let trunk = self.trunk;
+        if program.steps.len() > LONG_PASS && !is_wanted() {
+            return cells;
+        }
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
         self.stats.passes += 1;
         bound_cells(program, block, self.scale.overlap, &mut level.rows, trunk.frame);
@@ -242,7 +256,7 @@ impl<'a> Part<'a> {
                 program_hash = is_of_place(&level.short).then(|| level.short.hash());
             }
             for cell in cells_of(divided) {
-                match self.brick(&level, program_hash, block.child(place_in(cell)), depth) {
+                match self.brick(&level, program_hash, block.child(place_in(cell)), depth, is_wanted) {
                     Some(address) => cells[cell] = [DIVIDED, address, 0, 0],
                     None => divided &= !(1 << cell),
                 }
@@ -261,7 +275,14 @@ impl<'a> Part<'a> {
         cells
     }
 
-    fn brick(&mut self, level: &Level, program: Option<u64>, inner: Block, depth: usize) -> Option<u32> {
+    fn brick(
+        &mut self,
+        level: &Level,
+        program: Option<u64>,
+        inner: Block,
+        depth: usize,
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Option<u32> {
         if depth > 1 {
             self.again = self.again.checked_sub(1)?;
         }
@@ -273,7 +294,7 @@ impl<'a> Part<'a> {
         self.written.keys.extend(key.map(|key| (key, brick)));
         let children = match key.and_then(|key| self.brick_of_before(key)) {
             Some(children) => children,
-            None => self.cells(&level.short, &level.structure, inner, depth + 1),
+            None => self.cells(&level.short, &level.structure, inner, depth + 1, is_wanted),
         };
         self.written.texels[brick..brick + CELLS].copy_from_slice(&children);
         Some(address)

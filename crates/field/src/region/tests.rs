@@ -68,6 +68,20 @@ pub(super) fn assert_regions_are_right(world: &World, inputs: &FrameInputs, poin
 }
 
 #[test]
+fn a_tree_of_a_long_program_ends_soon_after_it_is_cancelled() {
+    let ripples = "sum(for i in 0..600: sin(p.x * sin(i) + p.y * cos(i) + i))";
+    let world = world_of(&format!("object foam {{ shape = length(p) - 3 + 0.001 * {ripples} }}"));
+    let (plan, inputs) = (RegionPlan::new(&world), inputs_of(&world, 0.0, 1.0));
+    let asked = std::cell::Cell::new(0);
+    let is_wanted = || asked.replace(asked.get() + 1) < 3;
+    let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
+    let tree = plan.build_in_parts(None, &inputs, &options, 1, |parts| {
+        parts.iter_mut().for_each(|part| part.build_while(&is_wanted));
+    });
+    assert!(asked.get() > 3 && tree.stats.passes <= 4, "{} questions, {:?}", asked.get(), tree.stats);
+}
+
+#[test]
 fn the_speakers_are_the_same_in_every_cell() {
     let world = world_of(SPEAKERS);
     for (time, loud) in [(0.0, 0.0), (31.0, 0.6), (77.0, 1.0)] {
