@@ -130,7 +130,7 @@ fn measure(name: &str, songs: impl IntoIterator<Item = Song>) {
     for song in songs {
         let (frames, truth) = song.play(RATE);
         let heard = listen(RATE, &frames);
-        of_drops.add(&drops(&heard), &truth.drops);
+        of_drops.add(&drops(&heard), &truth.drops_and_returns());
         let is_build = |part: &(f64, f64, char)| {
             part.2 == 'U' && song.form.iter().any(|p| p.letter == 'U' && p.kind == Kind::Build)
         };

@@ -6,6 +6,7 @@
 mod events;
 #[path = "../tests/music/forms.rs"]
 mod forms;
+#[allow(dead_code)]
 #[path = "../tests/music/songs.rs"]
 mod songs;
 

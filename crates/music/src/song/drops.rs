@@ -1,9 +1,9 @@
 //! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on
 //! builds in club music) and lead to a drop or into a louder section. A drop is a bar in which the missing low band
-//! returns, and which begins some of the song's loudest and densest bars (Yadati et al. 2014): after a build, after a
-//! pause, or in a strong contrast to bars without low band. A drop needs several signs, because each sign alone also
-//! occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a pause before the
-//! last chorus has the silence.
+//! returns, and which begins some of the song's loudest and densest bars (Yadati et al. 2014), after a build or after a
+//! pause. A drop needs several signs, because each sign alone also occurs elsewhere: a crescendo has the rise, an entry
+//! of the bass has the low frequencies, a chorus after quiet bars has both and the loudness, and a pause before the last
+//! chorus has the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
@@ -50,18 +50,6 @@ const LOW_AWAY_AFTER_BUILD: f32 = 8.0;
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 /// A pause is at least this much quieter than the bars after it, and than the eves of earlier bars, in decibels.
 const PAUSE: (f32, f32) = (8.0, 4.0);
-/// Without a build or a pause, a drop needs a stronger contrast between this many bars before it and from it on.
-const CONTRAST_BARS: usize = 4;
-/// In a contrast, the range of the difference of the mean levels, in decibels. After silence, music only begins.
-const CONTRAST_JUMP: (f32, f32) = (6.0, 20.0);
-/// In a contrast, the minimum differences between the levels of the drop's bar and the last bar before it, and between
-/// the quietest low band afterwards and the loudest low band before, in decibels.
-const CONTRAST_STEP: f32 = 4.0;
-const CONTRAST_LOW: f32 = 10.0;
-/// The minimum onset density after a contrast. Ballads with pauses have less than 0.035.
-const CONTRAST_ONSETS: f32 = 0.038;
-/// A contrast may be this much quieter than other drops, in decibels.
-const CONTRAST_LOUD: f32 = 2.0;
 /// The minimum distance between two drops, in bars. If drops are closer, only the strongest drop is kept.
 const APART: usize = 8;
 
@@ -158,19 +146,6 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
     let away = low - median(bars_before, |bar| bar.low);
     let recent = eves_before.get(eves_before.len().saturating_sub(2)..)?;
     let gap = mean(recent, |eve| eve.low) - eve.low;
-    let contrast = || {
-        let recent = bars.get(bar.checked_sub(CONTRAST_BARS)?..bar)?;
-        let next = bars.get(bar..bar + CONTRAST_BARS)?;
-        let lowest = next.iter().map(|bar| bar.low).fold(f32::INFINITY, f32::min);
-        let highest = recent.iter().map(|bar| bar.low).fold(0.0, f32::max);
-        let jump = level - mean(recent, |bar| bar.level);
-        let is_step = (CONTRAST_JUMP.0..=CONTRAST_JUMP.1).contains(&jump)
-            && bars.get(bar)?.level - bars.get(last)?.level >= CONTRAST_STEP;
-        let is_dense = mean(next, |bar| bar.onsets) >= CONTRAST_ONSETS;
-        let is_drop =
-            is_step && is_dense && lowest - highest >= CONTRAST_LOW && level >= loud - CONTRAST_LOUD;
-        is_drop.then_some(lowest - highest)
-    };
     let strikes = level >= loud
         && (jump >= JUMP_MIN || after_build && away >= LOW_AWAY_AFTER_BUILD)
         && mean(until(LOUD_BARS), |bar| bar.onsets) >= ONSETS_MIN
@@ -183,8 +158,7 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
             && median(eves_before, |eve| eve.level) - eve.level >= PAUSE.1
             && level - median(bars_before, |bar| bar.level) >= JUMP_MIN
     };
-    let is_drop = strikes && (after_build || after_pause());
-    if is_drop { Some(back) } else { contrast() }
+    (strikes && (after_build || after_pause())).then_some(back)
 }
 
 fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {

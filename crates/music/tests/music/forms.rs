@@ -141,7 +141,7 @@ impl Form {
     }
 }
 
-/// Composes a song with two or three drops, each after a build, a break, or a break with a pause.
+/// Composes a song with two or three loud parts, each after a build, a break, or a break with a pause.
 pub(crate) fn club_song(style: Style, seed: u32) -> Song {
     let mut random = Random(seed.wrapping_mul(747_796_405).wrapping_add(77));
     let mode = [Mode::Major, Mode::Minor][random.below(2)];

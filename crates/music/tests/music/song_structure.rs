@@ -137,9 +137,9 @@ fn builds_and_breaks_lead_to_drops() {
     }
 }
 
-/// The drops follow builds, breaks without drums and bass, and pauses.
+/// A break without drums and bass is followed by a drop only if it ends with a build or a pause.
 #[test]
-fn drops_follow_builds_breaks_and_pauses() {
+fn drops_follow_builds_and_pauses_but_not_breaks() {
     let (mut hits, mut all, mut found) = (0, 0, 0);
     for (style, seed) in [(Style::FourOnTheFloor, 1), (Style::Rock, 6), (Style::Syncopated, 8)] {
         let (song, truth) = heard(&club_song(style, seed));
@@ -171,6 +171,20 @@ fn ballads_have_no_drops() {
             let (found, _) = heard(&Song::new(Style::Ballad, tempo, key, swell.ballad(Mode::Major)));
             assert!(found.drops.is_empty(), "{swell:?} at {tempo}: {:?}", found.drops);
         }
+    }
+}
+
+/// A chorus, or the first verse after an intro, is much louder than the bars before it and brings drums and bass.
+#[test]
+fn an_entry_of_the_band_is_no_drop() {
+    let key = Tonality { root: 2, mode: Mode::Minor };
+    let club = club(Mode::Minor);
+    let [_, _, chorus, verse, ..] = club.as_slice() else { panic!("the form has seven parts") };
+    let chorus = Part { kind: Kind::Plain, bars: 8, ..chorus.clone() };
+    for style in [Style::Rock, Style::Syncopated] {
+        let form = vec![verse.clone(), chorus.clone(), verse.clone(), chorus.clone()];
+        let (found, _) = heard(&Song::new(style, 112.0, key, form));
+        assert!(found.drops.is_empty(), "{style:?}: {:?}", found.drops);
     }
 }
 

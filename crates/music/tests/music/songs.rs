@@ -119,9 +119,9 @@ pub(crate) enum Kind {
     /// Ends with a bar of silence.
     Pause,
     Crescendo,
-    /// Has no drums and no bass before a drop.
+    /// Has no drums and no bass.
     Break,
-    /// Begins with a drop if a build, a break or a pause precedes it.
+    /// Begins with a drop if a build or a pause precedes it.
     Drop,
 }
 
@@ -178,9 +178,19 @@ pub(crate) struct Truth {
     pub borders: Vec<f64>,
     pub letters: Vec<(f64, f64, char)>,
     pub drops: Vec<f64>,
+    /// The returns of drums and bass after breaks without a build or a pause. They are no drops, because a chorus enters
+    /// in the same way. Live input reports them as drops.
+    pub returns: Vec<f64>,
 }
 
 impl Truth {
+    /// Returns the drops and the returns in the order of time.
+    pub(crate) fn drops_and_returns(&self) -> Vec<f64> {
+        let mut all = [&self.drops[..], &self.returns].concat();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
     /// Returns the borders between parts with different letters.
     pub(crate) fn changes(&self) -> Vec<f64> {
         self.letters.windows(2).filter(|pair| pair[0].2 != pair[1].2).map(|pair| pair[1].0).collect()
@@ -457,8 +467,10 @@ impl Song {
                 truth.borders.push(start);
             }
             truth.letters.push((start, end, part.letter));
-            if part.kind == Kind::Drop && matches!(before, Kind::Build | Kind::Break | Kind::Pause) {
-                truth.drops.push(start);
+            match (before, part.kind) {
+                (Kind::Build | Kind::Pause, Kind::Drop) => truth.drops.push(start),
+                (Kind::Break, Kind::Drop) => truth.returns.push(start),
+                _ => {}
             }
             before = part.kind;
             if part.drums && number > 0 {
