@@ -5,7 +5,8 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
+use crate::flash_twin::{Analyser, Correction, Flashes, Grid, Limiter};
+use mariana::flash::{CELLS, COLUMNS, ROWS};
 use mariana::gpu::flash_pass::{FlashPass, PASSES};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::shader_source::ShaderLibrary;
@@ -33,6 +34,14 @@ struct Bench {
     differing: usize,
     // This field is the last, so that the context is dropped after the objects in it.
     _context: Headless,
+}
+
+/// Returns the measured cells of the last image, their corrections, and the displayed cells.
+fn cells_of(pass: &FlashPass) -> (Grid, Vec<Correction>, Grid) {
+    let [measured, ceilings, shown] = pass.read();
+    let grid = |cells: Vec<[f32; 4]>| Grid::new(cells.into_iter().map(|[r, g, b, _]| [r, g, b]));
+    let correction = |[_, _, grey, ceiling]: [f32; 4]| Correction { ceiling, grey };
+    (grid(measured), ceilings.into_iter().map(correction).collect(), grid(shown))
 }
 
 impl Bench {
@@ -77,7 +86,7 @@ impl Bench {
         self.analyser.add(self.time, &Grid::of_picture(&shown, SIZE));
         self.changed += usize::from(shown != bytes);
 
-        let (cells, corrections, shown_cells) = self.pass.read();
+        let (cells, corrections, shown_cells) = cells_of(&self.pass);
         let expected = self.limiter.limit(seconds, &cells);
         let differ = |(a, b): (&Correction, &Correction)| {
             (a.ceiling - b.ceiling).abs() > 0.01 || (a.grey - b.grey).abs() > 0.01
@@ -323,7 +332,7 @@ fn any_frame_time_gives_valid_corrections() {
             let bytes = vec![if frame % 2 == 0 { 0 } else { 255 }; 4 * 4 * CELLS];
             bench.finished.put_rgba8((0, 0), SIZE, &bytes);
             bench.pass.measure(&bench.finished, seconds);
-            let (_, corrections, _) = bench.pass.read();
+            let (_, corrections, _) = cells_of(&bench.pass);
             let fits =
                 |one: &Correction| (0.0..=2.0).contains(&one.ceiling) && (0.0..=1.0).contains(&one.grey);
             assert!(corrections.iter().all(fits), "after {seconds} s");

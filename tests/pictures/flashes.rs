@@ -3,11 +3,12 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::flash_twin::{Analyser, Flashes, Grid};
 use crate::support::compare::pixel_difference;
 use crate::support::program::Workplace;
 use crate::support::test_renderer::TestRenderer;
 use image::RgbaImage;
-use mariana::flash::{Analyser, COLUMNS, Flashes, Grid};
+use mariana::flash::COLUMNS;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 use mariana::gpu::shader_source::ShaderLibrary;

@@ -6,6 +6,8 @@ mod embedded;
 mod fades;
 mod feedback;
 mod flash_limiter;
+#[cfg(target_os = "linux")]
+mod flash_twin;
 mod flashes;
 mod followed_sounds;
 mod glsl_import;

@@ -24,7 +24,7 @@ use super::passes::Block;
 use super::program::{Program, ProgramTexts, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
-use crate::flash::{CELLS, COLUMNS, Correction, Grid, ROWS, Steps};
+use crate::flash::{CELLS, COLUMNS, ROWS, Steps};
 
 /// The vertex shader that places the cells to dim.
 pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
@@ -237,17 +237,12 @@ impl FlashPass {
         self.dim_cells(finished, window);
     }
 
-    /// Reads the measured cells of the last image, their corrections, and the displayed cells, top row first. Waits for
-    /// the GPU. Use it to compare with [`crate::flash::Limiter`].
-    pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
-        let grid = |target: &Target| {
-            let colors = target.read_rgba32f(0);
-            Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]))
-        };
-        let ceilings = self.memory.spread_ceilings().read_rgba32f(0);
-        let correction = |[_, _, grey, ceiling]: &[f32; 4]| Correction { ceiling: *ceiling, grey: *grey };
-        let corrections = ceilings.as_chunks::<4>().0.iter().map(correction).collect();
-        (grid(&self.memory.measured), corrections, grid(&self.memory.shown))
+    /// Reads the cells of the last image, top row first: measured colours, corrections (grey in the third component, the
+    /// ceiling in the fourth), and displayed colours. Waits for the GPU. Tests compare them.
+    pub fn read(&self) -> [Vec<[f32; 4]>; 3] {
+        let FlashMemory { measured, shown, .. } = &self.memory;
+        [measured, self.memory.spread_ceilings(), shown]
+            .map(|cells| cells.read_rgba32f(0).as_chunks().0.to_vec())
     }
 
     fn dim_cells(&self, finished: &Target, size: (u32, u32)) {

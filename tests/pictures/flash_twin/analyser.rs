@@ -1,7 +1,8 @@
 //! Counts the flashes of a video, frame by frame.
 
-use super::fields;
-use super::fields::{CELLS, Grid, luminance};
+use mariana::flash::CELLS;
+
+use super::fields::{self, Grid, luminance};
 use super::swing::{Change, DEFINED, LightSwing, RedSwing, Times};
 
 /// Flashes that cover at most this fraction of a field of view do not count.
@@ -9,11 +10,11 @@ const AREA: f64 = 0.25;
 
 /// The largest number of flashes found within one second.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Flashes {
+pub(crate) struct Flashes {
     /// Flashes of luminance.
-    pub general: usize,
+    pub(crate) general: usize,
     /// Flashes to or from a saturated red.
-    pub red: usize,
+    pub(crate) red: usize,
 }
 
 struct Cell {
@@ -24,7 +25,7 @@ struct Cell {
 }
 
 /// A flash counter that is fed frame by frame.
-pub struct Analyser {
+pub(crate) struct Analyser {
     cells: Vec<Cell>,
     worst: Flashes,
 }
@@ -43,7 +44,7 @@ impl Default for Analyser {
 
 impl Analyser {
     /// Adds the frame that is shown at `time` seconds. Times must increase from frame to frame.
-    pub fn add(&mut self, time: f64, frame: &Grid) {
+    pub(crate) fn add(&mut self, time: f64, frame: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             let changes = [
                 (cell.light.step(luminance(*color), &DEFINED), &mut cell.light_changes),
@@ -75,15 +76,15 @@ impl Analyser {
     }
 
     /// The flashes of the worst second so far.
-    pub fn worst(&self) -> Flashes {
+    pub(crate) fn worst(&self) -> Flashes {
         self.worst
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fields::{COLUMNS, ROWS};
     use super::*;
+    use mariana::flash::{COLUMNS, ROWS};
 
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
         let mut analyser = Analyser::default();

@@ -2,35 +2,11 @@
 
 use std::collections::VecDeque;
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Thresholds {
-    /// Smallest change of luminance that counts, as a fraction of the maximum luminance.
-    pub light_change: f32,
-    /// Changes do not count if their darker state has at least this luminance.
-    pub light_darker: f32,
-    /// A colour is a saturated red if red makes up at least this fraction of the colour's linear light.
-    pub red_fraction: f32,
-    /// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
-    pub red_change: f32,
-}
+use mariana::flash::{FLARE, RED, ROUNDING, SIMULTANEOUS, SURE, Thresholds};
 
+/// The thresholds of WCAG 2.3.1.
 pub(super) const DEFINED: Thresholds =
     Thresholds { light_change: 0.1, light_darker: 0.8, red_fraction: 0.8, red_change: 0.2 };
-/// Thresholds that miss no change despite approximate measurements and 8-bit images.
-pub(super) const CAUTIOUS: Thresholds =
-    Thresholds { light_change: 0.095, light_darker: 0.805, red_fraction: 0.78, red_change: 0.19 };
-/// Thresholds above which a change certainly counts, whatever the measurement errors. They are as much stricter than
-/// [`DEFINED`] as [`CAUTIOUS`] is looser.
-pub(super) const SURE_CHANGE: f32 = 0.105;
-pub(super) const SURE_DARKER: f32 = 0.795;
-pub(super) const SURE_RED_FRACTION: f32 = 0.82;
-pub(super) const SURE_RED_CHANGE: f32 = 0.21;
-/// Changes within this time are simultaneous, in seconds.
-pub(super) const SIMULTANEOUS: f64 = 0.05;
-/// Light that a screen always reflects. Because of it, almost black pixels have no colour.
-pub(super) const FLARE: f32 = 0.01;
-/// Chromaticity of sRGB's red.
-pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
@@ -80,7 +56,7 @@ impl LightSwing {
 
     /// Returns true if the last change counts at luminance `light`, but may have been too small before.
     pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
-        let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
+        let sure = self.high - self.low >= SURE.light_change && self.low < SURE.light_darker;
         let still = match self.last {
             Some(Change::Up) => self.rises_to(light, counts),
             Some(Change::Down) => self.falls_to(light, counts),
@@ -110,8 +86,8 @@ impl RedSwing {
             return None;
         };
         if saturated != self.red && distance(now, extreme) > counts.red_change {
-            let sure = distance(now, extreme) > SURE_RED_CHANGE
-                && (!saturated || is_saturated_red(color, SURE_RED_FRACTION));
+            let sure = distance(now, extreme) > SURE.red_change
+                && (!saturated || is_saturated_red(color, SURE.red_fraction));
             *self = Self { red: saturated, extreme: Some(now), sure };
             return Some(if saturated { Change::Up } else { Change::Down });
         }
@@ -150,9 +126,6 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Tolerance, in seconds, for comparing frame times, which are rounded.
-pub(super) const ROUNDING: f64 = 1e-6;
-
 #[derive(Debug, Clone)]
 pub(super) struct Times(VecDeque<f64>);
 
@@ -190,6 +163,7 @@ impl Times {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana::flash::CAUTIOUS;
 
     fn light_changes(lights: &[f32]) -> usize {
         let mut swing = LightSwing::NEW;

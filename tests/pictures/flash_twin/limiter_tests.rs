@@ -1,5 +1,5 @@
+use super::super::{Analyser, Flashes};
 use super::*;
-use crate::flash::{Analyser, Flashes};
 
 const WHITE: [f32; 3] = [1.0; 3];
 const BLACK: [f32; 3] = [0.0; 3];

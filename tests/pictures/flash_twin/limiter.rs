@@ -10,66 +10,37 @@
 //! only on its own light and on ceilings, so dimmed pixels next to a flash do not flicker with it.
 //!
 //! **The displayed frames count**: each frame is measured again after dimming ([`Limiter::record_shown`]).
-//!
-//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than WCAG's, and
-//! a borderline change is dated as late as possible. A rise that is too early by about a frame is only delayed by a
-//! frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
 
-use super::fields;
-use super::fields::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
-use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, SIMULTANEOUS, Times};
+use mariana::flash::{
+    AREA, CAUTIOUS, CEILING_RISE, CELLS, COLUMNS, EARLY, FLASHES_MAX, FOLLOW, FRESH, GREY, HOLD, KNEE, OPEN,
+    REACH, RED_RELEASE, RELEASE, ROUNDING, ROWS, SWING, Step, Steps,
+};
 
-/// Fraction of a field above which flashes are limited. It is a little less than WCAG's quarter.
-pub(super) const AREA: f64 = 0.2;
+use super::fields::{self, Grid, luminance};
+use super::swing::{Change, LightSwing, RedSwing, Times};
+
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
-/// Seconds for which a cell stays marked. The last [`EARLY`] of them do not count.
-pub(super) const HOLD: f64 = 1.0 + EARLY;
-/// A mark that has at least this many seconds left is new: its rise is simultaneous with rises now. Rises are dated up
-/// to a fiftieth of a second too early or too late.
-pub(super) const FRESH: f64 = HOLD - SIMULTANEOUS - 0.02;
-/// Margin between a cell's lowest luminance and its ceiling. A change of this size is too small for a flash.
-pub(super) const SWING: f32 = 0.07;
-/// Half of the time for which the lowest luminance is remembered, in seconds.
-const MEMORY: f64 = 0.6;
-/// Rise of the ceiling in luminance per second: `FOLLOW` if the lowest luminance rises, `RELEASE` after flashes.
-pub(super) const FOLLOW: f32 = 0.25;
-pub(super) const RELEASE: f32 = 0.5;
-/// Fraction of grey that is mixed into a limited red, so that the red is no longer saturated.
-pub(super) const GREY: f32 = 0.6;
-/// Decrease per second of the fraction of grey, after the flashes.
-pub(super) const RED_RELEASE: f32 = 0.6;
-/// A rise at most this many seconds too early is delayed, not limited: by one frame at 30 frames a second.
-pub(super) const EARLY: f64 = 0.035;
-
-/// A ceiling of this height dims nothing.
-pub(super) const OPEN: f32 = 1.25;
-/// Light below this fraction of the ceiling does not change. Brighter light is compressed below the ceiling.
-pub(super) const KNEE: f32 = 0.8;
-/// Distance in cells over which a ceiling spreads. Adjacent cells get the ceiling unchanged.
-pub(super) const REACH: usize = 7;
-/// Rise of a ceiling per squared distance beyond the adjacent cell. The fraction of grey falls by the same number.
-pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;
 
 /// The limit on the light at a cell's centre. Limits are interpolated linearly between centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Correction {
+pub(crate) struct Correction {
     /// Maximum luminance of a pixel. The highest ceiling, 1.25, dims nothing.
-    pub ceiling: f32,
+    pub(crate) ceiling: f32,
     /// Fraction of the colour that becomes grey, 0..1.
-    pub grey: f32,
+    pub(crate) grey: f32,
 }
 
 impl Correction {
     const NONE: Self = Self { ceiling: OPEN, grey: 0.0 };
 
     /// True if pixels at this cell may change.
-    pub fn limits(&self) -> bool {
+    pub(crate) fn limits(&self) -> bool {
         self.ceiling < OPEN || self.grey > 0.0
     }
 
     /// Limits a linear colour.
-    pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn apply(&self, color: [f32; 3]) -> [f32; 3] {
         let light = luminance(color);
         let gain = if light > 0.0 { below_ceiling(light, self.ceiling) / light } else { 1.0 };
         color.map(|value| (value + self.grey * (light - value)) * gain)
@@ -177,37 +148,8 @@ fn is_fresh(until: f64, now: f64) -> bool {
     is_put_off(until, now) || until - now >= FRESH
 }
 
-/// The time between two frames, as the limiter needs it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
-    /// Seconds since the previous frame.
-    pub seconds: f64,
-    /// True if the current half of the memory ends and a new half begins.
-    pub forgets: bool,
-}
-
-/// Computes [`Step`]s from the times between frames.
-#[derive(Debug, Clone, Default)]
-pub struct Steps {
-    /// Seconds since the current half of the memory began.
-    memory: f64,
-}
-
-impl Steps {
-    /// The step to a frame that is shown `seconds` after the previous frame.
-    pub fn next(&mut self, seconds: f64) -> Step {
-        let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
-        self.memory += seconds;
-        let forgets = self.memory >= MEMORY;
-        if forgets {
-            self.memory = 0.0;
-        }
-        Step { seconds, forgets }
-    }
-}
-
 /// The flash limiter on the CPU: a reference for `gpu::flash_pass`, which does the same on the GPU.
-pub struct Limiter {
+pub(crate) struct Limiter {
     cells: Vec<Cell>,
     now: f64,
     steps: Steps,
@@ -230,7 +172,7 @@ impl Default for Limiter {
 impl Limiter {
     /// Takes the next frame, shown `seconds` after the previous frame, and returns a correction for each cell. Pass the
     /// corrected frame to [`Limiter::record_shown`].
-    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
+    pub(crate) fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
         self.step = self.steps.next(seconds);
         let seconds = self.step.seconds;
         self.now += seconds;
@@ -279,7 +221,7 @@ impl Limiter {
     }
 
     /// Records the mean colours of the displayed frame. Call it after [`Limiter::limit`].
-    pub fn record_shown(&mut self, shown: &Grid) {
+    pub(crate) fn record_shown(&mut self, shown: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(shown.colors()) {
             if self.step.forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];

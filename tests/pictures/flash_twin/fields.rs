@@ -1,8 +1,7 @@
 //! Ten-degree fields of view. A field is a rectangle with a third of the image's width and height, at any position.
 
-pub(super) const WIDTH: usize = COLUMNS / 3;
-pub(super) const HEIGHT: usize = ROWS / 3;
-const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
+use mariana::flash::{CELLS, COLUMNS, FIELD_COLUMNS as WIDTH, FIELD_ROWS as HEIGHT, ROWS};
+
 const FIELD: usize = WIDTH * HEIGHT;
 
 /// A summed-area table: for each corner of cells, the sum over all cells above and to the left of the corner.
@@ -65,25 +64,13 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
     covered.collect()
 }
 
-// The grid of cells in which flashes are counted.
-
-/// Cells from left to right. A field of view spans a third of them.
-pub const COLUMNS: usize = 48;
-/// Cells from top to bottom.
-pub const ROWS: usize = 36;
-/// Cells of a grid.
-pub const CELLS: usize = COLUMNS * ROWS;
-
-/// Maximum number of flashes of a kind, general or red, that are allowed in one second.
-pub const FLASHES_MAX: usize = 3;
-
 /// The mean colour of each cell of an image: linear RGB, 0..1, row by row.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid(Vec<[f32; 3]>);
+pub(crate) struct Grid(Vec<[f32; 3]>);
 
 impl Grid {
     /// Builds a grid from the colours of [`CELLS`] cells. Missing colours and values that are not finite become black.
-    pub fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
+    pub(crate) fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let mut cells: Vec<[f32; 3]> = colors.into_iter().take(CELLS).map(|color| color.map(unit)).collect();
         cells.resize(CELLS, [0.0; 3]);
@@ -91,9 +78,9 @@ impl Grid {
     }
 
     /// Builds the grid of a finished image: sRGB, four bytes per pixel, row by row.
-    pub fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
+    pub(crate) fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
         let (width, height) = size;
-        let linear = crate::srgb::linear_of_bytes();
+        let linear = mariana::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
         let (width, height) = (width as usize, height as usize);
         // If the image has fewer pixels than cells, each cell takes the nearest pixel.
