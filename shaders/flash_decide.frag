@@ -1,4 +1,4 @@
-// Computes the ceilings of brightness and the fractions of grey of cells (crates/render/src/flash/limiter.rs).
+// Computes the ceilings of brightness and the fractions of grey of cells (tests/pictures/flash_twin/limiter.rs).
 
 #include "flash_swing.glsl"
 #include "flash_limited.glsl"

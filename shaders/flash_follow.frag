@@ -1,4 +1,5 @@
-// Detects changes of cells before the limiter, and rises that would exceed the number of flashes (flash/limiter.rs).
+// Detects changes of cells before the limiter, and rises that would exceed the number of flashes
+// (tests/pictures/flash_twin/limiter.rs).
 
 #include "flash_swing.glsl"
 

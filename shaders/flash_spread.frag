@@ -1,4 +1,4 @@
-// Spreads ceilings and fractions of grey to neighbouring cells, along one axis (crates/render/src/flash/limiter.rs).
+// Spreads ceilings and fractions of grey to neighbouring cells, along one axis (tests/pictures/flash_twin/limiter.rs).
 
 #include "flash_rules.glsl"
 // post_target.zw is a step along the axis.
