@@ -143,7 +143,7 @@ impl<'a> Part<'a> {
                     let cells = match number > 0 && lowest > self.scale.around {
                         // A ray crosses large cells in few steps, so exact bounds would save little.
                         true => std::array::from_fn(|_| self.cell(lowest, trunk.whole.second(), [0; 2])),
-                        false => self.cells(&level.short, &level.structure, inner, 1, is_wanted),
+                        false => self.cells(&level, inner, 1, is_wanted),
                     };
                     self.blocks.push((CELLS * number + cell, cells));
                 }
@@ -187,19 +187,10 @@ impl<'a> Part<'a> {
         (self.blocks, self.written.texels, self.stats)
     }
 
-    fn cells(
-        &mut self,
-        program: &Program,
-        structure: &Structure,
-        block: Block,
-        depth: usize,
-        is_wanted: &dyn Fn() -> bool,
-    ) -> Cells {
+    /// Returns the cells of a block, whose program is the shortened one of `parent`.
+    fn cells(&mut self, parent: &Level, block: Block, depth: usize, is_wanted: &dyn Fn() -> bool) -> Cells {
         let mut cells = [[0; 4]; CELLS];
-        let trunk = self.trunk;
-        if program.steps.len() > LONG_PASS && !is_wanted() {
-            return cells;
-        }
+        let (trunk, program, structure) = (self.trunk, &parent.short, &parent.structure);
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
         self.stats.passes += 1;
         bound_cells(program, block, self.scale.overlap, &mut level.rows, trunk.frame);
@@ -294,7 +285,8 @@ impl<'a> Part<'a> {
         self.written.keys.extend(key.map(|key| (key, brick)));
         let children = match key.and_then(|key| self.brick_of_before(key)) {
             Some(children) => children,
-            None => self.cells(&level.short, &level.structure, inner, depth + 1, is_wanted),
+            None if level.short.steps.len() > LONG_PASS && !is_wanted() => [[0; 4]; CELLS],
+            None => self.cells(level, inner, depth + 1, is_wanted),
         };
         self.written.texels[brick..brick + CELLS].copy_from_slice(&children);
         Some(address)
