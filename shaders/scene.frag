@@ -74,6 +74,11 @@ struct ThinBalls {
 };
 #endif
 
+// All lights together whose shadows are left out are weaker than this part of a surface's other light, plus this light as
+// shown. In 27 scenes at most 0.006 % of the pixels changed by more than 4 of 255.
+const float SHADOWED_PART = 0.02;
+const float SHADOWED_SHOWN = 0.002;
+
 // Light from the surface at p towards the eye, without mirror images.
 #ifdef DRAWS_SWARM
 // The light is multiplied by `fraction`. Adds the light of thin balls, for which further shadow rays run.
@@ -151,13 +156,15 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
         vec3 arriving = incoming.light + through;
         if (max(arriving.r, max(arriving.g, arriving.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
-            // A light without shadows needs no shadow ray.
-            float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction) + through;
+            float least = (SHADOWED_PART * max(light.r, max(light.g, light.b)) + SHADOWED_SHOWN / picture_look.x) / float(last + 1);
 #ifdef DRAWS_SWARM
             thrown *= fraction;
-            if (i >= count && max(thrown.r, max(thrown.g, thrown.b)) < THIN_SHADOWED_MIN) t = 0.0;
+            if (i >= count) least = max(least, THIN_SHADOWED_MIN);
 #endif
+            // A light without shadows, or too weak for its shadow to be seen, needs no shadow ray.
+            bool has_shadow = incoming.shadow > 0.0 && max(thrown.r, max(thrown.g, thrown.b)) >= least;
+            float t = has_shadow ? incoming.t : 0.0;
             float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);

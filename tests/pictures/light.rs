@@ -41,6 +41,24 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
     [r, g, b]
 }
 
+#[test]
+fn a_light_too_weak_for_a_visible_shadow_sends_no_rays() {
+    let counted = |lights: &str| {
+        let text = format!("{FLOOR}object ball {{ shape = sphere(p - vec3(0, 1, 0), 0.7) }}\n{lights}");
+        let mut drawn = TestRenderer::of(&SceneSource::Formula(text), Mode::Compiled, Counting::On);
+        (drawn.picture(0.0, silence(), SIZE), drawn.renderer.evaluations().shadow)
+    };
+    let sun = "light sun { direction = vec3(0.4, -1, 0.2)  color = 3 }\n";
+    let lamp = |color: f64| format!("{sun}light lamp {{ direction = vec3(-0.8, -1, 0)  color = {color} }}");
+    let ((one, rays), (weak, weak_rays), (_, strong_rays)) =
+        (counted(sun), counted(&lamp(0.002)), counted(&lamp(0.2)));
+    assert!(strong_rays > 1.5 * rays, "{strong_rays} evaluations with a second light, {rays} without");
+    // Where the sun's light does not arrive, the weak light is all there is.
+    assert!(weak_rays < 1.1 * rays, "{weak_rays} evaluations with a weak second light, {rays} without");
+    let off = one.pixels().zip(weak.pixels()).map(|(a, b)| a.0[0].abs_diff(b.0[0])).max();
+    assert!(off <= Some(4), "{off:?}");
+}
+
 /// The bound is small where two cells meet, also far above the balls.
 #[test]
 fn no_curtain_hangs_where_the_cells_of_a_repetition_meet() {
