@@ -1,4 +1,4 @@
-// Computes the ceilings of brightness and the fractions of grey of cells (tests/pictures/flash_twin/limiter.rs).
+// Computes the ceilings of brightness and the fractions of grey of cells (tests/flash_twin/src/limiter.rs).
 
 #include "flash_swing.glsl"
 #include "flash_limited.glsl"

@@ -1,5 +1,5 @@
 // For each row, finds the columns of the crowded fields that begin in the row. A field is crowded if it has too many
-// marked cells (tests/pictures/flash_twin/fields.rs).
+// marked cells (tests/flash_twin/src/fields.rs).
 
 #include "flash_rows.glsl"
 

@@ -1,5 +1,5 @@
 // Detects changes of cells before the limiter, and rises that would exceed the number of flashes
-// (tests/pictures/flash_twin/limiter.rs).
+// (tests/flash_twin/src/limiter.rs).
 
 #include "flash_swing.glsl"
 

@@ -1,4 +1,4 @@
-// Finds the limited cells (tests/pictures/flash_twin/limiter.rs). Include flash_swing.glsl first.
+// Finds the limited cells (tests/flash_twin/src/limiter.rs). Include flash_swing.glsl first.
 
 #include "flash_rows.glsl"
 

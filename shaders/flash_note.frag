@@ -1,4 +1,4 @@
-// Records the changes of each cell after the limiter (tests/pictures/flash_twin/limiter.rs).
+// Records the changes of each cell after the limiter (tests/flash_twin/src/limiter.rs).
 
 #include "flash_swing.glsl"
 #include "flash_limited.glsl"

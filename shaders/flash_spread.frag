@@ -1,4 +1,4 @@
-// Spreads ceilings and fractions of grey to neighbouring cells, along one axis (tests/pictures/flash_twin/limiter.rs).
+// Spreads ceilings and fractions of grey to neighbouring cells, along one axis (tests/flash_twin/src/limiter.rs).
 
 #include "flash_rules.glsl"
 // post_target.zw is a step along the axis.

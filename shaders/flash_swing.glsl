@@ -1,4 +1,4 @@
-// Detects the changes of a cell between peaks and valleys, like tests/pictures/flash_twin/swing.rs.
+// Detects the changes of a cell between peaks and valleys, like tests/flash_twin/src/swing.rs.
 
 #include "flash_block.glsl"
 #include "flash_rules.glsl"

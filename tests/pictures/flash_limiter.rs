@@ -5,12 +5,12 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use crate::flash_twin::{Analyser, Correction, Flashes, Grid, Limiter};
 use mariana::flash::{CELLS, COLUMNS, ROWS};
 use mariana::gpu::flash_pass::{FlashPass, PASSES};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
+use mariana_flash_twin::{Analyser, Correction, Flashes, Grid, Limiter};
 
 /// Each cell has two by two pixels.
 const SIZE: (u32, u32) = (2 * COLUMNS as u32, 2 * ROWS as u32);

@@ -3,7 +3,6 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::flash_twin::{Analyser, Flashes, Grid};
 use crate::support::compare::pixel_difference;
 use crate::support::program::Workplace;
 use crate::support::test_renderer::TestRenderer;
@@ -13,6 +12,7 @@ use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::SceneSource;
+use mariana_flash_twin::{Analyser, Flashes, Grid};
 use mariana_music::Features;
 
 /// The size is small, because the tests run without a graphics card. It is not a multiple of the limiter's cells.

@@ -7,7 +7,6 @@ mod fades;
 mod feedback;
 mod flash_limiter;
 #[cfg(target_os = "linux")]
-mod flash_twin;
 mod flashes;
 mod followed_sounds;
 mod glsl_import;

@@ -12,7 +12,7 @@
 //! have too many changes within the second before.
 //!
 //! **Flashes are limited in the finished frame**, whatever the scene does. The GPU limits them (`gpu::flash_pass`)
-//! without reading back, so that even the frame that begins the flash is dimmed. `tests/pictures/flash_twin` does the
+//! without reading back, so that even the frame that begins the flash is dimmed. `tests/flash_twin` does the
 //! same on the CPU, and tests compare both. The limiter only darkens and never mixes in older frames, so a limited frame
 //! is not smeared.
 //!

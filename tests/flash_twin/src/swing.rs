@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use mariana::flash::{FLARE, RED, ROUNDING, SIMULTANEOUS, SURE, Thresholds};
+use mariana_render::flash::{FLARE, RED, ROUNDING, SIMULTANEOUS, SURE, Thresholds};
 
 /// The thresholds of WCAG 2.3.1.
 pub(super) const DEFINED: Thresholds =
@@ -163,7 +163,7 @@ impl Times {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana::flash::CAUTIOUS;
+    use mariana_render::flash::CAUTIOUS;
 
     fn light_changes(lights: &[f32]) -> usize {
         let mut swing = LightSwing::NEW;

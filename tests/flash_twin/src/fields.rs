@@ -1,6 +1,6 @@
 //! Ten-degree fields of view. A field is a rectangle with a third of the image's width and height, at any position.
 
-use mariana::flash::{CELLS, COLUMNS, FIELD_COLUMNS as WIDTH, FIELD_ROWS as HEIGHT, ROWS};
+use mariana_render::flash::{CELLS, COLUMNS, FIELD_COLUMNS as WIDTH, FIELD_ROWS as HEIGHT, ROWS};
 
 const FIELD: usize = WIDTH * HEIGHT;
 
@@ -66,11 +66,11 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
 
 /// The mean colour of each cell of an image: linear RGB, 0..1, row by row.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Grid(Vec<[f32; 3]>);
+pub struct Grid(Vec<[f32; 3]>);
 
 impl Grid {
     /// Builds a grid from the colours of [`CELLS`] cells. Missing colours and values that are not finite become black.
-    pub(crate) fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
+    pub fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let mut cells: Vec<[f32; 3]> = colors.into_iter().take(CELLS).map(|color| color.map(unit)).collect();
         cells.resize(CELLS, [0.0; 3]);
@@ -78,9 +78,9 @@ impl Grid {
     }
 
     /// Builds the grid of a finished image: sRGB, four bytes per pixel, row by row.
-    pub(crate) fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
+    pub fn of_picture(rgba: &[u8], size: (u32, u32)) -> Self {
         let (width, height) = size;
-        let linear = mariana::srgb::linear_of_bytes();
+        let linear = mariana_render::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
         let (width, height) = (width as usize, height as usize);
         // If the image has fewer pixels than cells, each cell takes the nearest pixel.

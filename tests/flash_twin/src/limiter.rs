@@ -11,7 +11,7 @@
 //!
 //! **The displayed frames count**: each frame is measured again after dimming ([`Limiter::record_shown`]).
 
-use mariana::flash::{
+use mariana_render::flash::{
     AREA, CAUTIOUS, CEILING_RISE, CELLS, COLUMNS, EARLY, FLASHES_MAX, FOLLOW, FRESH, GREY, HOLD, KNEE, OPEN,
     REACH, RED_RELEASE, RELEASE, ROUNDING, ROWS, SWING, Step, Steps,
 };
@@ -24,23 +24,23 @@ const CHANGES: usize = 2 * FLASHES_MAX + 1;
 
 /// The limit on the light at a cell's centre. Limits are interpolated linearly between centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Correction {
+pub struct Correction {
     /// Maximum luminance of a pixel. The highest ceiling, 1.25, dims nothing.
-    pub(crate) ceiling: f32,
+    pub ceiling: f32,
     /// Fraction of the colour that becomes grey, 0..1.
-    pub(crate) grey: f32,
+    pub grey: f32,
 }
 
 impl Correction {
     const NONE: Self = Self { ceiling: OPEN, grey: 0.0 };
 
     /// True if pixels at this cell may change.
-    pub(crate) fn limits(&self) -> bool {
+    pub fn limits(&self) -> bool {
         self.ceiling < OPEN || self.grey > 0.0
     }
 
     /// Limits a linear colour.
-    pub(crate) fn apply(&self, color: [f32; 3]) -> [f32; 3] {
+    pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
         let light = luminance(color);
         let gain = if light > 0.0 { below_ceiling(light, self.ceiling) / light } else { 1.0 };
         color.map(|value| (value + self.grey * (light - value)) * gain)
@@ -149,7 +149,7 @@ fn is_fresh(until: f64, now: f64) -> bool {
 }
 
 /// The flash limiter on the CPU: a reference for `gpu::flash_pass`, which does the same on the GPU.
-pub(crate) struct Limiter {
+pub struct Limiter {
     cells: Vec<Cell>,
     now: f64,
     steps: Steps,
@@ -172,7 +172,7 @@ impl Default for Limiter {
 impl Limiter {
     /// Takes the next frame, shown `seconds` after the previous frame, and returns a correction for each cell. Pass the
     /// corrected frame to [`Limiter::record_shown`].
-    pub(crate) fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
+    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
         self.step = self.steps.next(seconds);
         let seconds = self.step.seconds;
         self.now += seconds;
@@ -221,7 +221,7 @@ impl Limiter {
     }
 
     /// Records the mean colours of the displayed frame. Call it after [`Limiter::limit`].
-    pub(crate) fn record_shown(&mut self, shown: &Grid) {
+    pub fn record_shown(&mut self, shown: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(shown.colors()) {
             if self.step.forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];

@@ -1,6 +1,6 @@
 //! Counts the flashes of a video, frame by frame.
 
-use mariana::flash::CELLS;
+use mariana_render::flash::CELLS;
 
 use super::fields::{self, Grid, luminance};
 use super::swing::{Change, DEFINED, LightSwing, RedSwing, Times};
@@ -10,11 +10,11 @@ const AREA: f64 = 0.25;
 
 /// The largest number of flashes found within one second.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Flashes {
+pub struct Flashes {
     /// Flashes of luminance.
-    pub(crate) general: usize,
+    pub general: usize,
     /// Flashes to or from a saturated red.
-    pub(crate) red: usize,
+    pub red: usize,
 }
 
 struct Cell {
@@ -25,7 +25,7 @@ struct Cell {
 }
 
 /// A flash counter that is fed frame by frame.
-pub(crate) struct Analyser {
+pub struct Analyser {
     cells: Vec<Cell>,
     worst: Flashes,
 }
@@ -44,7 +44,7 @@ impl Default for Analyser {
 
 impl Analyser {
     /// Adds the frame that is shown at `time` seconds. Times must increase from frame to frame.
-    pub(crate) fn add(&mut self, time: f64, frame: &Grid) {
+    pub fn add(&mut self, time: f64, frame: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             let changes = [
                 (cell.light.step(luminance(*color), &DEFINED), &mut cell.light_changes),
@@ -76,7 +76,7 @@ impl Analyser {
     }
 
     /// The flashes of the worst second so far.
-    pub(crate) fn worst(&self) -> Flashes {
+    pub fn worst(&self) -> Flashes {
         self.worst
     }
 }
@@ -84,7 +84,7 @@ impl Analyser {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana::flash::{COLUMNS, ROWS};
+    use mariana_render::flash::{COLUMNS, ROWS};
 
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
         let mut analyser = Analyser::default();
