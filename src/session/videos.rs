@@ -346,8 +346,6 @@ impl VideoDesk<'_> {
     }
 }
 
-impl Interface {}
-
 /// The marks after one of them has moved. The other mark gives way, to an end of the track if need be.
 fn moved([start, end]: [f64; 2], edge: Edge, time: f64, duration: f64) -> [f64; 2] {
     match edge {

@@ -583,6 +583,6 @@ commands! {
     /// Ends the program.
     Quit {
         group: Some(Group::Playing),
-        bindings: &[keys!(Key::Character("q") => C::Quit, "Q", "quit")],
+        bindings: &[keys!(Key::Character("q") => C::Quit, "Q", "quit; this row only closes the table")],
     }
 }

@@ -75,7 +75,8 @@ impl HelpPanel {
         self.selected = row;
         self.revision += 1;
         match binding.command() {
-            Some(Command::ToggleHelp | Command::Leave) => vec![CLOSE],
+            // Words typed before Enter, or a click beside the aim, must not end a show.
+            Some(Command::ToggleHelp | Command::Leave | Command::Quit) => vec![CLOSE],
             command if binding.repeats => command.into_iter().collect(),
             command => [CLOSE].into_iter().chain(command).collect(),
         }
@@ -135,6 +136,15 @@ mod tests {
         assert_eq!((help.found().len(), press(&mut help, NamedKey::Enter)), (0, vec![]));
         let _ = press(&mut help, NamedKey::Escape);
         assert_eq!(press(&mut help, NamedKey::Escape), [CLOSE]);
+    }
+
+    #[test]
+    fn a_random_run_that_typed_into_the_table_ended_the_program() {
+        let mut help = HelpPanel::default();
+        typed(&mut help, "q");
+        let row = help.rows()[help.selected];
+        assert_eq!(row.command(), Some(Command::Quit));
+        assert_eq!((press(&mut help, NamedKey::Enter), help.pick(help.selected)), (vec![CLOSE], vec![CLOSE]));
     }
 
     #[test]
