@@ -143,7 +143,7 @@ fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
 
 #[test]
 fn the_last_good_scene_stays_when_a_scene_takes_minutes() {
-    apart!();
+    apart!("MARIANA_FAULT" = "little-patience@0");
     let place = Place::new("object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }", 200);
     place.inner.save("p_foam.scene", &ripples());
     let app = place.open("160x90", &[]);

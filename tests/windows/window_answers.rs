@@ -30,7 +30,7 @@ fn pings_are_answered_while_paused_and_while_a_scene_takes_minutes() {
         .unwrap();
     std::fs::write(desktop.folder().join("p_foam.scene"), ripples()).unwrap();
     let options = ["-v", "--silent", "--size", "160x90", "--scene", scene.to_str().unwrap()];
-    let mut app = desktop.open(&song, &options);
+    let mut app = desktop.open_with(&[("MARIANA_FAULT", "little-patience@0")], &song, &options);
     app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
     let mut pinger = Pinger::connect(desktop.display(), app.window().parse().unwrap());
     for stop in 0..STOPS {

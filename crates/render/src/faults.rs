@@ -30,6 +30,8 @@ pub enum Fault {
     EndlessCompiler,
     /// The first region tree of a changed text takes longer than the show waits. Trees of the previous text were fast.
     SlowTree,
+    /// The show waits for the first region tree of a scene for a tenth of the usual time.
+    LittlePatience,
 }
 
 impl Fault {
@@ -45,6 +47,7 @@ impl Fault {
             "slow-interpreter" => Some(Self::SlowInterpreter),
             "endless-compiler" => Some(Self::EndlessCompiler),
             "slow-tree" => Some(Self::SlowTree),
+            "little-patience" => Some(Self::LittlePatience),
             _ => None,
         }
     }

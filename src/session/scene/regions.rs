@@ -214,7 +214,8 @@ impl SceneRegions {
 }
 
 pub(super) fn longest_wait() -> Duration {
-    Duration::from_secs_f64(limits::PICTURE_SECONDS_MAX)
+    let share = if faults::is_wanted(Fault::LittlePatience) { 0.1 } else { 1.0 };
+    Duration::from_secs_f64(share * limits::PICTURE_SECONDS_MAX)
 }
 
 fn milliseconds(time: Duration) -> f64 {
