@@ -13,7 +13,7 @@ use crate::song_shapes::{self, ExactSongShapes, SongTexts};
 use crate::song_structures::lyrics_of;
 use mariana_field::world::World;
 use mariana_player::lyrics::Lyrics;
-use mariana_player::song::Song;
+use mariana_player::song::{Song, shown_title};
 use mariana_player::video::{VideoError, VideoReader};
 
 /// The moving textures of stills and videos. A source that fails shows grey, and is reported once.
@@ -55,10 +55,10 @@ impl ExactTextures {
             let Some((song, name)) = song else { return SongTexts::default() };
             let decoder = song.open().ok();
             let info = decoder.as_ref().map(|decoder| decoder.info());
-            let title = info.and_then(|info| info.title.clone());
+            let title = info.and_then(|info| info.title.as_deref());
             let artist = info.and_then(|info| info.artist.clone());
             SongTexts {
-                title: title.unwrap_or_else(|| name.clone()),
+                title: shown_title(title, name),
                 artist: artist.unwrap_or_default(),
                 lyrics: Arc::new(lyrics_of(song)),
             }

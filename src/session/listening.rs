@@ -21,6 +21,7 @@ use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
+use mariana_player::song::shown_title;
 use mariana_player::track::TrackInfo;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -321,7 +322,7 @@ impl Listening {
         };
         let known = self.songs.as_ref().and_then(|songs| songs.get(track.id));
         SongTexts {
-            title: track.title.clone().unwrap_or_else(|| track.name.clone()),
+            title: shown_title(track.title.as_deref(), &track.name),
             artist: track.artist.clone().unwrap_or_default(),
             lyrics: known.map(|song| song.lyrics.clone()).unwrap_or_default(),
         }
