@@ -1,5 +1,7 @@
 //! Mean measurements of stretches of time, such as beats or bars.
 
+use std::ops::Range;
+
 use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
 
 /// The approximate flux of noise.
@@ -41,38 +43,43 @@ pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
 
 fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     let level = |power: f32| (10.0 * (power / loudest).max(1e-12).log10() + RANGE_DB).clamp(0.0, RANGE_DB);
-    let range = |count: usize, seconds: f64, late: f64| {
-        let place = |time: f64| ((time / seconds + late).round().max(0.0) as usize).min(count);
-        let start = place(from).min(count.saturating_sub(1));
-        start..place(to).max(start + 1).min(count)
-    };
+    let range = |count: usize, seconds: f64| places(from..to, count, seconds, 0.0);
     let mut unit = Unit::SILENCE;
     let slow_seconds = heard.hop_seconds * SLOW_HOPS as f64;
-    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds, 0.0)).unwrap_or_default();
+    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds)).unwrap_or_default();
     for moment in slow {
         for (sum, power) in unit.timbre.iter_mut().zip(&moment.timbre) {
             *sum += power / slow.len() as f32;
         }
     }
     unit.timbre = unit.timbre.map(level);
-    let late = heard.chroma_late as f64 - 0.5;
-    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds, late)).unwrap_or_default();
-    for moment in slow {
-        let classes = heard.tuning.pitch_classes(&moment.chroma);
-        for (sum, amplitude) in unit.chroma.iter_mut().zip(classes) {
-            *sum += amplitude;
-        }
-    }
-    let sum: f32 = unit.chroma.iter().sum();
-    if sum > 0.0 {
-        unit.chroma = unit.chroma.map(|amplitude| amplitude / sum);
-    }
-    let moments = heard.moments.get(range(heard.moments.len(), heard.hop_seconds, 0.0)).unwrap_or_default();
+    unit.chroma = chroma(heard, from, to);
+    let moments = heard.moments.get(range(heard.moments.len(), heard.hop_seconds)).unwrap_or_default();
     let count = moments.len().max(1) as f32;
     unit.level = level(moments.iter().map(|moment| moment.power).sum::<f32>() / count);
     unit.low = level(moments.iter().map(|moment| moment.low_power).sum::<f32>() / count);
     unit.onsets = moments.iter().map(|moment| (moment.flux - FLUX_OF_NOISE).max(0.0)).sum::<f32>() / count;
     unit
+}
+
+/// Returns the places of at least one of `count` measurements that are `seconds` apart and `late`.
+fn places(times: Range<f64>, count: usize, seconds: f64, late: f64) -> Range<usize> {
+    let place = |time: f64| ((time / seconds + late).round().max(0.0) as usize).min(count);
+    let start = place(times.start).min(count.saturating_sub(1));
+    start..place(times.end).max(start + 1).min(count)
+}
+
+/// Returns the fraction of each pitch class, C first. The fractions sum to 1, or to 0 without pitches.
+pub(super) fn chroma(heard: &Heard, from: f64, to: f64) -> [f32; 12] {
+    let late = heard.chroma_late as f64 - 0.5;
+    let places = places(from..to, heard.slow.len(), heard.hop_seconds * SLOW_HOPS as f64, late);
+    let mut chroma = [0.0; 12];
+    for moment in heard.slow.get(places).unwrap_or_default() {
+        let classes = heard.tuning.pitch_classes(&moment.chroma);
+        chroma.iter_mut().zip(classes).for_each(|(sum, amplitude)| *sum += amplitude);
+    }
+    let sum: f32 = chroma.iter().sum();
+    if sum > 0.0 { chroma.map(|amplitude| amplitude / sum) } else { chroma }
 }
 
 pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
