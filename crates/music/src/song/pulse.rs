@@ -134,7 +134,7 @@ pub(super) fn likeliest_beats(odds: &[f32], hop_seconds: f64) -> Vec<usize> {
 }
 
 // The beats of a whole song: the likeliest path ([`super::pulse`]) through the odds of a beat at each moment
-// ([`crate::activation`]), at the likeliest metrical level ([`super::levels`]), from the first to the last stretch of
+// ([`crate::activation`]), at the likeliest metrical level ([`super::strengths`]), from the first to the last stretch of
 // the song with a steady beat.
 
 /// Onsets appear in the flux this many hops late.

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::heard::{Heard, Moment};
+use super::heard::{Heard, Moment, SLOW_HOPS};
+use super::units::{chroma, distance, standardised};
 use crate::onset::FLUX_MIN;
 
 /// Onset strengths are relative to the largest flux within this many seconds before and after the moment.
@@ -74,47 +75,47 @@ pub(super) fn deviation(values: &[f32]) -> f32 {
 }
 
 // The metrical level of a song's beats: all beats that were found, every second one, or twice as many. The likeliest
-// level is decided for each stretch of the song, from how likely the beats are, how strong the onsets at the beats
-// are, and how common the tempo is.
+// level is decided for each stretch of the song. Bars speak for a level: of three or four beats, one has the change of
+// harmony or the kick. Onsets at the thirds of beats speak against it.
 
 /// The range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (48.0, 225.0);
 /// The level is decided in stretches of this length, in seconds.
-const STRETCH_SECONDS: f64 = 30.0;
+const STRETCH_SECONDS: f64 = 60.0;
 /// The cost of a change of level between two stretches.
-const CHANGE: f32 = 1.0;
+const CHANGE: f32 = 4.0;
 
 /// The minimum number of beats in a stretch, and the evidence for a level with fewer beats.
 const BEATS_OF_STRETCH_MIN: usize = 5;
-const NO_EVIDENCE: f32 = -10.0;
+const NO_EVIDENCE: f32 = -30.0;
 /// The evidence for a level: its likeliest tempo in beats per minute, the cost per squared octave of distance from this
-/// tempo, the weights of all onsets and of low onsets at the beats, and the weight of the log odds. The weights were
-/// chosen on songs.
-const LIKELY: (f64, f32) = (162.0, 5.0);
-const STRUCK: f32 = 3.5;
-const STRUCK_LOW: f32 = 1.3;
-const ODDS: f32 = 1.5;
+/// tempo, and the weights of measurements: at beats, at their halves and thirds, and contrasts of every third or fourth
+/// beat (the bar), every fourth and every sixth. The weights were fitted to game music and generated songs.
+const LIKELY: (f64, f32) = (201.0, 2.67);
+const STRUCK: f32 = 1.86;
+const STRUCK_LOW: f32 = 1.29;
+const ODDS: f32 = 3.01;
+const HALF_HIGH: f32 = 1.33;
+const THIRD_LOW: f32 = -7.68;
+const THIRD_HARMONY: f32 = -5.2;
+const BAR_HARMONY: f32 = 4.61;
+const BAR_DRUMS: f32 = 4.76;
+const FOURTH: f32 = -1.91;
+const SIXTH_HIGH: f32 = 0.88;
 /// The onset of a beat is searched within this many hops before and after the beat.
 const AROUND: usize = 2;
+/// The harmony of this time before a moment is compared with the harmony after it, in seconds.
+const HARMONY_SECONDS: f64 = 0.46;
 
 /// Returns the beats of the likeliest level in each stretch: all `beats`, every second one, or twice as many.
 pub(super) fn leveled(heard: &Heard, beats: &[usize], odds: &[f32]) -> Vec<usize> {
-    let of = |value: fn(&Moment) -> f32| {
-        let values: Vec<f32> = heard.moments.iter().map(value).collect();
-        excesses(&values, heard.hop_seconds)
-    };
-    let onsets = Onsets {
-        all: of(|moment| moment.flux),
-        low: of(|moment| moment.low_rise),
-        hop_seconds: heard.hop_seconds,
-    };
     let every_second = |first: usize| beats.iter().copied().skip(first).step_by(2).collect::<Vec<usize>>();
     let between = beats.windows(2).flat_map(|pair| [pair[0], (pair[0] + pair[1]) / 2]);
     let levels = [beats.to_vec(), every_second(0), every_second(1), between.collect()];
-    let hops = onsets.all.len();
-    let length = (STRETCH_SECONDS / onsets.hop_seconds) as usize;
+    let hops = heard.moments.len();
+    let length = (STRETCH_SECONDS / heard.hop_seconds) as usize;
     let count = (hops / length.max(1)).max(1);
-    let evidence = Evidence::new(onsets, odds);
+    let evidence = Evidence::new(heard, odds);
     let inside = |level: &[usize], stretch: usize| {
         let place = |hop: usize| level.partition_point(|beat| *beat < hop);
         place(stretch * hops / count)..place((stretch + 1) * hops / count)
@@ -131,13 +132,6 @@ pub(super) fn leveled(heard: &Heard, beats: &[usize], odds: &[f32]) -> Vec<usize
         found.extend(mine.iter().filter(|beat| **beat >= after));
     }
     found
-}
-
-/// The onsets of a song, as excesses over the mean nearby.
-struct Onsets {
-    all: Vec<f32>,
-    low: Vec<f32>,
-    hop_seconds: f64,
 }
 
 /// Returns the likeliest level of each stretch (Viterbi 1967).
@@ -172,18 +166,37 @@ fn choices(scores: &[Vec<f32>]) -> Vec<usize> {
 struct Evidence {
     all: Vec<f32>,
     low: Vec<f32>,
+    high: Vec<f32>,
+    /// How much the harmony changes, standardised.
+    harmony: Vec<f32>,
     odds: Vec<f32>,
     hop_seconds: f64,
 }
 
 impl Evidence {
-    fn new(onsets: Onsets, odds: &[f32]) -> Self {
-        let of = |strengths: &[f32]| {
-            let scale = 0.5 / deviation(strengths).max(1e-6);
-            largest_around(strengths, AROUND).into_iter().map(|strength| scale * strength).collect()
+    fn new(heard: &Heard, odds: &[f32]) -> Self {
+        let hop_seconds = heard.hop_seconds;
+        let of = |value: fn(&Moment) -> f32| {
+            let values: Vec<f32> = heard.moments.iter().map(value).collect();
+            let strengths = excesses(&values, hop_seconds);
+            let scale = 0.5 / deviation(&strengths).max(1e-6);
+            largest_around(&strengths, AROUND).into_iter().map(|strength| scale * strength).collect()
         };
-        let Onsets { all, low, hop_seconds } = onsets;
-        Self { all: of(&all), low: of(&low), odds: largest_around(odds, AROUND), hop_seconds }
+        let change = |slow: usize| {
+            let time = (slow * SLOW_HOPS) as f64 * hop_seconds;
+            let chroma = |from, to| chroma(heard, from, to);
+            distance(&chroma(time - HARMONY_SECONDS, time), &chroma(time, time + HARMONY_SECONDS))
+        };
+        let changes = standardised(&(0..heard.slow.len()).map(change).collect::<Vec<f32>>(), 0.03);
+        let at = |hop: usize| changes.get(hop / SLOW_HOPS).copied().unwrap_or_default();
+        Self {
+            all: of(|moment| moment.flux),
+            low: of(|moment| moment.low_rise),
+            high: of(|moment| moment.high_rise),
+            harmony: (0..heard.moments.len()).map(at).collect(),
+            odds: largest_around(odds, AROUND),
+            hop_seconds,
+        }
     }
 
     fn of(&self, beats: &[usize]) -> f32 {
@@ -196,13 +209,40 @@ impl Evidence {
             return NO_EVIDENCE;
         }
         let octaves = (tempo / LIKELY.0).log2() as f32;
-        let mean = |strengths: &[f32]| {
-            let at = |place: &usize| strengths.get(*place).copied().unwrap_or_default();
-            beats.iter().map(at).sum::<f32>() / beats.len() as f32
+        let get = |row: &[f32], place: usize| row.get(place).copied().unwrap_or_default();
+        let mean = |row: &[f32], sixths: usize| {
+            let at = |pair: &[usize]| get(row, pair[0] + sixths * (pair[1] - pair[0]) / 6);
+            beats.windows(2).map(at).sum::<f32>() / (beats.len() - 1) as f32
         };
-        STRUCK * mean(&self.all) + STRUCK_LOW * mean(&self.low) + ODDS * mean(&self.odds)
+        let thirds = |row: &[f32]| (mean(row, 2) + mean(row, 4)) / 2.0;
+        let of = |row: &[f32]| beats.iter().map(|beat| get(row, *beat)).collect::<Vec<f32>>();
+        let high = of(&self.high);
+        let drums: Vec<f32> = of(&self.low).iter().zip(&high).map(|(low, high)| low - high).collect();
+        let of_bar = |row: &[f32]| contrast(row, 3).max(contrast(row, 4)).max(0.0).sqrt();
+        STRUCK * mean(&self.all, 0)
+            + STRUCK_LOW * mean(&self.low, 0)
+            + ODDS * mean(&self.odds, 0)
+            + HALF_HIGH * mean(&self.high, 3)
+            + THIRD_LOW * thirds(&self.low)
+            + THIRD_HARMONY * thirds(&self.harmony)
+            + BAR_HARMONY * of_bar(&of(&self.harmony))
+            + BAR_DRUMS * of_bar(&drums)
+            + FOURTH * contrast(&of(&self.all), 4)
+            + SIXTH_HIGH * contrast(&high, 6)
             - LIKELY.1 * octaves * octaves
     }
+}
+
+/// Returns how much the mean of every `period`th value exceeds the mean of all, for the best first value.
+fn contrast(values: &[f32], period: usize) -> f32 {
+    if values.len() < 2 * period {
+        return 0.0;
+    }
+    let mean = |first: usize, step: usize| {
+        let chosen = values.iter().skip(first).step_by(step);
+        chosen.clone().sum::<f32>() / chosen.count() as f32
+    };
+    (0..period).map(|first| mean(first, period)).fold(f32::MIN, f32::max) - mean(0, 1)
 }
 
 #[cfg(test)]

@@ -66,6 +66,19 @@ fn beats_bars_sections_and_key_of_songs_are_found() {
     }
 }
 
+/// Their eighths were taken for beats.
+#[test]
+fn slow_songs_are_not_told_at_twice_their_tempo() {
+    let key = Tonality { root: 9, mode: Mode::Minor };
+    for (style, tempo) in [(Style::Rock, 72.0), (Style::Ballad, 66.0), (Style::Syncopated, 84.0)] {
+        let song = Song::new(style, tempo, key, pop(key.mode)[..4].to_vec());
+        let (found, truth) = heard(&song);
+        let beats: Vec<f64> = found.beats.iter().map(|beat| beat.time).collect();
+        let figure = f_measure(&beats, &truth.beats, 0.07);
+        assert!(figure > 0.9, "{style:?} at {tempo}: {figure}, told {:?}", found.tempo);
+    }
+}
+
 #[test]
 fn two_dotted_beats_are_six_eight() {
     let key = Tonality { root: 2, mode: Mode::Major };
