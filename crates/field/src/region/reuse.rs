@@ -5,7 +5,7 @@
 //! by their hashes. Programs that read tables of the sound, whose values are not part of a program, are never reused.
 //! A change of a text or picture makes all bricks new.
 //!
-//! Scenes that move as a whole (gyroid, letters, tunnel) and scenes that read the sound's history reuse nothing. City
+//! Scenes that move as a whole (gyroid, letters, tunnel) and shapes that read the sound at each point reuse nothing. City
 //! reuses 174 of 480 bricks and builds its next tree in 3.4 instead of 4.3 ms.
 
 use std::collections::HashMap;
