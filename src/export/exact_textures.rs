@@ -13,7 +13,7 @@ use crate::song_shapes::{self, ExactSongShapes, SongTexts};
 use crate::song_structures::lyrics_of;
 use mariana_field::world::World;
 use mariana_player::lyrics::Lyrics;
-use mariana_player::song::{Song, shown_title};
+use mariana_player::song::Song;
 use mariana_player::video::{VideoError, VideoReader};
 
 /// The moving textures of stills and videos. A source that fails shows grey, and is reported once.
@@ -58,7 +58,7 @@ impl ExactTextures {
             let title = info.and_then(|info| info.title.as_deref());
             let artist = info.and_then(|info| info.artist.clone());
             SongTexts {
-                title: shown_title(title, name),
+                title: song_shapes::shown_title(title, name),
                 artist: artist.unwrap_or_default(),
                 lyrics: Arc::new(lyrics_of(song)),
             }

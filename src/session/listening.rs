@@ -14,14 +14,13 @@ use crate::session::announcer::{TrackOrder, words_of};
 use crate::session::direction::Playing;
 use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
-use crate::song_shapes::SongTexts;
+use crate::song_shapes::{SongTexts, shown_title};
 use crate::song_structures::SongReader;
 use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
-use mariana_player::song::shown_title;
 use mariana_player::track::TrackInfo;
 use mariana_player::{Moment, Player, PlayerStatus};
 

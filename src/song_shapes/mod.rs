@@ -15,6 +15,7 @@ use mariana_field::graph::{ShapeAtlas, ShapeGrid};
 use mariana_field::lang::{ShapeSource, SongText, TextBaker};
 use mariana_field::world::World;
 use mariana_player::lyrics::Lyrics;
+use mariana_player::playlist::AUDIO_EXTENSIONS;
 
 /// Number of baked texts that are kept.
 const KEPT_MAX: usize = 24;
@@ -41,6 +42,14 @@ impl SongTexts {
             SongText::Lyrics => line.and_then(|line| self.lyrics.line(line)).map_or("", |line| &line.words),
         }
     }
+}
+
+/// The title that a scene shows: the song's own, otherwise `name`, which may be that of a file, without its extension.
+pub fn shown_title(title: Option<&str>, name: &str) -> String {
+    let is_audio = |end: &str| AUDIO_EXTENSIONS.iter().any(|known| end.eq_ignore_ascii_case(known));
+    let stem =
+        name.rsplit_once('.').filter(|(stem, end)| !stem.is_empty() && is_audio(end)).map(|(stem, _)| stem);
+    title.or(stem).unwrap_or(name).to_owned()
 }
 
 /// Returns the texts of the song that a world shows: the numbers of the shapes, what they show, and their bakers.
@@ -245,6 +254,19 @@ mod tests {
             // Wait until the next line is baked.
             while line == Some(0) && wakes.recv_timeout(Duration::from_secs(2)).is_ok() {}
             before = Some(found);
+        }
+    }
+
+    #[test]
+    fn a_song_without_a_title_does_not_show_the_extension_of_its_file() {
+        for (title, name, shown) in [
+            (None, "sprint.ogg", "sprint"),
+            (None, "Vol. 2.FLAC", "Vol. 2"),
+            (None, "Mr. Moon", "Mr. Moon"),
+            (None, ".wav", ".wav"),
+            (Some("demo.mp3"), "a.ogg", "demo.mp3"),
+        ] {
+            assert_eq!(shown_title(title, name), shown);
         }
     }
 }

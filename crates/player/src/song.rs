@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use super::decode::{DecodeError, Decoder};
 pub use super::one_line::one_line;
-use super::playlist::AUDIO_EXTENSIONS;
 
 const PIECE_BYTES: usize = 1 << 16;
 
@@ -72,31 +71,5 @@ pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) 
         (Some(artist), Some(title)) => format!("{artist} - {title}"),
         (None, Some(title)) => title,
         _ => one_line(file),
-    }
-}
-
-/// The title that a scene shows: the song's own, otherwise `name`, which may be that of a file, without its extension.
-pub fn shown_title(title: Option<&str>, name: &str) -> String {
-    let is_audio = |end: &str| AUDIO_EXTENSIONS.iter().any(|known| end.eq_ignore_ascii_case(known));
-    let stem =
-        name.rsplit_once('.').filter(|(stem, end)| !stem.is_empty() && is_audio(end)).map(|(stem, _)| stem);
-    title.or(stem).unwrap_or(name).to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shown_title;
-
-    #[test]
-    fn a_song_without_a_title_does_not_show_the_extension_of_its_file() {
-        for (title, name, shown) in [
-            (None, "sprint.ogg", "sprint"),
-            (None, "Vol. 2.FLAC", "Vol. 2"),
-            (None, "Mr. Moon", "Mr. Moon"),
-            (None, ".wav", ".wav"),
-            (Some("demo.mp3"), "a.ogg", "demo.mp3"),
-        ] {
-            assert_eq!(shown_title(title, name), shown);
-        }
     }
 }
