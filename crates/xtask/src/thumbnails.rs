@@ -39,6 +39,6 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
 /// are small and move.
 fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
     let of_list =
-        Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 25 };
+        Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 22 };
     of_list.draw(name, file)
 }
