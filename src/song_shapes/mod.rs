@@ -44,7 +44,7 @@ impl SongTexts {
     }
 }
 
-/// The title that a scene shows: the song's own, otherwise `name`, which may be that of a file, without its extension.
+/// Returns the title that a scene shows: the song's own, or `name` without the extension of a sound file.
 pub fn shown_title(title: Option<&str>, name: &str) -> String {
     let is_audio = |end: &str| AUDIO_EXTENSIONS.iter().any(|known| end.eq_ignore_ascii_case(known));
     let stem =

@@ -75,7 +75,7 @@ impl HelpPanel {
         self.selected = row;
         self.revision += 1;
         match binding.command() {
-            // Words typed before Enter, or a click beside the aim, must not end a show.
+            // A search for "q" and Enter, or a click on the wrong row, must not end a show.
             Some(Command::ToggleHelp | Command::Leave | Command::Quit) => vec![CLOSE],
             command if binding.repeats => command.into_iter().collect(),
             command => [CLOSE].into_iter().chain(command).collect(),

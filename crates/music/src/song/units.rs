@@ -62,7 +62,8 @@ fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     unit
 }
 
-/// Returns the places of at least one of `count` measurements that are `seconds` apart and `late`.
+/// Returns the indices of the measurements within `times`, at least one. There are `count`; they are `seconds` apart,
+/// and `late` by this many measurements.
 fn places(times: Range<f64>, count: usize, seconds: f64, late: f64) -> Range<usize> {
     let place = |time: f64| ((time / seconds + late).round().max(0.0) as usize).min(count);
     let start = place(times.start).min(count.saturating_sub(1));
