@@ -48,6 +48,7 @@ mod notes;
 mod onset;
 mod parts;
 mod pitch;
+mod recent;
 mod repetition;
 mod resolution;
 mod rhythm;
@@ -72,6 +73,7 @@ pub use gain::Gain;
 pub use live::{LiveEnergy, LiveSong};
 pub use loudness::LOUDNESS_FLOOR;
 pub use parts::{KeptNumber, PART_NAMES, PART_TRACK_VERSION, PartListener, PartTrack, PartTracks};
+pub use recent::{RECENT_SECONDS, Recent};
 pub use scale::{
     BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP,
     spectrum_hz, spectrum_place,

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::features::Features;
+use super::recent::Recent;
 use super::scale::{SPECTRUM_POINTS, WAVE_PER_HOP};
 use super::song::SongMoment;
 
@@ -48,6 +49,8 @@ pub struct Sound {
     pub song: SongMoment,
     /// The numbers of the song's parts, in the order in which scenes number them; empty without stems.
     pub parts: Vec<f32>,
+    /// The last seconds, the oldest moment first; empty unless a scene needs them.
+    pub recent: Arc<[Recent]>,
 }
 
 impl From<Features> for Sound {

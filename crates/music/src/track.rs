@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use super::features::{Features, TimedFeatures};
 use super::gain::amplitude;
+use super::recent::{MOMENTS_PER_RECENT, RECENT_SECONDS, Recent};
 use super::scale::SPECTRUM_POINTS;
 use super::scale::WAVE_PER_HOP;
+use super::song::SongMoment;
 use super::tables::{
     HISTORY_POINTS, HISTORY_SECONDS, MOMENTS_PER_ROW, POINTS_PER_COLUMN, Sound, Tables, WAVEFORM_POINTS,
 };
@@ -35,6 +37,9 @@ pub struct FeatureTrack {
     /// The history rows, which reach further back in time than the moments.
     rows: VecDeque<Row>,
     rows_capacity: usize,
+    /// Time and features of some moments, which reach further back in time than the other moments.
+    recent: VecDeque<(f64, Features)>,
+    recent_capacity: usize,
 }
 
 impl FeatureTrack {
@@ -46,7 +51,10 @@ impl FeatureTrack {
         let capacity = (seconds / SHORTEST_HOP).ceil() as usize + 2;
         let rows_capacity = capacity.div_ceil(MOMENTS_PER_ROW as usize) + HISTORY_ROWS;
         let (moments, rows) = (VecDeque::with_capacity(capacity), VecDeque::with_capacity(rows_capacity));
-        Self { moments, capacity, rows, rows_capacity }
+        let recent_capacity =
+            ((seconds + RECENT_SECONDS) / (SHORTEST_HOP * MOMENTS_PER_RECENT as f64)) as usize + 2;
+        let recent = VecDeque::with_capacity(recent_capacity);
+        Self { moments, capacity, rows, rows_capacity, recent, recent_capacity }
     }
 
     /// Adds a moment. Stored moments at or after the time of the new moment are dropped first, so that the newest
@@ -62,6 +70,15 @@ impl FeatureTrack {
             self.moments.pop_front();
         }
         self.moments.push_back(moment.clone());
+        while self.recent.back().is_some_and(|(time, _)| *time >= moment.time) {
+            self.recent.pop_back();
+        }
+        if moment.number.is_multiple_of(MOMENTS_PER_RECENT) {
+            if self.recent.len() == self.recent_capacity {
+                self.recent.pop_front();
+            }
+            self.recent.push_back((moment.time, moment.features));
+        }
         let row = moment.number / MOMENTS_PER_ROW;
         while self.rows.back().is_some_and(|(last, _)| last * MOMENTS_PER_ROW >= moment.number) {
             self.rows.pop_back();
@@ -82,6 +99,19 @@ impl FeatureTrack {
             Some((only, None, _)) => only.features,
             None => Features::SILENCE,
         }
+    }
+
+    /// Returns the known moments of the last seconds before `time`, the oldest first, with unknown places in the song.
+    pub fn recent(&self, time: f64) -> Vec<Recent> {
+        let first = self.recent.partition_point(|(then, _)| *then < time - RECENT_SECONDS);
+        let after = self.recent.partition_point(|(then, _)| *then < time);
+        let recent = |(then, features): &(f64, Features)| Recent {
+            age: time - then,
+            features: *features,
+            song: SongMoment::UNKNOWN,
+            parts: Vec::new(),
+        };
+        self.recent.range(first.min(after)..after).map(recent).collect()
     }
 
     /// Returns the features and tables at `time`. In the tables, all sound before the first moment is silence.
@@ -176,6 +206,7 @@ impl FeatureTrack {
     pub fn clear(&mut self) {
         self.moments.clear();
         self.rows.clear();
+        self.recent.clear();
     }
 }
 
@@ -239,9 +270,25 @@ mod tests {
     }
 
     #[test]
+    fn recent_moments_are_every_second_one_of_the_last_seconds() {
+        let mut track = FeatureTrack::new(1.0);
+        (0..2000).for_each(|n| track.push(&moment(n as f64 * SHORTEST_HOP, n as f32)));
+        let recent = track.recent(14.0);
+        let volumes: Vec<f32> = recent.iter().map(|one| one.features.volume[0]).collect();
+        assert!(volumes.windows(2).all(|pair| pair[1] == pair[0] + 2.0), "{volumes:?}");
+        let (oldest, newest) = (&recent[0], &recent[recent.len() - 1]);
+        assert!(oldest.age <= RECENT_SECONDS && oldest.age > RECENT_SECONDS - 2.0 * SHORTEST_HOP);
+        assert!(newest.age > 0.0 && newest.age <= 2.0 * SHORTEST_HOP);
+        assert!(track.recent(f64::NAN).is_empty() && track.recent(0.0).is_empty());
+        track.push(&moment(10.0, 5.0));
+        assert!(track.recent(14.0).iter().all(|one| one.age >= 4.0), "a step back forgets what followed");
+    }
+
+    #[test]
     fn clear_removes_all_features() {
         let mut track = track(&[(1.0, 0.5)]);
         track.clear();
+        assert!(track.recent(9.0).is_empty());
         assert_eq!(track.at(1.0), Features::SILENCE);
     }
 

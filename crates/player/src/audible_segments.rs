@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::clock::Audible;
 use super::track::TrackInfo;
 use crate::limits;
-use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
+use mariana_music::{FeatureTrack, Features, Recent, Sound, TimedFeatures};
 
 const SEGMENTS_KEPT: usize = 8;
 
@@ -221,6 +221,12 @@ impl AudibleSegments {
     pub fn sound(&self, audible: Audible, ahead: f64) -> Option<Sound> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         Some(passage.features.sound_at(passage.start + time - passage.segment_time))
+    }
+
+    /// Returns the sound of the last seconds of the track before the time `ahead` seconds after `audible`.
+    pub fn recent(&self, audible: Audible, ahead: f64) -> Vec<Recent> {
+        let Some((passage, time)) = self.passage_at(audible, ahead) else { return Vec::new() };
+        passage.features.recent(passage.start + time - passage.segment_time)
     }
 
     /// True if `audible` is the end of the newest segment.

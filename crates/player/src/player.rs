@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
-use mariana_music::{Gain, Sound, limits as music_limits};
+use mariana_music::{Gain, Recent, Sound, limits as music_limits};
 
 use super::audible_segments::SharedAudibleSegments;
 use super::device::Target;
@@ -372,6 +372,11 @@ impl Player {
     /// than two seconds ago and sound from before a seek are replaced by the nearest known sound.
     pub fn sound_at(&self, song_time: f64) -> Sound {
         self.audible.sound_at(song_time)
+    }
+
+    /// Returns the known sound of the last seconds before a time of the track, with unknown places in the song.
+    pub fn recent(&self, song_time: f64) -> Vec<Recent> {
+        self.audible.recent(song_time)
     }
 
     fn find_place(&mut self) {

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use mariana_music::{FeatureTrack, Gain, Sound};
+use mariana_music::{FeatureTrack, Gain, Recent, Sound};
 use rtrb::{Consumer, RingBuffer};
 
 use super::listener::{Ear, Heard, Listener, has_signal};
@@ -152,7 +152,8 @@ impl Live {
         let now = self.ear.now();
         match (self.paused, paused) {
             (None, true) => {
-                self.paused_at = self.sound();
+                let recent = self.recent(self.moment.song_time).into();
+                self.paused_at = Sound { recent, ..self.sound() };
                 self.paused = Some(now);
             }
             (Some(since), false) => {
@@ -198,6 +199,14 @@ impl Live {
         match self.paused {
             Some(_) => self.paused_at.clone(),
             None => self.track.sound_at(self.heard_at - (self.moment.song_time - song_time)),
+        }
+    }
+
+    /// Returns the known sound of the last seconds before a moment, given by its song time.
+    pub fn recent(&self, song_time: f64) -> Vec<Recent> {
+        match self.paused {
+            Some(_) => self.paused_at.recent.to_vec(),
+            None => self.track.recent(self.heard_at - (self.moment.song_time - song_time)),
         }
     }
 

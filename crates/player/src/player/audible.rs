@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use mariana_music::{Features, SongMoment, Sound};
+use mariana_music::{Features, Recent, SongMoment, Sound};
 
 use crate::audible_segments::{SharedAudibleSegments, SongPlace};
 use crate::clock::{Audible, Clock, SpanHistory};
@@ -78,6 +78,14 @@ impl AudibleMoment {
         let sound =
             self.heard.and_then(|(audible, ahead)| self.audible_segments.lock().sound(audible, ahead - back));
         sound.unwrap_or_else(|| self.moment.features.into())
+    }
+
+    /// Returns the sound of the last seconds before an earlier time of the track, as far as it is known.
+    pub(super) fn recent(&self, song_time: f64) -> Vec<Recent> {
+        let back = self.moment.song_time - song_time;
+        let recent =
+            self.heard.map(|(audible, ahead)| self.audible_segments.lock().recent(audible, ahead - back));
+        recent.unwrap_or_default()
     }
 
     /// Returns two values: true if the (possibly delayed) image has shown the last frame; and the next track.
