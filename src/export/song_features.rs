@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mariana_field::graph::{Graph, Op};
 use mariana_music::{
-    Alignment, Analyzer, FeatureTrack, Features, Gain, PartTracks, SongMoment, SongStructure, Sound,
+    Alignment, Analyzer, FeatureTrack, Features, Gain, PartTracks, Recent, SongMoment, SongStructure, Sound,
     StereoFrame, TimedFeatures,
 };
 use mariana_player::decode::{DecodeError, Decoder};
@@ -40,6 +40,8 @@ pub struct SongFeatures {
     structure: Option<SongStructure>,
     lyrics: Option<Lyrics>,
     parts: Option<Arc<PartTracks>>,
+    /// True if a scene needs the sound of the last seconds.
+    remembers: bool,
 }
 
 impl SongFeatures {
@@ -81,6 +83,7 @@ impl SongFeatures {
             structure,
             lyrics,
             parts,
+            remembers: false,
         })
     }
 
@@ -91,7 +94,8 @@ impl SongFeatures {
     /// Fails if the song cannot be decoded.
     pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         let (structure, lyrics, parts) = (self.structure.clone(), self.lyrics.clone(), self.parts.clone());
-        Ok(Self { structure, lyrics, parts, ..Self::open_with(&self.song, start, gain)? })
+        let remembers = self.remembers;
+        Ok(Self { structure, lyrics, parts, remembers, ..Self::open_with(&self.song, start, gain)? })
     }
 
     /// Finds the whole song's structure, in the cache or by decoding, and its lyrics. Later results contain the
@@ -113,8 +117,8 @@ impl SongFeatures {
         self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
     }
 
-    /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, and its
-    /// parts.
+    /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, its parts, and
+    /// the last seconds.
     pub fn know_for(&mut self, graph: &Graph) {
         if graph.reads_song() {
             self.know_song();
@@ -122,6 +126,7 @@ impl SongFeatures {
         if graph.reads(&Op::PARTS) {
             self.know_parts();
         }
+        self.remembers |= !graph.motions().is_empty();
     }
 
     /// Reads the parts of the song from its stems, and reports what is wrong with them. Later results contain the
@@ -150,10 +155,26 @@ impl SongFeatures {
     }
 
     /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase, and
-    /// with the song's parts. Call [`SongFeatures::know_for`] before this.
+    /// with the song's parts and the last seconds. Call [`SongFeatures::know_for`] before this.
     pub fn placed(&self, time: f64, sound: Sound) -> Sound {
-        let parts = self.parts.as_ref().map(|parts| parts.at(time)).unwrap_or_default();
-        Sound { song: self.place_in_song(time), features: self.guided(time, sound.features), parts, ..sound }
+        let recent = if self.remembers { self.track.recent(time) } else { Vec::new() };
+        let recent = recent.into_iter().filter(|one| one.age <= time).map(|one| Recent {
+            song: self.place_in_song(time - one.age),
+            features: self.guided(time - one.age, one.features),
+            parts: self.parts_at(time - one.age),
+            ..one
+        });
+        Sound {
+            song: self.place_in_song(time),
+            features: self.guided(time, sound.features),
+            parts: self.parts_at(time),
+            recent: recent.collect(),
+            ..sound
+        }
+    }
+
+    fn parts_at(&self, time: f64) -> Vec<f32> {
+        self.parts.as_ref().map(|parts| parts.at(time)).unwrap_or_default()
     }
 
     /// Returns the features with the tempo and phase of the whole song, if its structure is known.

@@ -205,22 +205,28 @@ impl Playback {
         if is_there || waits_for_text {
             return Ok(None);
         }
-        // Curves of the sound cost more than all other inputs, so they are computed only for scenes that read them.
+        // Curves and the last seconds cost more than all other inputs, so they are computed only for scenes that read them.
         let hears_curves = self.scene.scenes.read_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
+        let remembers = self.scene.scenes.remember();
         let Shown { moment, size, .. } = wanted;
         let sound = mariana_music::Sound {
             features: moment.features,
             tables: curves,
             song: moment.song,
             parts: self.listening.parts(moment),
+            recent: if remembers {
+                self.listening.recent(&moment, moment.song_time)
+            } else {
+                Default::default()
+            },
         };
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;
         let runs = self.scene.composer.fading.is_to_begin() && self.listening.runs();
         let screen = self.scene.composer.screen(whole);
         let listening = &self.listening;
-        let earlier = |time| listening.earlier(&moment, time);
+        let earlier = |time| listening.earlier(&moment, time, remembers);
         let earlier: &dyn Fn(f64) -> mariana_music::Sound = &earlier;
         let picture = WantedPicture { moment, sound, earlier, size, aspect, screen, quality, edges, runs };
         let drawn = self.scene.draw(&mut self.renderer, picture);

@@ -20,7 +20,7 @@ use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
-use mariana_music::{LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
+use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::track::TrackInfo;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -221,20 +221,42 @@ impl Listening {
     }
 
     /// The sound of an earlier moment of the track that [`Listening::now`] returned last, as far as it is known. `now`
-    /// is that moment; the numbers of an input's form stay as they are there.
-    pub(crate) fn earlier(&self, now: &Moment, song_time: f64) -> mariana_music::Sound {
+    /// is that moment; the numbers of an input's form stay as they are there. `remembers` adds the seconds before.
+    pub(crate) fn earlier(&self, now: &Moment, song_time: f64, remembers: bool) -> mariana_music::Sound {
         let mut sound = self.sound.heard_at(song_time);
+        sound.song = self.placed(now, song_time, &mut sound.features);
+        sound.parts = self.parts(Moment { song_time, ..*now });
+        if remembers {
+            sound.recent = self.recent(now, song_time);
+        }
+        sound
+    }
+
+    /// The sound of the last seconds before such a moment.
+    pub(crate) fn recent(&self, now: &Moment, song_time: f64) -> Arc<[Recent]> {
+        let recent = self.sound.recent(song_time).into_iter();
+        let is_of_song = |one: &Recent| one.age <= song_time || !self.sound.plays_song();
+        let placed = |mut one: Recent| {
+            let then = song_time - one.age;
+            one.song = self.placed(now, then, &mut one.features);
+            one.parts = self.parts(Moment { song_time: then, ..*now });
+            one
+        };
+        recent.filter(is_of_song).map(placed).collect()
+    }
+
+    /// Adds to `features` what is known of an earlier moment, and returns its place in the song.
+    fn placed(&self, now: &Moment, song_time: f64, features: &mut Features) -> SongMoment {
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
-        sound.song = match songs.and_then(|songs| songs.get(now.track)) {
+        let song = match songs.and_then(|songs| songs.get(now.track)) {
             Some(song) => {
-                sound.features.follow_song(&song.structure, song_time);
+                features.follow_song(&song.structure, song_time);
                 song.moment(song_time)
             }
             None => now.song,
         };
-        self.taps.apply(song_time, &mut sound.features);
-        sound.parts = self.parts(Moment { song_time, ..*now });
-        sound
+        self.taps.apply(song_time, features);
+        song
     }
 
     /// Returns true when the parts of the current song become known. Then reports problems with its stems.

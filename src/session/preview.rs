@@ -97,7 +97,7 @@ impl Session {
         };
         let begun = clock::now();
         let parts = self.playback.listening.parts(moment);
-        let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song, parts };
+        let sound = Sound { features: moment.features, song: moment.song, parts, ..Sound::default() };
         let heard = (moment.song_time, sound);
         let drawn = self.playback.scene.preview(
             &mut self.playback.renderer,

@@ -14,7 +14,7 @@ use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings
 use crate::session::SessionError;
 use crate::ui::overlay::SourceList;
 use crate::ui::settings_panel;
-use mariana_music::{self, Gain};
+use mariana_music::{self, Gain, Recent};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
 use mariana_player::limits as player_limits;
@@ -129,6 +129,15 @@ impl Sound {
             (Some(live), _) => live.sound_at(song_time),
             (None, Some(player)) => player.sound_at(song_time),
             (None, None) => mariana_music::Sound::default(),
+        }
+    }
+
+    /// The sound of the last seconds before a moment, as far as it is known.
+    pub(crate) fn recent(&self, song_time: f64) -> Vec<Recent> {
+        match (&self.live, &self.player) {
+            (Some(live), _) => live.recent(song_time),
+            (None, Some(player)) => player.recent(song_time),
+            (None, None) => Vec::new(),
         }
     }
 

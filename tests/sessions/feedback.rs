@@ -1,4 +1,4 @@
-//! Feedback in a session: its frames equal stills and the frames of videos.
+//! Feedback and inertia in a session: its frames equal stills and the frames of videos.
 
 #![cfg(target_os = "linux")]
 
@@ -11,11 +11,12 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "64x36";
 
-/// A scene of this colour, whose bright ball leaves trails.
+/// A scene of this colour, whose bright ball leaves trails, and whose brightness has inertia.
 fn scene(color: &str) -> String {
     format!(
         "let q = (pixel - resolution / 2) / resolution.y\n\
-         sky {{ color = {color} * 4 * smoothstep(0.1, 0.05, length(q - 0.3 * vec2(cos(9 * t), sin(7 * t)))) }}\n\
+         let bright = 1 + spring(volume.x, 60, 3) + follow(band(9), 0.3, 1.5) + 0.1 * since(beat > 0.4)\n\
+         sky {{ color = {color} * bright * smoothstep(0.1, 0.05, length(q - 0.3 * vec2(cos(9 * t), sin(7 * t)))) }}\n\
          picture {{ decay = 0.85  warp = (pixel / resolution - 0.5) * 0.97 + 0.5 }}"
     )
 }

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Result};
 use crate::lang::{Material, Scene};
 use crate::tape::glsl::{Sampling, function, input_name, literal};
+use crate::world::Motions;
 
 /// Functions that the generated code may call, each with its text.
 const HELPERS: [(&str, &str); 8] = [
@@ -139,10 +140,11 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
 
 /// Replaces the names of inputs in the body by `iTime`, constants and numbers. Returns the body and the constants.
 fn with_names(scene: &Scene, graph: &Graph, used: &[NodeId], mut body: String) -> Result<(String, String)> {
-    let frame = FrameInputs {
+    let mut frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     };
+    Motions::of(&scene.graph)?.begin().step(&mut frame, 0.0);
     let mut constants = String::new();
     for id in graph.order(used)?.nodes {
         let Node::Input(input) = graph.node(id) else { continue };

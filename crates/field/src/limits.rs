@@ -61,12 +61,16 @@ limits! {
     scene_swarms_max: usize = 8;
     /// Maximum number of points in all swarms of a scene.
     scene_swarm_points_max: usize = 1 << 16;
+    /// Maximum number of numbers with inertia (`follow`, `spring`, `since`) of a scene.
+    scene_motions_max: usize = 64;
     /// Maximum number of named cameras of a scene.
     scene_cameras_max: usize = 16;
     /// Maximum number of values that are computed once per frame. Further values are computed at every point.
     hoisted_max: usize = 256;
 }
 
+/// Seconds of sound from which numbers with inertia are computed.
+pub const MOTION_SECONDS: f32 = 6.0;
 /// Frames a second at which light is fed back, in the time of the song.
 pub const FEEDBACK_RATE: u32 = 60;
 /// Maximum number of earlier frames on which a frame depends. Stills and seeks draw up to twice as many small frames.

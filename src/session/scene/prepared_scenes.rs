@@ -129,6 +129,12 @@ impl PreparedScenes {
         self.shown.is_none() || drawn.into_iter().flatten().any(|scene| scene.hears_curves)
     }
 
+    /// True if a drawn scene has numbers with inertia, which need the sound of the last seconds.
+    pub(crate) fn remember(&self) -> bool {
+        let drawn = [&self.shown, &self.before, &self.fading_out];
+        drawn.into_iter().flatten().any(|scene| !scene.resources.world().motions.is_empty())
+    }
+
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.
     pub(super) fn fade_out(&mut self, scene: PreparedScene) {
         self.end_fade();

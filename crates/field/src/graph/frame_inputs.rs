@@ -7,7 +7,7 @@ use super::node::Input;
 use super::screen_input::Screen;
 use super::shape_atlas::ShapeAtlas;
 use super::table::{TableData, unit};
-use super::{LevelList, Levels, PartInput, SoundInputs};
+use super::{Graph, LevelList, Levels, PartInput, SoundInputs};
 
 /// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -24,6 +24,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     eye: [0.0; 3],
     screen: Screen::NONE,
     params: Vec::new(),
+    motions: Vec::new(),
     hoisted: Vec::new(),
     spectrum: TableData::EMPTY,
     waveform: TableData::EMPTY,
@@ -31,6 +32,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     textures: None,
     shapes: ShapeAtlas::NONE,
     ranges: None,
+    motion_ranges: Vec::new(),
 };
 
 /// The inputs of a frame. The default is silence at time 0.
@@ -50,6 +52,8 @@ pub struct FrameInputs {
     pub screen: Screen,
     /// The scene's parameters by number; missing parameters are 0.
     pub params: Vec<f32>,
+    /// The values of the graph's motions, by number; missing values are 0.
+    pub motions: Vec<f32>,
     /// The values that were computed once for this frame, by number; missing values are 0.
     pub hoisted: Vec<f32>,
     /// The spectrum, from low to high frequencies.
@@ -64,23 +68,26 @@ pub struct FrameInputs {
     pub shapes: ShapeAtlas,
     /// The ranges of the parameters; set only by [`FrameInputs::any`].
     pub ranges: Option<Arc<[Interval]>>,
+    /// The ranges of the motions; set only by [`FrameInputs::any`].
+    pub motion_ranges: Vec<Interval>,
 }
 
 /// Largest time in seconds that [`FrameInputs::any`] covers: a day.
 const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
-    /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
-    /// with these inputs hold for every frame. Values computed with them belong to a silent frame.
+    /// Returns the inputs of all frames of a scene at once: any sound, any time, parameters within their ranges. Bounds
+    /// computed with these inputs hold for every frame. Values computed with them belong to a silent frame.
     ///
     /// `shapes` are the scene's texts and pictures. Texts that change may have any content.
-    pub fn any(params: impl IntoIterator<Item = (f32, f32)>, shapes: &ShapeAtlas) -> Self {
+    pub fn any(graph: &Graph, params: impl IntoIterator<Item = (f32, f32)>, shapes: &ShapeAtlas) -> Self {
         Self {
             shapes: shapes.clone(),
             spectrum: TableData::within(0.0, 1.0),
             waveform: TableData::within(-1.0, 1.0),
             history: TableData::within(0.0, 1.0),
             ranges: Some(params.into_iter().map(|(low, high)| Interval::new(low, high)).collect()),
+            motion_ranges: graph.motions().iter().map(|motion| motion.range).collect(),
             ..Self::default()
         }
     }
@@ -99,6 +106,7 @@ impl FrameInputs {
                 Interval { lo, hi }
             }
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
+            Input::Motion(i) => self.motion_ranges.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
             Input::EyeX | Input::EyeY | Input::EyeZ | Input::Screen(_) | Input::Hoisted(_) => Interval::ANY,
         }
@@ -116,6 +124,7 @@ impl FrameInputs {
             Input::EyeZ => self.eye[2],
             Input::Screen(input) => self.screen.value(input),
             Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
+            Input::Motion(i) => self.motions.get(usize::from(i)).copied().unwrap_or(0.0),
             Input::Hoisted(i) => self.hoisted.get(usize::from(i)).copied().unwrap_or(0.0),
         }
     }

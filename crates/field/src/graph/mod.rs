@@ -15,6 +15,7 @@ mod gradient_interval;
 mod interval;
 mod levels;
 pub(crate) mod matrices;
+mod motion;
 mod node;
 mod numbers;
 mod op;
@@ -38,6 +39,8 @@ pub use frame_inputs::{FrameInputs, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};
 pub use levels::{LEVEL_COUNT, Level, LevelList, Levels, levels_glsl};
+pub(crate) use motion::MotionState;
+pub use motion::{Motion, MotionKind};
 pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
 pub use op::{Choice, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
@@ -81,6 +84,7 @@ pub struct Graph {
     /// A hash table (open addressing, at most half full, size a power of two; see [`Slots`]). A slot is 1 + a node's
     /// index; 0 if free.
     places: Vec<u32>,
+    motions: Vec<Motion>,
     nodes_max: usize,
     full: bool,
 }
@@ -102,14 +106,15 @@ impl Graph {
         Self {
             nodes: Vec::new(),
             places: vec![0; 256],
+            motions: Vec::new(),
             nodes_max: limits.graph_nodes_max.max(1),
             full: false,
         }
     }
 
-    /// True if `other` has the same nodes in the same order.
+    /// True if `other` has the same nodes and motions in the same order.
     pub fn is_same(&self, other: &Self) -> bool {
-        self.nodes == other.nodes
+        self.nodes == other.nodes && self.motions == other.motions
     }
 
     /// Number of distinct nodes built so far, used or not.
@@ -139,10 +144,11 @@ impl Graph {
     }
 
     /// True if any node, used or not, reads the time, a number that describes the song, or a table of the sound. These
-    /// inputs may change even while the sound's features stay the same.
+    /// inputs, and motions, may change even while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
-            Node::Input(input) => *input == Input::T || input.comes_from_song(),
+            Node::Input(Input::T | Input::Motion(_)) => true,
+            Node::Input(input) => input.comes_from_song(),
             Node::Unary(op, _) | Node::Binary(op, _, _) => {
                 op.properties().has(op::Properties::READS_FRAME) && !Op::SHAPES.contains(op)
             }

@@ -51,6 +51,8 @@ pub enum Input {
     Screen(ScreenInput),
     /// A parameter of the scene, by its number.
     Param(u16),
+    /// A number with inertia, by its number ([`Motion`](super::Motion)).
+    Motion(u16),
     /// A value that is computed once per frame from the inputs above (see [`World`](crate::world::World)).
     Hoisted(u16),
 }
@@ -106,6 +108,7 @@ impl Input {
             Input::Level(level) => 0x100 | level.place() as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,
+            Input::Motion(i) => 0x3_0000 | i as u32,
         }
     }
 }
@@ -122,6 +125,7 @@ impl std::fmt::Display for Input {
             Input::Level(level) => return f.write_str(&level.to_string().to_uppercase()),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),
+            Input::Motion(i) => return write!(f, "MOTION({i})"),
             of_point_or_time => return write!(f, "{of_point_or_time:?}"),
         })
     }

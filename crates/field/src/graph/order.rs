@@ -143,6 +143,11 @@ impl Graph {
             match node {
                 Node::Input(input) => {
                     used.inputs.insert(input);
+                    // A motion reads what its operands read. They precede it, like those of other nodes.
+                    if let Input::Motion(number) = input {
+                        let operands = self.motions.get(usize::from(number)).map(|motion| motion.operands);
+                        operands.iter().flatten().for_each(|operand| is_needed[operand.index()] = true);
+                    }
                 }
                 Node::Unary(op, _) | Node::Binary(op, _, _)
                     if op.properties().has(Properties::READS_FRAME) =>

@@ -3,7 +3,7 @@
 //! All other functions are in the library, which is written in the language.
 
 use super::shape::{ShapeCall, SongText};
-use crate::graph::{Input, LevelList, Op, ScreenInput, SoundInput};
+use crate::graph::{Input, LevelList, MotionKind, Op, ScreenInput, SoundInput};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
@@ -176,6 +176,8 @@ pub(super) enum Builtin {
     Table(Op),
     History,
     Texture,
+    /// A number with inertia.
+    Motion(MotionKind),
     /// The light of the last frame.
     Previous,
     /// The 2D distance to a text or picture.
@@ -219,7 +221,9 @@ const fn levels(list: LevelList) -> BuiltinRow {
     function(list.name(), "i", Builtin::Levels(list), (1, 1), list.doc())
 }
 
-use Builtin::{Atan, Construct, Dot, History, Length, Matrix, Pair, Pow, Previous, Round, Table, Texture};
+use Builtin::{
+    Atan, Construct, Dot, History, Length, Matrix, Motion, Pair, Pow, Previous, Round, Table, Texture,
+};
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
@@ -351,6 +355,27 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         History,
         (2, 2),
         "an earlier spectrum at u; age is 0 for now and 1 for 10 s ago",
+    ),
+    function(
+        "follow",
+        "a, rise, fall",
+        Motion(MotionKind::Follow),
+        (2, 3),
+        "a number that follows a with inertia: rise and fall are the time constants in seconds; without fall, rise is both",
+    ),
+    function(
+        "spring",
+        "a, stiffness, damping",
+        Motion(MotionKind::Spring),
+        (2, 3),
+        "a number that a damped spring pulls to a, with stiffness * (a - spring) - damping * speed; without damping it does not overshoot",
+    ),
+    function(
+        "since",
+        "event",
+        Motion(MotionKind::Since),
+        (1, 1),
+        "seconds since a condition last began to hold, such as `kick > 0.3`, or since a number last rose above 0.5; 6 at most",
     ),
     function(
         "texture",

@@ -369,8 +369,7 @@ mod tests {
 
     fn bounds(text: &str) -> Option<Bounds> {
         let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas);
-        find(&scene.graph, scene.distance, &any).unwrap()
+        find(&scene.graph, scene.distance, &crate::world::any_frame(&scene)).unwrap()
     }
 
     fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], fraction: f32) {

@@ -33,7 +33,7 @@ pub struct Feedback {
 impl Feedback {
     pub(super) fn of(scene: &Scene) -> Result<Option<Self>, TapeError> {
         let is_read = scene.textures.iter().any(|texture| texture.is_last_frame());
-        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas);
+        let any = super::any_frame(scene);
         let decay = scene.picture.largest_decay(&scene.graph, &any).clamp(0.0, FEEDBACK_DECAY_MAX);
         let has_trails = decay > 0.0;
         if !is_read && !has_trails {

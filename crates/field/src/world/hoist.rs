@@ -18,7 +18,7 @@ pub struct Hoisted {
 }
 
 impl Hoisted {
-    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
+    pub(super) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
         let mut own = Graph::new();
         let mut moved = Moved::of(graph);
         for id in graph.order(roots)?.nodes {
@@ -96,7 +96,17 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
     let mut rest = Graph::new();
     rest.reserve(order.len());
     let mut moved = Moved::of(graph);
+    // Shaders know no motions, so these come first: there are fewer of them than places.
+    for &id in order.iter().filter(|id| matches!(graph.node(**id), Node::Input(Input::Motion(_)))) {
+        if is_read[id.index()] {
+            moved.0[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
+            hoisted.push(id);
+        }
+    }
     for &id in &order {
+        if matches!(graph.node(id), Node::Input(Input::Motion(_))) {
+            continue;
+        }
         let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_));
         let hoistable = computed && of_frame[id.index()] && is_read[id.index()];
         if hoistable && hoisted.len() < LIMITS.hoisted_max {

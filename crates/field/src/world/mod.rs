@@ -26,6 +26,7 @@ mod feedback;
 mod hoist;
 mod interpreted;
 mod media;
+mod motions;
 mod nearby_light;
 mod planes;
 mod scene_features;
@@ -39,6 +40,7 @@ pub use distance_check::Slopes;
 pub use feedback::{Feedback, WARP_CELLS};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
+pub use motions::{Motions, Moving};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
@@ -140,6 +142,8 @@ pub struct World {
     pub graph: Graph,
     /// The parts that are constant within a frame, which are computed once per frame.
     pub hoisted: Hoisted,
+    /// The numbers with inertia.
+    pub motions: Motions,
     /// The surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
     /// True if there are surfaces other than planes.
@@ -259,6 +263,7 @@ impl World {
             roots,
             graph,
             hoisted,
+            motions: Motions::of(&scene.graph).map_err(graph_error)?,
             frame_tape,
             planes,
             scene,
@@ -304,7 +309,7 @@ struct Surfaces {
 
 /// The inputs of all frames of a scene.
 fn any_frame(scene: &Scene) -> FrameInputs {
-    FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas)
+    FrameInputs::any(&scene.graph, scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas)
 }
 
 /// A normalized value stops growing at this distance from surfaces, as a fraction of half the size of the bounds.

@@ -17,11 +17,13 @@ use std::sync::Arc;
 use camera::Camera;
 use held_inputs::HeldInputs;
 use image::RgbaImage;
-use mariana_field::graph::SoundInputs;
-use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, Screen, TableData};
+use mariana_field::graph::{
+    FrameInputs, LevelList, Levels, PartInput, Screen, SoundInput, SoundInputs, TableData,
+};
+use mariana_field::limits::MOTION_SECONDS;
 use mariana_field::world::{FrameValues, SwarmPicture, SwarmView, World};
 pub use mariana_music::Sound;
-use mariana_music::{Features, HISTORY_POINTS, SongMoment};
+use mariana_music::{Features, HISTORY_POINTS, RECENT_SECONDS, Recent, SongMoment};
 use orbit_controls::OrbitControls;
 use picture::Picture;
 use projection::{Projection, ProjectionKind};
@@ -74,7 +76,7 @@ impl Frame {
         size: (u32, u32),
         params: &[f32],
     ) -> Self {
-        Self::of_inputs(world, inputs_of(world, time, sound.into(), params), size)
+        Self::of_inputs(world, inputs_of(world, time, sound.into(), params, &HeldInputs::default()), size)
     }
 
     /// Like [`Frame::new`], with the given options.
@@ -85,8 +87,7 @@ impl Frame {
         size: (u32, u32),
         frame_options: &FrameOptions<'_>,
     ) -> Self {
-        let mut inputs = inputs_of(world, time, sound, frame_options.params);
-        frame_options.held.apply(&mut inputs);
+        let inputs = inputs_of(world, time, sound, frame_options.params, frame_options.held);
         let mut frame = Self::of_inputs(world, inputs, size);
         frame.seen_by(world, frame_options.camera);
         frame
@@ -143,21 +144,22 @@ impl Frame {
 
 /// Returns the numbers that scenes read from the sound of a moment. Every number is within its range.
 pub fn sound_inputs(features: &Features, song: &SongMoment) -> SoundInputs {
-    let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
-    SoundInputs::each(|input| input.clamp(number(input.name())))
+    SoundInputs::each(|input| sound_input(input, features, song))
 }
 
-fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
-    let Sound { features, tables, song, parts } = sound;
-    let part = |(at, value): (usize, &f32)| PartInput::at(at).map_or(0.0, |input| input.clamp(*value));
+fn sound_input(input: SoundInput, features: &Features, song: &SongMoment) -> f32 {
+    let name = input.name();
+    input.clamp(features.number(name).or_else(|| song.number(name)).unwrap_or(0.0))
+}
+
+fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32], held: &HeldInputs) -> FrameInputs {
+    let Sound { features, tables, song, parts, recent } = sound;
     let declared = world.scene.params.iter().enumerate();
-    FrameInputs {
+    let mut inputs = FrameInputs {
         time: finite(time as f32),
         sound: sound_inputs(&features, &song),
-        levels: Levels::each(|list, number| {
-            levels_of(list, &features, &song).get(number).copied().unwrap_or(0.0)
-        }),
-        parts: parts.iter().take(PartInput::COUNT).enumerate().map(part).collect(),
+        levels: levels(&features, &song),
+        parts: part_inputs(&parts),
         spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
         waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
         history: tables.history.map_or(TableData::EMPTY, |rows| {
@@ -171,7 +173,47 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
             .collect(),
         shapes: world.scene.atlas.clone(),
         ..FrameInputs::default()
+    };
+    held.apply(&mut inputs);
+    if !world.motions.is_empty() {
+        move_numbers(world, &mut inputs, time, &recent, held);
     }
+    inputs
+}
+
+const _: () = assert!(RECENT_SECONDS as f32 == MOTION_SECONDS);
+
+/// Computes the numbers with inertia of a frame from the last seconds. Held inputs had their values then, too, and
+/// parameters had the values that they have now.
+fn move_numbers(world: &World, inputs: &mut FrameInputs, time: f64, recent: &[Recent], held: &HeldInputs) {
+    let motions = &world.motions;
+    let (mut moving, mut at) = (motions.begin(), inputs.clone());
+    let mut before = RECENT_SECONDS;
+    for Recent { age, features, song, parts } in recent {
+        at.time = finite((time - age) as f32);
+        for input in &motions.sounds {
+            at.sound[*input] = sound_input(*input, features, song);
+        }
+        if motions.read_levels {
+            at.levels = levels(features, song);
+        }
+        if motions.read_parts {
+            at.parts = part_inputs(parts);
+        }
+        held.apply(&mut at);
+        moving.step(&mut at, (before - age) as f32);
+        before = *age;
+    }
+    moving.step(inputs, before as f32);
+}
+
+fn levels(features: &Features, song: &SongMoment) -> Levels {
+    Levels::each(|list, number| levels_of(list, features, song).get(number).copied().unwrap_or(0.0))
+}
+
+fn part_inputs(parts: &[f32]) -> Vec<f32> {
+    let part = |(at, value): (usize, &f32)| PartInput::at(at).map_or(0.0, |input| input.clamp(*value));
+    parts.iter().take(PartInput::COUNT).enumerate().map(part).collect()
 }
 
 /// Returns the levels of a list, as the analysis and the song provide them.
@@ -273,8 +315,48 @@ fn finite(value: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use mariana_field::graph::{LevelList, SoundInput};
-    use mariana_music::{Features, SongMoment};
+    use mariana_music::{Features, Recent, SongMoment, Sound};
+
+    use super::held_inputs::HeldInputs;
+    use super::testing::world_of;
+    use super::{Frame, FrameOptions};
+
+    #[test]
+    fn numbers_with_inertia_come_from_the_last_seconds_and_obey_held_inputs() {
+        let text = "param share = 0.5 in 0 .. 1\nlet slow = follow(bass + share + band(3), 1)\n\
+                    object ball { shape = length(p) - slow - since(drums.kick > 0.5) - 0 * t }";
+        let world = world_of(text);
+        let recent = |bass: f32| -> Arc<[Recent]> {
+            let moment = |step: u32| {
+                let age = f64::from(100 - step) * 0.05;
+                let mut features = Features { bass, ..Features::SILENCE };
+                features.bands[3] = bass;
+                let mut parts = vec![0.0; mariana_field::graph::PartInput::COUNT];
+                let kick = mariana_field::graph::PartInput::named("drums.kick").unwrap().index();
+                parts[kick] = if step == 60 { 1.0 } else { 0.0 };
+                Recent { age, features, song: SongMoment::UNKNOWN, parts }
+            };
+            (0..100).map(moment).collect()
+        };
+        let motions = |sound: Sound, set: &[&str]| {
+            let mut held = HeldInputs::default();
+            set.iter().for_each(|set| assert_eq!(held.hold(&world.scene, &set.parse().unwrap()), Ok(true)));
+            let options = FrameOptions { params: &[0.25], held: &held, camera: None };
+            Frame::staged(&world, 9.0, sound, (8, 8), &options).inputs.motions
+        };
+        let moments = motions(Sound { recent: recent(1.0), ..Sound::default() }, &[]);
+        let expected = 0.25 + 2.0 * (-0.05_f32).exp();
+        assert!((moments[0] - expected).abs() < 1e-4 && (moments[1] - 2.025).abs() < 1e-3, "{moments:?}");
+        assert_eq!(motions(Sound::default(), &[]), [0.25, 6.0], "nothing is remembered");
+        let held = motions(
+            Sound { recent: recent(1.0), ..Sound::default() },
+            &["bass=0.5", "band(3)=0", "share=1", "drums.kick=0", "t=3"],
+        );
+        assert_eq!(held, [1.5, 6.0]);
+    }
 
     /// Finds inputs that the analysis does not compute. Their value would always be 0, without an error.
     #[test]

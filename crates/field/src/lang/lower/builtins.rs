@@ -8,6 +8,7 @@ use super::super::symbol::Symbol;
 use super::super::value::{Composites, Matrix, Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
+use super::motions::MotionCall;
 use super::reads::{ShapeRead, TextureRead};
 use crate::graph::{Graph, Input, LevelList, NodeId, Op, matrices};
 
@@ -45,6 +46,9 @@ impl Lowering<'_> {
         }
         if let Builtin::Shape(call) = row.builtin {
             return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
+        }
+        if let Builtin::Motion(kind) = row.builtin {
+            return MotionCall { outer: self, row, kind, mark, first, span }.value();
         }
         if let Builtin::Matrix(function) = row.builtin {
             return self.matrix_function(row, function, mark, span);
@@ -105,7 +109,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn used_frame(&mut self, name: &'static str, span: Span) {
+    pub(super) fn used_frame(&mut self, name: &'static str, span: Span) {
         if let Some(symbol) = self.names.get(name) {
             self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
         }
@@ -245,7 +249,7 @@ impl Lowering<'_> {
 }
 
 /// True if all vectors have the same size or are scalars, which fit every size.
-fn sizes_fit(vectors: &[Vector]) -> bool {
+pub(super) fn sizes_fit(vectors: &[Vector]) -> bool {
     let most = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
     vectors.iter().all(|vector| vector.len() == 1 || vector.len() == most)
 }

@@ -13,7 +13,7 @@ use super::super::value::{Value, Vector};
 use super::declared::{Declared, Global, GlobalValue};
 use super::reports::Reports;
 use super::scope::Scope;
-use crate::graph::{Graph, Input, NodeId};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, ShapeAtlas};
 use crate::limits::Limits;
 
 /// Lowers expressions to nodes of a graph. Its methods are here, in `expr.rs`, in `call.rs` and in `builtins.rs`.
@@ -220,6 +220,12 @@ impl<'a> Lowering<'a> {
 
     pub(super) fn vector(&mut self, values: [f32; 3]) -> [NodeId; 3] {
         values.map(|value| self.graph.constant(value))
+    }
+
+    /// Returns the inputs of all frames.
+    pub(super) fn any_frame(&self) -> FrameInputs {
+        let ranges = self.declared.params.iter().map(|param| (param.min, param.max));
+        FrameInputs::any(&self.graph, ranges, &ShapeAtlas::NONE)
     }
 
     /// Returns the value of a name: a local name, else a parameter or let of the scene, else an input.

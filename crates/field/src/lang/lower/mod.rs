@@ -12,6 +12,7 @@ mod declared;
 mod expr;
 mod foreign;
 mod lowering;
+mod motions;
 mod objects;
 mod parts;
 mod reads;

@@ -12,7 +12,7 @@ use super::super::source::Span;
 use super::super::value::Value;
 use super::scene::SceneBuilder;
 use super::sections::{Values, fields};
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Point, Screen, ShapeAtlas};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Point, Screen};
 use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE};
 
 impl SceneBuilder<'_> {
@@ -185,8 +185,7 @@ impl SceneBuilder<'_> {
             ("blur", &[picture.blur]),
         ];
         self.refuse_pixels(&fields, "`warp`", values);
-        let params = self.lowering.declared.params.iter().map(|param| (param.min, param.max));
-        let any = FrameInputs::any(params, &ShapeAtlas::NONE);
+        let any = self.lowering.any_frame();
         let decay = picture.largest_decay(&self.lowering.graph, &any);
         let is_warped_away = values.given("warp").is_some() && self.is_warped_away(picture);
         let mut warn = |span, message: String, hint: &str| {

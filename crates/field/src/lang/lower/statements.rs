@@ -12,7 +12,7 @@ use super::super::value::{Value, Vector};
 use super::builtins::Matrices;
 use super::expr::{component, zip};
 use super::lowering::Lowering;
-use crate::graph::{FrameInputs, NodeId, Op, ShapeAtlas, bounds_of};
+use crate::graph::{NodeId, Op, bounds_of};
 
 /// Lowers the statements of one block.
 struct BlockLowering<'l, 'a> {
@@ -334,8 +334,7 @@ impl BlockLowering<'_, '_> {
         if let Some(known) = self.outer.known(end) {
             return self.outer.reports.whole_bound(known, span).map(|known| (known, None));
         }
-        let ranges = self.outer.declared.params.iter().map(|param| (param.min, param.max));
-        let most = bounds_of(&self.outer.graph, end, &FrameInputs::any(ranges, &ShapeAtlas::NONE)).ok()?.hi;
+        let most = bounds_of(&self.outer.graph, end, &self.outer.any_frame()).ok()?.hi;
         if most > self.outer.limits.scene_loop_max as f32 || !most.is_finite() {
             let wrong = Diagnostic::unsupported(span, "the largest number of iterations is not known");
             let hint = "let a loop's end depend on parameters only, as in `param rounds = 8 in 1 .. 12`, or clamp it";

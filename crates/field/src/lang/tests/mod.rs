@@ -16,6 +16,8 @@ mod messages;
 #[cfg(test)]
 mod misleading;
 #[cfg(test)]
+mod motions;
+#[cfg(test)]
 mod parts;
 #[cfg(test)]
 mod pixels;

@@ -3,7 +3,7 @@
 use super::super::compile;
 use super::super::no_includes;
 use super::{distance, scene, value};
-use crate::graph::{FrameInputs, Interval, Point, ShapeAtlas, bounds_of};
+use crate::graph::{FrameInputs, Graph, Interval, Point, ShapeAtlas, bounds_of};
 use crate::lang::Scene;
 use proptest::prelude::*;
 
@@ -128,7 +128,7 @@ proptest! {
     #[test]
     fn bounds_of_a_value_hold_it(low in -3.0_f32..3.0, width in 0.0_f32..3.0, share in 0.0_f32..=1.0) {
         let high = low + width;
-        let any = FrameInputs::any([(low, high)], &ShapeAtlas::NONE);
+        let any = FrameInputs::any(&Graph::new(), [(low, high)], &ShapeAtlas::NONE);
         let frame = FrameInputs { params: vec![low + share * width], ..FrameInputs::default() };
         let text = "param a = 0 in -9 .. 9\nround(a * a - 2)";
         let scene = super::scene(text);

@@ -247,6 +247,7 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
         ("pictures", counts(|world| world.pictures.len()), textures_max),
         ("texts and pictures as shapes", counts(|world| world.scene.shapes.len()), LIMITS.scene_shapes_max),
         ("swarms", counts(|world| world.scene.swarms.len()), LIMITS.scene_swarms_max),
+        ("numbers with inertia", counts(|world| world.scene.graph.motions().len()), LIMITS.scene_motions_max),
         (
             "points in swarms",
             counts(|world| world.scene.swarms.iter().map(|swarm| swarm.points).sum()),

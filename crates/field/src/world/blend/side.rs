@@ -4,7 +4,7 @@ use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
-use crate::graph::{Graph, Input, Node, NodeId, Op, Result, SHAPE_NUMBERS};
+use crate::graph::{Graph, Input, Motion, Node, NodeId, Op, Result, SHAPE_NUMBERS};
 use crate::lang::{Camera, Light, Picture, Scene, Sky, Swarm};
 use crate::world::World;
 
@@ -184,7 +184,8 @@ impl Own {
 fn copied(graph: &mut Graph, from: &Graph, before: Before, own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
-        let copy = copy(graph, node, before, &|input| own.value(input), &moved);
+        let motion = copied_motion(graph, from, node, &moved);
+        let copy = copy(graph, node, before, &|input| motion.or_else(|| own.value(input)), &moved);
         moved.push(copy);
     }
     moved
@@ -216,13 +217,26 @@ fn copied_roots(
     value: &dyn Fn(Input) -> Option<NodeId>,
 ) -> Result<Vec<NodeId>> {
     let mut moved = vec![NodeId::default(); from.len()];
-    for id in from.order(roots)?.nodes {
-        let copy = copy(graph, from.node(id), before, value, &moved);
-        if let Some(place) = moved.get_mut(id.index()) {
-            *place = copy;
+    // The operands of motions, which the roots do not name. A motion reads only motions before it.
+    let operands = from.motions().iter().map(|motion| motion.operands.as_slice());
+    for roots in operands.chain([roots]) {
+        for id in from.order(roots)?.nodes {
+            let motion = copied_motion(graph, from, from.node(id), &moved);
+            let copy = copy(graph, from.node(id), before, &|input| motion.or_else(|| value(input)), &moved);
+            if let Some(place) = moved.get_mut(id.index()) {
+                *place = copy;
+            }
         }
     }
     Ok(moved)
+}
+
+/// Copies the motion that a node reads, if it reads one. The copies of the motion's operands are at `moved`.
+fn copied_motion(graph: &mut Graph, from: &Graph, node: Node, moved: &[NodeId]) -> Option<NodeId> {
+    let Node::Input(Input::Motion(number)) = node else { return None };
+    let motion = from.motions().get(usize::from(number))?;
+    let operands = motion.operands.map(|operand| at_index(moved, operand));
+    Some(graph.motion(Motion { operands, ..*motion }))
 }
 
 /// Copies a node whose operands are at `moved`; `value` returns the replacement of an input.

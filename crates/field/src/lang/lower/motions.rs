@@ -1,0 +1,100 @@
+//! Lowers numbers with inertia: `follow`, `spring` and `since`.
+
+use super::super::builtin::BuiltinRow;
+use super::super::diagnostic::Diagnostic;
+use super::super::source::Span;
+use super::super::value::{Value, Vector};
+use super::builtins::sizes_fit;
+use super::lowering::Lowering;
+use crate::graph::{Interval, Motion, MotionKind, NodeId, Op, bounds_of};
+use crate::limits::MOTION_SECONDS;
+
+/// A call, with the arguments from `mark` on.
+pub(super) struct MotionCall<'o, 'l> {
+    pub outer: &'o mut Lowering<'l>,
+    pub row: &'static BuiltinRow,
+    pub kind: MotionKind,
+    pub mark: usize,
+    pub first: u32,
+    pub span: Span,
+}
+
+impl MotionCall<'_, '_> {
+    /// Returns the number, or a vector of them.
+    pub(super) fn value(mut self) -> Value {
+        self.outer.used_frame(self.row.name, self.span);
+        let count = self.outer.arguments.len() - self.mark;
+        let mut vectors = Vec::with_capacity(count);
+        for index in 0..count {
+            let Some(vector) = self.argument(index) else { return Value::Unknown };
+            vectors.push(vector);
+        }
+        let len = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
+        if !sizes_fit(&vectors) || (self.kind == MotionKind::Since && len > 1) {
+            let message = format!("`{}` needs one number, or vectors of the same size", self.row.name);
+            let hint = format!("it is declared as `{}({})`", self.row.name, self.row.parameters);
+            return self.outer.reports.add(Diagnostic::new(self.span, message).hint(hint));
+        }
+        let mut moving = [NodeId::default(); 4];
+        for (index, part) in moving.iter_mut().enumerate().take(len) {
+            let given: Vec<NodeId> = vectors.iter().map(|vector| vector.part(index)).collect();
+            let Some(value) = self.moving(&given) else { return Value::Unknown };
+            *part = value;
+        }
+        Vector::from_slice(moving.get(..len).unwrap_or(&moving)).map_or(Value::Unknown, Value::Vector)
+    }
+
+    /// Returns an argument, which must be known for earlier moments.
+    fn argument(&mut self, index: usize) -> Option<Vector> {
+        let place = self.outer.argument_span(self.first, index, self.span);
+        let value = self.outer.arguments.get(self.mark + index).copied().unwrap_or(Value::Unknown);
+        let vector = match value {
+            Value::Bool(event) if self.kind == MotionKind::Since => Vector::scalar(event),
+            value => self.outer.number(value, place, || format!("`{}`", self.row.name))?,
+        };
+        let graph = &self.outer.graph;
+        if let Some(what) = vector.parts().iter().find_map(|part| graph.not_remembered(*part)) {
+            let message = format!("`{}` remembers numbers of the sound, not {what}", self.row.name);
+            let hint = "it takes numbers, levels and parts of the sound, the time and parameters: `band(i)` \
+                        instead of `spectrum(u)`";
+            self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
+            return None;
+        }
+        Some(vector)
+    }
+
+    /// Returns the number that moves by these operands; missing ones have their defaults.
+    fn moving(&mut self, given: &[NodeId]) -> Option<NodeId> {
+        let goal = *given.first()?;
+        if self.outer.known(goal).is_some() && self.kind != MotionKind::Since {
+            return Some(goal);
+        }
+        let bounds = bounds_of(&self.outer.graph, goal, &self.outer.any_frame()).ok()?;
+        let graph = &mut self.outer.graph;
+        let a = given.get(1).copied().unwrap_or(goal);
+        let b = given.get(2).copied().unwrap_or_else(|| match self.kind {
+            // The least damping without an overshoot.
+            MotionKind::Spring => {
+                let root = graph.unary(Op::Sqrt, a);
+                graph.add(root, root)
+            }
+            MotionKind::Follow | MotionKind::Since => a,
+        });
+        let width = bounds.hi - bounds.lo;
+        let range = match self.kind {
+            MotionKind::Follow => bounds,
+            // It overshoots by at most the width of its goal's range.
+            MotionKind::Spring => Interval { lo: bounds.lo - width, hi: bounds.hi + width },
+            MotionKind::Since => Interval { lo: 0.0, hi: MOTION_SECONDS },
+        };
+        let value = graph.motion(Motion { kind: self.kind, operands: [goal, a, b], range });
+        let max = self.outer.limits.scene_motions_max;
+        if graph.motions().len() > max {
+            let message = format!("the scene has more than {max} numbers with inertia");
+            let hint = "let several things follow the same number";
+            self.outer.reports.add(Diagnostic::over_limit(self.span, message).hint(hint));
+            return None;
+        }
+        Some(value)
+    }
+}
