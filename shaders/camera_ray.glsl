@@ -3,6 +3,9 @@
 
 #ifndef PROJECTED
 #define ray_origin camera_position.xyz
+// True if all samples of a pixel start at one point; true if a ray is in the picture.
+#define RAYS_START_TOGETHER true
+#define IS_SEEN(direction) true
 
 vec3 eye_ray() {
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
@@ -23,6 +26,9 @@ float axial(float t, vec3 direction) {
 }
 #else
 const float QUARTER = 1.57079633;
+// The rays of an eye start at different points. Around a dome's circle is black.
+#define RAYS_START_TOGETHER (frame_projection.z <= 0.0)
+#define IS_SEEN(direction) ((direction) != vec3(0.0))
 
 vec3 ray_origin;
 vec3 ray_right;

@@ -37,6 +37,7 @@ float glass_reflectance(float ratio, float cosine) {
     return f0 + (1.0 - f0) * square * square * grazing;
 }
 #else
+const float ray_side = 1.0;
 #define SURFACE_PENUMBRA 0.0
 #define PLANES_FROM(start, cone) (start)
 #endif

@@ -149,6 +149,26 @@ vec3 velvet(Material m, float facing, float seen, float nh) {
 }
 #endif
 
+// Returns the colour of a surface for light from all directions.
+vec3 diffuse_color(Material m, vec3 normal, vec3 direction) {
+#ifdef SHEEN
+    float edge = 1.0 - clamp(-dot(direction, normal), 0.0, 1.0);
+    vec3 coloured = m.color * mix(vec3(1.0), film_color(m.film, 1.0 - edge), m.metalness);
+    return coloured + velvet_color(m) * (edge * edge * edge);
+#else
+    return m.color;
+#endif
+}
+
+// Returns the colour of mirror images: metals tint them.
+vec3 mirror_color(Material m, vec3 normal, vec3 direction) {
+    vec3 tint = mix(vec3(1.0), m.color, m.metalness);
+#ifdef SHEEN
+    tint *= film_color(m.film, -dot(direction, normal));
+#endif
+    return tint;
+}
+
 // Minimum of alpha. A sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 

@@ -132,7 +132,7 @@ impl PreparedScenes {
     /// True if a drawn scene has numbers with inertia, which need the sound of the last seconds.
     pub(crate) fn remember(&self) -> bool {
         let drawn = [&self.shown, &self.before, &self.fading_out];
-        drawn.into_iter().flatten().any(|scene| !scene.resources.world().motions.is_empty())
+        drawn.into_iter().flatten().any(|scene| !scene.resources.world().frame_tape.motions.is_empty())
     }
 
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.

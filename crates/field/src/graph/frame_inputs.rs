@@ -7,7 +7,7 @@ use super::node::Input;
 use super::screen_input::Screen;
 use super::shape_atlas::ShapeAtlas;
 use super::table::{TableData, unit};
-use super::{Graph, LevelList, Levels, PartInput, SoundInputs};
+use super::{LevelList, Levels, PartInput, SoundInputs};
 
 /// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -32,7 +32,6 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     textures: None,
     shapes: ShapeAtlas::NONE,
     ranges: None,
-    motion_ranges: Vec::new(),
 };
 
 /// The inputs of a frame. The default is silence at time 0.
@@ -66,10 +65,17 @@ pub struct FrameInputs {
     pub textures: Option<Arc<dyn TextureReader>>,
     /// The scene's texts and pictures as shapes.
     pub shapes: ShapeAtlas,
-    /// The ranges of the parameters; set only by [`FrameInputs::any`].
-    pub ranges: Option<Arc<[Interval]>>,
-    /// The ranges of the motions; set only by [`FrameInputs::any`].
-    pub motion_ranges: Vec<Interval>,
+    /// The ranges of numbers that a scene declares; set only by [`FrameInputs::any`].
+    pub ranges: Option<Arc<OwnRanges>>,
+}
+
+/// The ranges of numbers that a scene declares itself.
+#[derive(Debug, Clone, Default)]
+pub struct OwnRanges {
+    /// Of its parameters, by number.
+    pub params: Vec<Interval>,
+    /// Of its motions, by number.
+    pub motions: Vec<Interval>,
 }
 
 /// Largest time in seconds that [`FrameInputs::any`] covers: a day.
@@ -80,21 +86,20 @@ impl FrameInputs {
     /// computed with these inputs hold for every frame. Values computed with them belong to a silent frame.
     ///
     /// `shapes` are the scene's texts and pictures. Texts that change may have any content.
-    pub fn any(graph: &Graph, params: impl IntoIterator<Item = (f32, f32)>, shapes: &ShapeAtlas) -> Self {
+    pub fn any(ranges: OwnRanges, shapes: &ShapeAtlas) -> Self {
         Self {
             shapes: shapes.clone(),
             spectrum: TableData::within(0.0, 1.0),
             waveform: TableData::within(-1.0, 1.0),
             history: TableData::within(0.0, 1.0),
-            ranges: Some(params.into_iter().map(|(low, high)| Interval::new(low, high)).collect()),
-            motion_ranges: graph.motions().iter().map(|motion| motion.range).collect(),
+            ranges: Some(Arc::new(ranges)),
             ..Self::default()
         }
     }
 
     /// Returns bounds of an input: a single value, unless these are the inputs of all frames ([`FrameInputs::any`]).
     pub fn bounds(&self, input: Input) -> Interval {
-        let Some(params) = &self.ranges else { return Interval::point(self.value(input)) };
+        let Some(own) = &self.ranges else { return Interval::point(self.value(input)) };
         match input {
             Input::T => Interval { lo: 0.0, hi: TIME_MAX },
             Input::Sound(input) => {
@@ -105,8 +110,8 @@ impl FrameInputs {
                 let (lo, hi) = level.range();
                 Interval { lo, hi }
             }
-            Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
-            Input::Motion(i) => self.motion_ranges.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
+            Input::Param(i) => own.params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
+            Input::Motion(i) => own.motions.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
             Input::EyeX | Input::EyeY | Input::EyeZ | Input::Screen(_) | Input::Hoisted(_) => Interval::ANY,
         }

@@ -35,7 +35,7 @@ pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
 pub(crate) use evaluate::bounds_of;
-pub use frame_inputs::{FrameInputs, TextureReader};
+pub use frame_inputs::{FrameInputs, OwnRanges, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};
 pub use levels::{LEVEL_COUNT, Level, LevelList, Levels, levels_glsl};

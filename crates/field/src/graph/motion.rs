@@ -2,6 +2,7 @@
 //! its value is computed from the sound of the last seconds ([`Motions`](crate::world::Motions)), so that a moment looks
 //! the same however it was reached.
 
+use super::frame_inputs::OwnRanges;
 use super::interval::Interval;
 use super::node::{Input, Node, NodeId};
 use super::op::Properties;
@@ -118,6 +119,14 @@ impl Graph {
     /// Returns the motions; `Input::Motion(i)` is the value of the i-th.
     pub fn motions(&self) -> &[Motion] {
         &self.motions
+    }
+
+    /// Returns the ranges of the motions and of these parameters, each with its least and greatest value.
+    pub fn ranges(&self, params: impl IntoIterator<Item = (f32, f32)>) -> OwnRanges {
+        OwnRanges {
+            params: params.into_iter().map(|(low, high)| Interval::new(low, high)).collect(),
+            motions: self.motions.iter().map(|motion| motion.range).collect(),
+        }
     }
 
     /// Returns what keeps a value from being computed for earlier moments: the first input, curve or texture that it

@@ -158,7 +158,6 @@ pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
         ranges: None,
-        motion_ranges: Vec::new(),
         motions: Vec::new(),
         hoisted: Vec::new(),
         time: 12.5,

@@ -234,7 +234,7 @@ mod tests {
 
     fn assert_open_boxes_are_kept(graph: &Graph, root: NodeId, sides: &Bounds) {
         let frame = frame();
-        let any = FrameInputs::any(graph, [(0.0, 2.0), (-3.0, 0.0)], &frame.shapes);
+        let any = FrameInputs::any(graph.ranges([(0.0, 2.0), (-3.0, 0.0)]), &frame.shapes);
         let (mut search, whole) = EveryFrame::new(graph, root, &any).unwrap();
         let is_kept = |open: u64, boxes: &[Bounds]| {
             for (lane, sides) in boxes.iter().enumerate() {

@@ -7,6 +7,7 @@ use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::feedback::Feedback;
+use super::motions::Motions;
 use super::planes::Plane;
 use super::{World, WorldError};
 use crate::graph::{
@@ -153,7 +154,7 @@ fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> St
 
 // Values that the CPU computes once per frame because they do not depend on the point: camera, lights and planes.
 
-/// The tapes of the cameras, the lights, the picture and the planes.
+/// The tapes of the cameras, the lights, the picture and the planes, and the numbers with inertia.
 #[derive(Debug, Clone)]
 pub struct FrameTape {
     camera: Tape,
@@ -164,6 +165,8 @@ pub struct FrameTape {
     planes: Vec<Tape>,
     /// How frames depend on earlier frames; `None` if they do not.
     pub feedback: Option<Feedback>,
+    /// The numbers with inertia.
+    pub motions: Motions,
     /// The numbers of the picture and the pointer that the sky and the picture's settings read.
     pub screen_inputs: BTreeSet<ScreenInput>,
 }
@@ -206,6 +209,7 @@ impl FrameTape {
             picture: tape(&scene.picture.numbers())?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
             feedback: Feedback::of(scene)?,
+            motions: Motions::of(&scene.graph)?,
             screen_inputs: screen_inputs(scene)?,
         })
     }

@@ -142,8 +142,6 @@ pub struct World {
     pub graph: Graph,
     /// The parts that are constant within a frame, which are computed once per frame.
     pub hoisted: Hoisted,
-    /// The numbers with inertia.
-    pub motions: Motions,
     /// The surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
     /// True if there are surfaces other than planes.
@@ -263,7 +261,6 @@ impl World {
             roots,
             graph,
             hoisted,
-            motions: Motions::of(&scene.graph).map_err(graph_error)?,
             frame_tape,
             planes,
             scene,
@@ -309,7 +306,8 @@ struct Surfaces {
 
 /// The inputs of all frames of a scene.
 fn any_frame(scene: &Scene) -> FrameInputs {
-    FrameInputs::any(&scene.graph, scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas)
+    let params = scene.params.iter().map(|param| (param.min, param.max));
+    FrameInputs::any(scene.graph.ranges(params), &scene.atlas)
 }
 
 /// A normalized value stops growing at this distance from surfaces, as a fraction of half the size of the bounds.

@@ -87,7 +87,7 @@ mod tests {
 
     /// The inputs of a frame after a second in which the bass rises from 0 to 1.
     fn after_a_second(world: &World) -> FrameInputs {
-        let (mut moving, mut at) = (world.motions.begin(), FrameInputs::default());
+        let (mut moving, mut at) = (world.frame_tape.motions.begin(), FrameInputs::default());
         for step in 0..=50 {
             let bass = (step as f32 / 10.0).min(1.0);
             at.sound = SoundInputs::with(&[(SoundInput::Bass, bass), (SoundInput::Kick, bass)]);

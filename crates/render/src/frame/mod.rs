@@ -175,7 +175,7 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32], held: &Held
         ..FrameInputs::default()
     };
     held.apply(&mut inputs);
-    if !world.motions.is_empty() {
+    if !world.frame_tape.motions.is_empty() {
         move_numbers(world, &mut inputs, time, &recent, held);
     }
     inputs
@@ -186,7 +186,7 @@ const _: () = assert!(RECENT_SECONDS as f32 == MOTION_SECONDS);
 /// Computes the numbers with inertia of a frame from the last seconds. Held inputs had their values then, too, and
 /// parameters had the values that they have now.
 fn move_numbers(world: &World, inputs: &mut FrameInputs, time: f64, recent: &[Recent], held: &HeldInputs) {
-    let motions = &world.motions;
+    let motions = &world.frame_tape.motions;
     let (mut moving, mut at) = (motions.begin(), inputs.clone());
     let mut before = RECENT_SECONDS;
     for Recent { age, features, song, parts } in recent {

@@ -225,7 +225,7 @@ impl<'a> Lowering<'a> {
     /// Returns the inputs of all frames.
     pub(super) fn any_frame(&self) -> FrameInputs {
         let ranges = self.declared.params.iter().map(|param| (param.min, param.max));
-        FrameInputs::any(&self.graph, ranges, &ShapeAtlas::NONE)
+        FrameInputs::any(self.graph.ranges(ranges), &ShapeAtlas::NONE)
     }
 
     /// Returns the value of a name: a local name, else a parameter or let of the scene, else an input.

@@ -128,7 +128,7 @@ proptest! {
     #[test]
     fn bounds_of_a_value_hold_it(low in -3.0_f32..3.0, width in 0.0_f32..3.0, share in 0.0_f32..=1.0) {
         let high = low + width;
-        let any = FrameInputs::any(&Graph::new(), [(low, high)], &ShapeAtlas::NONE);
+        let any = FrameInputs::any(Graph::new().ranges([(low, high)]), &ShapeAtlas::NONE);
         let frame = FrameInputs { params: vec![low + share * width], ..FrameInputs::default() };
         let text = "param a = 0 in -9 .. 9\nround(a * a - 2)";
         let scene = super::scene(text);
