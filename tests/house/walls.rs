@@ -124,6 +124,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("show", &["mariana-field", "mariana-music", "thiserror"]),
     ("browser", &["mariana-field", "mariana-music"]),
     ("transforms", &["rubato", "rustfft"]),
+    ("work", &["tracing"]),
     ("testing", &["rustix", "serde_json", "tempfile"]),
     (
         "ui",
