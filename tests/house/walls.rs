@@ -115,6 +115,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-music",
             "mariana-player",
             "mariana-render",
+            "mariana-work",
             "serde",
             "thiserror",
             "toml",

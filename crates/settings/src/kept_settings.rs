@@ -2,14 +2,16 @@
 //! loses no settings and a slow disk delays nothing.
 
 use std::path::PathBuf;
+use std::time::Duration;
+
+use mariana_work::{Worker, in_order};
 
 use super::settings::{Settings, SettingsError, SettingsFile};
-use super::writer_thread::WriterThread;
 
 /// The current settings and the thread that writes them. Dropping it waits until everything is written.
 pub struct KeptSettings {
     settings: Settings,
-    writer_thread: WriterThread<Job, Result<Settings, SettingsError>>,
+    writer_thread: Worker<Job, Result<Settings, SettingsError>>,
 }
 
 enum Job {
@@ -22,13 +24,14 @@ impl KeptSettings {
     pub fn of(mut file: SettingsFile) -> Self {
         let settings = file.settings().clone();
         let work = move |job| {
-            match job {
-                Job::Change(change) => file.change(change)?,
-                Job::Tracks(tracks) => file.keep_tracks(tracks.as_deref())?,
-            }
-            Ok(file.settings().clone())
+            let kept = match job {
+                Job::Change(change) => file.change(change),
+                Job::Tracks(tracks) => file.keep_tracks(tracks.as_deref()),
+            };
+            Some(kept.map(|()| file.settings().clone()))
         };
-        Self { settings, writer_thread: WriterThread::start("settings", work) }
+        let writer_thread = in_order("settings", || {}, || work).unwrap_or_default();
+        Self { settings, writer_thread: writer_thread.finished_at_drop(Duration::MAX) }
     }
 
     /// Returns the current settings.
@@ -61,11 +64,12 @@ impl KeptSettings {
 
     /// Waits until everything is written. Returns the errors.
     pub fn finish(&mut self) -> Vec<SettingsError> {
-        self.writer_thread.finish().into_iter().filter_map(Result::err).collect()
+        self.writer_thread.finish(Duration::MAX);
+        std::iter::from_fn(|| self.poll()).collect()
     }
 
     fn give(&mut self, job: Job) {
-        if !self.writer_thread.give(job) {
+        if !self.writer_thread.send(job) {
             tracing::warn!(
                 "a setting is not saved and lasts until the program ends: the writer thread is not running"
             );

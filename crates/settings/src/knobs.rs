@@ -6,13 +6,14 @@ use mariana_files::reading::read_at_most;
 use std::fs::create_dir_all;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::aside::aside;
-use super::writer_thread::WriterThread;
 use mariana_control::limits as control_limits;
 use mariana_control::midi::{Mapping, MappingFile, MappingsError};
 use mariana_files::Folders;
 use mariana_files::atomic_file::AtomicFile;
+use mariana_work::{Worker, in_order};
 
 /// A change to the controller mappings.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,10 +30,9 @@ pub enum KnobEdit {
 
 /// The controller mappings and the thread that writes them.
 pub struct KnobMemory {
-    /// `None` if the system has no settings folder: then mappings last until the program ends.
-    writer_thread: Option<WriterThread<KnobEdit, Kept>>,
+    /// Without a settings folder, it writes nothing, and mappings last until the program ends.
+    writer_thread: Worker<KnobEdit, Kept>,
     file: MappingFile,
-    waiting: usize,
 }
 
 type Kept = Result<MappingFile, KnobsError>;
@@ -75,8 +75,11 @@ impl KnobMemory {
             Some(Ok(file)) => (file, None),
             Some(Err(trouble)) => (MappingFile::default(), Some(trouble)),
         };
-        let keeper = |path: PathBuf| WriterThread::start("knobs", move |edit| keep(&path, &edit));
-        (Self { writer_thread: path.map(keeper), file, waiting: 0 }, trouble)
+        let keeper = |path: PathBuf| {
+            let work = move |edit| Some(keep(&path, &edit));
+            in_order("knobs", || {}, || work).unwrap_or_default().finished_at_drop(Duration::MAX)
+        };
+        (Self { writer_thread: path.map(keeper).unwrap_or_default(), file }, trouble)
     }
 
     /// Returns the current mappings.
@@ -92,9 +95,7 @@ impl KnobMemory {
     /// Changes the mappings at once, and the file soon after.
     pub fn change(&mut self, edit: &KnobEdit) {
         apply(&mut self.file, edit);
-        let is_kept =
-            self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(edit.clone()));
-        self.waiting += usize::from(is_kept);
+        self.writer_thread.send(edit.clone());
     }
 
     /// Returns the next result of a write, if any, and adopts the contents of the file.
@@ -102,14 +103,13 @@ impl KnobMemory {
     /// # Errors
     /// Fails if the file cannot be read or written. The change then lasts until the program ends.
     pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
-        let kept = self.writer_thread.as_ref()?.poll()?;
+        let kept = self.writer_thread.poll()?;
         Some(self.apply(kept))
     }
 
     fn apply(&mut self, kept: Kept) -> Result<(), KnobsError> {
-        self.waiting = self.waiting.saturating_sub(1);
         let after = kept?;
-        if self.waiting == 0 && after.mappings.list() != self.file.mappings.list() {
+        if self.writer_thread.is_idle() && after.mappings.list() != self.file.mappings.list() {
             self.file = after;
         }
         Ok(())
@@ -183,7 +183,7 @@ mod tests {
 
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
         memory.change(&edit);
-        let kept = memory.writer_thread.as_ref().unwrap().wait().unwrap();
+        let kept = memory.writer_thread.within(Duration::MAX).unwrap();
         memory.apply(kept)
     }
 

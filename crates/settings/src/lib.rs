@@ -28,7 +28,6 @@ mod setting_rows;
 mod setting_table;
 mod settings;
 mod understood;
-mod writer_thread;
 
 pub use choices::{Choice, Choices, DisplayChoices, Setting};
 pub use kept_settings::KeptSettings;

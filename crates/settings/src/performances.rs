@@ -3,18 +3,19 @@
 use std::collections::HashMap;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use super::writer_thread::WriterThread;
 use mariana_files::Folders;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
+use mariana_work::{Worker, in_order};
 
 /// The path of a written performance, or the error.
 pub type Kept = Result<PathBuf, Unwritable>;
 
 /// The folder of performances and the thread that writes them.
 pub struct PerformanceFiles {
-    writer_thread: Option<WriterThread<Job, Kept>>,
+    writer_thread: Worker<Job, Kept>,
 }
 
 /// A performance to write. A later job with the same number replaces the file.
@@ -34,12 +35,13 @@ impl PerformanceFiles {
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         let start = |folder: PathBuf| {
             let mut paths = HashMap::new();
-            WriterThread::start("performances", move |Job { number, title, text }| {
+            let work = move |Job { number, title, text }| {
                 let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
-                write(path, &text())
-            })
+                Some(write(path, &text()))
+            };
+            in_order("performances", || {}, || work).unwrap_or_default().finished_at_drop(Duration::MAX)
         };
-        Self { writer_thread: folder.map(start) }
+        Self { writer_thread: folder.map(start).unwrap_or_default() }
     }
 
     /// Returns the newest performance of a song with this title. Reads the disk.
@@ -51,17 +53,17 @@ impl PerformanceFiles {
     /// Writes or replaces performance `number`. `text` runs on the writer thread. Returns `false` without a folder.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
-        self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(job))
+        self.writer_thread.send(job)
     }
 
     /// Returns `true` once all files are written and all results have been polled.
     pub fn is_idle(&self) -> bool {
-        self.writer_thread.as_ref().is_none_or(WriterThread::is_idle)
+        self.writer_thread.is_idle()
     }
 
     /// Returns the next result, if any.
     pub fn poll(&self) -> Option<Kept> {
-        self.writer_thread.as_ref()?.poll()
+        self.writer_thread.poll()
     }
 }
 
@@ -118,7 +120,7 @@ mod tests {
         std::fs::write(&place, "where the folder should be").unwrap();
         let files = PerformanceFiles::in_folder(Some(place.clone()));
         assert!(files.keep(1, "song", || "at start orb".to_owned()));
-        let reported = files.writer_thread.as_ref().unwrap().wait().unwrap().unwrap_err().to_string();
+        let reported = files.writer_thread.within(Duration::MAX).unwrap().unwrap_err().to_string();
         assert!(reported.contains("a file"), "{reported}");
         assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
     }
