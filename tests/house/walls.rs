@@ -34,6 +34,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-files",
             "mariana-music",
             "mariana-transforms",
+            "mariana-work",
             "percent-encoding",
             "pulseaudio",
             "rtrb",

@@ -9,7 +9,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::devices::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::error::Direction;
-use super::worker::Worker;
+use mariana_work::Background;
 
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
@@ -133,7 +133,7 @@ struct Shared {
 /// The polling thread. The program has one polling thread, which runs as long as a reference to it exists.
 pub struct DeviceWatch {
     shared: Arc<Shared>,
-    worker: Mutex<Worker>,
+    worker: Mutex<Background>,
 }
 
 static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
@@ -150,7 +150,7 @@ impl DeviceWatch {
         }
         let shared = Arc::new(Shared::default());
         let looking = shared.clone();
-        let worker = Worker::spawn("device watch", move || {
+        let worker = Background::start("device watch", move || {
             while !looking.stop.load(Ordering::Relaxed) {
                 looking.publish(DeviceList::query());
                 looking.looks.fetch_add(1, Ordering::Release);
@@ -188,8 +188,8 @@ impl Drop for DeviceWatch {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         let worker = self.worker.get_mut().unwrap_or_else(PoisonError::into_inner);
-        worker.wake();
-        worker.join_within(END_LIMIT);
+        worker.unpark();
+        worker.finish(END_LIMIT);
     }
 }
 

@@ -1,7 +1,6 @@
 //! The list of sound hosts and devices, for `mariana devices`.
 
 use std::fmt;
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -10,7 +9,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use serde::Serialize;
 
 use super::server_connection::{self, ServerConnection};
-use super::worker::Worker;
+use mariana_work::once;
 
 const HOST_LIMIT: Duration = Duration::from_secs(3);
 
@@ -72,29 +71,24 @@ pub fn list_devices() -> DeviceReport {
     let asked: Vec<_> = hosts_by_preference()
         .into_iter()
         .map(|host| {
-            let (answer, answers) = channel();
             // If a host does not answer, its thread keeps waiting. A late answer is ignored.
-            let worker = Worker::spawn("device list", move || drop(answer.send(report_host(host))));
-            (host.name(), worker, answers)
+            (host.name(), once("device list", || {}, move || report_host(host)))
         })
         .collect();
     let hosts = asked
         .into_iter()
-        .map(|(name, worker, answers)| {
+        .map(|(name, answer)| {
             let problem = |text: String| HostReport {
                 name: name.into(),
                 problem: Some(text),
                 outputs: Vec::new(),
                 inputs: Vec::new(),
             };
-            match worker {
+            match answer.map(|mut answer| answer.within(HOST_LIMIT)) {
                 Err(error) => problem(error.to_string()),
-                Ok(_) => answers.recv_timeout(HOST_LIMIT).unwrap_or_else(|error| match error {
-                    RecvTimeoutError::Timeout => {
-                        problem(format!("no answer within {} s", HOST_LIMIT.as_secs()))
-                    }
-                    RecvTimeoutError::Disconnected => problem("it failed when it was queried".into()),
-                }),
+                Ok(None) => problem(format!("no answer within {} s", HOST_LIMIT.as_secs())),
+                Ok(Some(Err(_))) => problem("it failed when it was queried".into()),
+                Ok(Some(Ok(report))) => report,
             }
         })
         .collect();

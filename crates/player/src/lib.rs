@@ -50,6 +50,7 @@ mod one_line;
 pub mod output;
 pub mod player;
 pub mod playlist;
+mod priority;
 #[cfg(target_os = "linux")]
 mod pulse_cookie;
 #[cfg(target_os = "linux")]
@@ -67,7 +68,6 @@ mod supervisor;
 pub mod tags;
 pub mod track;
 pub mod video;
-mod worker;
 
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
@@ -76,4 +76,4 @@ pub use player::{
     LoudnessShape, MissedAudio, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position,
     SilenceEnd, TrackErrors,
 };
-pub use worker::lower_priority;
+pub use priority::lower_priority;

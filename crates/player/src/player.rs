@@ -25,10 +25,10 @@ use super::output::{Controls, Counters, OutputPort};
 use super::source::FrameSource;
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use crate::output::Supervisor;
-use crate::worker::Worker;
 use audible::AudibleMoment;
 use decoding::{Command, Decoding};
 use listing::{Request, SharedTrackErrors};
+use mariana_work::Background;
 use shape::Shapes;
 
 mod analysis;
@@ -171,13 +171,14 @@ impl Player {
         let gain = GainSwitch::new(options.gain);
         let (notes, of_analysis) = (audible_segments.clone(), gain.clone());
         let analyse = move || analysis::run(&analysis_inbox, rate, &of_analysis, &notes);
-        let analysis = Worker::spawn("analysis", analyse)?;
+        let analysis = Background::start("analysis", analyse)?;
         let (commands, inbox) = channel();
         let (to_list, requests) = channel::<Request>();
         let (answers, reported) = (commands.clone(), track_errors.clone());
-        let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &reported))?;
+        let list_thread =
+            Background::start("list", move || listing::run(list, &requests, &answers, &reported))?;
         let work = Decoding::new(first, to_list, audible_segments.clone(), to_analysis, track_errors.clone());
-        let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
+        let decoding = Background::start("decoding", move || work.run(&inbox))?;
         let outputs = commands.clone();
         // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
@@ -398,10 +399,10 @@ struct Threads {
     commands: Sender<Command>,
     /// Ends first when this value is dropped, and is `None` from then on.
     supervisor: Option<Supervisor>,
-    decoding: Worker,
-    analysis: Worker,
+    decoding: Background,
+    analysis: Background,
     /// This thread ends when the decoding thread ends.
-    list: Worker,
+    list: Background,
 }
 
 impl Threads {
@@ -415,8 +416,8 @@ impl Drop for Threads {
     fn drop(&mut self) {
         self.send(Command::Quit);
         self.supervisor = None;
-        let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
-        if !decoded || !self.list.join_within(END_LIMIT) {
+        let decoded = self.decoding.finish(END_LIMIT) && self.analysis.finish(END_LIMIT);
+        if !decoded || !self.list.finish(END_LIMIT) {
             tracing::warn!("the song's decoder does not stop and is abandoned");
         }
     }

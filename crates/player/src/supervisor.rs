@@ -14,7 +14,7 @@
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry};
@@ -22,7 +22,7 @@ use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use super::devices::monitor_id;
 use super::error::{DeviceError, Direction};
 use super::server_connection::ServerConnection;
-use super::worker::Worker;
+use mariana_work::{Background, lock};
 
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
@@ -57,7 +57,7 @@ type Numbered<L> = (u64, Event<L>);
 pub(crate) struct Supervisor<P: Port> {
     events: Sender<Numbered<P::Link>>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
-    worker: Worker,
+    worker: Background,
 }
 
 impl<P: Port> Supervisor<P> {
@@ -81,7 +81,7 @@ impl<P: Port> Supervisor<P> {
             had: None,
             superseded: false,
         };
-        let worker = Worker::spawn("sound devices", move || watch.run(&inbox))?;
+        let worker = Background::start("sound devices", move || watch.run(&inbox))?;
         Ok(Self { events, status, worker })
     }
 
@@ -112,19 +112,15 @@ impl<N: Clone> NoteReader<N> {
 impl<P: Port> Drop for Supervisor<P> {
     fn drop(&mut self) {
         let _ = self.events.send((0, Event::Quit));
-        self.worker.join_within(3 * CLOSE_LIMIT);
+        self.worker.finish(3 * CLOSE_LIMIT);
     }
-}
-
-fn lock<N>(status: &Mutex<StreamStatus<N>>) -> MutexGuard<'_, StreamStatus<N>> {
-    status.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A device's thread, which closes the device when `_hold` is dropped.
 struct DeviceThread {
     number: u64,
     _hold: Sender<()>,
-    worker: Worker,
+    worker: Background,
     /// The connection to close if the device does not close.
     connection: Option<ServerConnection>,
 }
@@ -133,12 +129,13 @@ impl DeviceThread {
     fn close(self) {
         let Self { _hold: hold, mut worker, connection, .. } = self;
         drop(hold);
-        if worker.join_within(CLOSE_LIMIT) {
+        if worker.finish(CLOSE_LIMIT) {
             return;
         }
         // Use a separate thread, because the server also may not answer.
-        let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
-        if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
+        let ending =
+            connection.map(|connection| Background::start("sound connection", move || connection.end()));
+        if ending.is_none_or(|ending| ending.is_err()) || !worker.finish(CLOSE_LIMIT) {
             tracing::warn!("a sound device did not close and is abandoned");
         }
     }
@@ -218,7 +215,7 @@ impl<P: Port> Watch<P> {
         let opener = self.port.opener();
         let events = self.events.clone();
         let failures = events.clone();
-        let worker = Worker::spawn("sound device", move || {
+        let worker = Background::start("sound device", move || {
             let on_failure: OnFailure =
                 Arc::new(move |failure| drop(failures.send((number, Event::Failed(failure)))));
             match opener(target, on_failure) {

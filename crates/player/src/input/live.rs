@@ -22,7 +22,7 @@ use crate::gain_switch::GainSwitch;
 use crate::limits;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
-use crate::worker::Worker;
+use mariana_work::Background;
 
 const MOMENTS: usize = 256;
 
@@ -77,7 +77,7 @@ pub struct Live {
     watch: Arc<DeviceWatch>,
     /// Ends first when this value is dropped, and is `None` from then on.
     supervisor: Option<Supervisor<InputPort>>,
-    listener: Worker,
+    listener: Background,
     gain: GainSwitch,
     moments: Consumer<Heard>,
     track: FeatureTrack,
@@ -105,7 +105,7 @@ impl Live {
         let (links, inbox) = channel();
         let gain = GainSwitch::new(gain);
         let work = Listener::new(ear.clone(), producer, gain.clone());
-        let listener = Worker::spawn("listening", move || work.run(&inbox))?;
+        let listener = Background::start("listening", move || work.run(&inbox))?;
         let thread = listener.thread().cloned().unwrap_or_else(std::thread::current);
         let watch = DeviceWatch::shared()?;
         let supervisor = Supervisor::start(InputPort { links, listener: thread }, Some(target.clone()))?;
@@ -258,8 +258,8 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.supervisor = None;
         self.ear.stop.store(true, Ordering::Relaxed);
-        self.listener.wake();
-        if !self.listener.join_within(END_LIMIT) {
+        self.listener.unpark();
+        if !self.listener.finish(END_LIMIT) {
             tracing::warn!("the listening thread does not stop and is abandoned");
         }
     }
@@ -300,7 +300,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
 pub(super) struct Prober {
-    search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
+    search: Option<(Background, Receiver<Option<ListedDevice>>)>,
     found: Option<ListedDevice>,
     /// True if the answer of the running search must be ignored.
     stale: bool,
@@ -335,7 +335,7 @@ impl Prober {
         if self.next.is_none_or(|next| next <= Instant::now()) {
             let candidates = candidates();
             let (answer, answers) = channel();
-            let worker = Worker::spawn("sound search", move || search(candidates, &answer));
+            let worker = Background::start("sound search", move || search(candidates, &answer));
             self.search = worker.ok().map(|worker| (worker, answers));
         }
         self.found.as_ref()
@@ -347,12 +347,12 @@ impl Prober {
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();
-    let mut workers: Vec<Worker> = candidates
+    let mut workers: Vec<Background> = candidates
         .iter()
         .enumerate()
         .filter_map(|(index, entry)| {
             let (id, answer) = (entry.id.clone(), answer.clone());
-            Worker::spawn("sound probe", move || probe(&id, index, &answer)).ok()
+            Background::start("sound probe", move || probe(&id, index, &answer)).ok()
         })
         .collect();
     drop(answer);
@@ -367,7 +367,7 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
     let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
     for worker in &mut workers {
         while !worker.has_ended() {
-            worker.join_within(ANSWER_LIMIT);
+            worker.finish(ANSWER_LIMIT);
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::device_list::FoundDevice;
 use crate::devices::{for_playback, hush_sound_library};
 use crate::error::{DeviceError, Direction};
 use crate::supervisor::NoteReader;
-use crate::worker::Worker;
+use mariana_work::Background;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
@@ -189,14 +189,14 @@ const GAP_MAX: Duration = Duration::from_millis(250);
 
 pub(crate) struct NullOutput {
     stop: Arc<AtomicBool>,
-    worker: Worker,
+    worker: Background,
 }
 
 impl NullOutput {
     pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
-        let worker = Worker::spawn("silent clock", move || {
+        let worker = Background::start("silent clock", move || {
             let mut buffer = Vec::new();
             let mut start = Instant::now();
             let mut taken = 0_u64;
@@ -224,6 +224,6 @@ impl NullOutput {
 impl Drop for NullOutput {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        self.worker.join_within(Duration::from_millis(500));
+        self.worker.finish(Duration::from_millis(500));
     }
 }

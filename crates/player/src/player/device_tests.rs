@@ -13,7 +13,7 @@ use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Clock, SpanHistory};
 use crate::output::{Controls, OutputCallback};
 use crate::track::Repeat;
-use crate::worker::Worker;
+use mariana_work::Background;
 
 const LOOK_MS: u64 = 5;
 
@@ -51,7 +51,7 @@ impl Device {
 struct TestPlayback {
     commands: Sender<Command>,
     audible_segments: SharedAudibleSegments,
-    worker: Worker,
+    worker: Background,
     device: Device,
     before: Option<(Device, Instant)>,
     now: Instant,
@@ -80,7 +80,7 @@ impl TestPlayback {
         );
         let answers = commands.clone();
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &track_errors));
-        let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
+        let worker = Background::start("decoding", move || work.run(&inbox)).expect("a thread");
         // The simulated time is an hour ahead, so that waits for threads never reach it in real time.
         let now = Instant::now() + Duration::from_secs(3600);
         let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
@@ -157,7 +157,7 @@ impl TestPlayback {
 impl Drop for TestPlayback {
     fn drop(&mut self) {
         let _ = self.commands.send(Command::Quit);
-        assert!(self.worker.join_within(Duration::from_secs(5)) || std::thread::panicking());
+        assert!(self.worker.finish(Duration::from_secs(5)) || std::thread::panicking());
     }
 }
 

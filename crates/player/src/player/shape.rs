@@ -2,13 +2,12 @@
 //! again and decodes it as fast as possible, from the first request until another track is requested.
 
 use std::collections::VecDeque;
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
-use crate::limits;
 use crate::source::FrameSource;
 use crate::track::TrackInfo;
-use crate::worker::Worker;
+use crate::{limits, lower_priority};
+use mariana_work::{Latest, Shared, latest, lock};
 
 const PARTS: usize = 600;
 
@@ -37,10 +36,12 @@ pub(super) struct Shapes {
 }
 
 struct ShapeThread {
-    wanted: Sender<Arc<TrackInfo>>,
+    wanted: Latest<Wanted>,
     last: u64,
-    _worker: Worker,
 }
+
+/// The track to measure next.
+type Wanted = Option<Arc<TrackInfo>>;
 
 type KnownShapes = VecDeque<(u64, Arc<LoudnessShape>)>;
 
@@ -49,7 +50,7 @@ struct SharedShapes(Arc<Mutex<KnownShapes>>);
 
 impl SharedShapes {
     fn lock(&self) -> MutexGuard<'_, KnownShapes> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
 
     fn of(&self, id: u64) -> Option<Arc<LoudnessShape>> {
@@ -69,61 +70,50 @@ impl SharedShapes {
 impl Shapes {
     /// Returns the measured part of the shape of `track`. The rest is measured in the background.
     pub(super) fn of(&self, track: &Arc<TrackInfo>) -> Option<Arc<LoudnessShape>> {
-        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut thread = lock(&self.thread);
         let known = self.shared.of(track.id);
         let whole = known.as_ref().is_some_and(|shape| shape.levels.len() == shape.parts);
         if whole || thread.as_ref().is_some_and(|thread| thread.last == track.id) {
             return known;
         }
         if thread.is_none() {
-            let (wanted, inbox) = channel();
             let shared = self.shared.clone();
-            match Worker::spawn("shape", move || run(&inbox, &shared)) {
-                Ok(worker) => *thread = Some(ShapeThread { wanted, last: track.id, _worker: worker }),
+            let measure = move |track: Arc<TrackInfo>, wanted: &_| open_and_measure(&track, wanted, &shared);
+            match latest("shape", None, Wanted::take, measure) {
+                Ok(wanted) => *thread = Some(ShapeThread { wanted, last: track.id }),
                 Err(error) => tracing::debug!("no thread for shapes: {error}"),
             }
         }
         if let Some(thread) = &mut *thread {
             thread.last = track.id;
-            let _ = thread.wanted.send(track.clone());
+            thread.wanted.change(|wanted| *wanted = Some(track.clone()));
         }
         known
     }
 
     #[cfg(test)]
     pub(super) fn is_idle(&self) -> bool {
-        self.thread.lock().unwrap_or_else(PoisonError::into_inner).is_none()
+        lock(&self.thread).is_none()
     }
 }
 
-fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::setpriority_process(None, 19) {
-        tracing::debug!("the thread for shapes keeps its priority: {error}");
-    }
-    let mut next = inbox.recv().ok();
-    while let Some(track) = next.take() {
-        // Only the newest request counts.
-        let track = inbox.try_iter().last().unwrap_or(track);
-        match track.reopen.open().transpose() {
-            Ok(Some(mut source)) => next = measure(&track, &mut *source, inbox, shared),
-            Ok(None) => {}
-            // Errors of the track are only logged here, because the player also reports them.
-            Err(error) => tracing::debug!("no shape: {error}"),
-        }
-        if next.is_none() {
-            next = inbox.recv().ok();
-        }
+fn open_and_measure(track: &TrackInfo, wanted: &Shared<Wanted>, shared: &SharedShapes) {
+    lower_priority(19);
+    match track.reopen.open().transpose() {
+        Ok(Some(mut source)) => drop(measure(track, &mut *source, wanted, shared)),
+        Ok(None) => {}
+        // Errors of the track are only logged here, because the player also reports them.
+        Err(error) => tracing::debug!("no shape: {error}"),
     }
 }
 
-/// Decodes the track and publishes its shape. Returns the track that was requested during the measurement.
+/// Decodes the track and publishes its shape. Returns `None` if it has none, or another track is requested.
 fn measure(
     track: &TrackInfo,
     source: &mut dyn FrameSource,
-    inbox: &Receiver<Arc<TrackInfo>>,
+    wanted: &Shared<Wanted>,
     shared: &SharedShapes,
-) -> Option<Arc<TrackInfo>> {
+) -> Option<()> {
     let duration = source.duration().filter(|duration| *duration <= limits::SHAPE_SECONDS_MAX)?;
     let mut sums = Sums::new(duration * f64::from(source.sample_rate()))?;
     let (mut block, mut reported, mut revision) = (Vec::new(), 0, 0);
@@ -132,10 +122,8 @@ fn measure(
         shared.publish(track.id, LoudnessShape { revision, ..sums.shape() });
     };
     loop {
-        match inbox.try_recv() {
-            Ok(next) if next.id != track.id => return Some(next),
-            Err(TryRecvError::Disconnected) => return None,
-            _ => {}
+        if wanted.is_over() || wanted.lock().is_some() {
+            return None;
         }
         block.clear();
         match source.next_block(&mut block) {
@@ -153,7 +141,7 @@ fn measure(
     }
     sums.squares.resize(sums.parts, 0.0);
     tell(&sums);
-    None
+    Some(())
 }
 
 struct Sums {

@@ -135,7 +135,7 @@ pub(super) struct Stepped {
     pub(super) commands: Sender<Command>,
     pub(super) audible_segments: SharedAudibleSegments,
     pub(super) track_errors: SharedTrackErrors,
-    pub(super) worker: Worker,
+    pub(super) worker: Background,
     pub(super) now: Instant,
 }
 
@@ -170,7 +170,7 @@ impl Stepped {
         );
         let (answers, reported) = (commands.clone(), track_errors.clone());
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &reported));
-        let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
+        let worker = Background::start("decoding", move || work.run(&inbox)).expect("a thread");
         let controls = Arc::new(Controls::new(1.0, false));
         let (output_callback, link) = OutputCallback::new(rate, 480, controls, Arc::default());
         let history = link.history.clone();
@@ -258,7 +258,7 @@ impl Stepped {
 impl Drop for Stepped {
     fn drop(&mut self) {
         let _ = self.commands.send(Command::Quit);
-        assert!(self.worker.join_within(Duration::from_secs(5)) || std::thread::panicking());
+        assert!(self.worker.finish(Duration::from_secs(5)) || std::thread::panicking());
     }
 }
 

@@ -19,7 +19,7 @@ use mariana_files::atomic_file::AtomicFile;
 use super::listed::{ListedTrack, ListedTracks};
 use crate::decode::{TrackTags, tags_of};
 use crate::one_line::one_line;
-use crate::{limits, worker};
+use crate::{limits, lower_priority};
 
 /// The tags that are known so far, and the requests for more. Clones share everything; the thread ends with the last
 /// clone.
@@ -392,7 +392,7 @@ struct Waiting {
 }
 
 fn read_all(shared: &Shared, cache: Option<&TagCache>, wake: &dyn Fn()) {
-    worker::lower_priority(NICENESS);
+    lower_priority(NICENESS);
     if let Some(cache) = cache {
         let kept = cache.load();
         let mut state = shared.lock();
