@@ -99,6 +99,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-files",
             "mariana-music",
             "mariana-render",
+            "mariana-work",
             "notify",
             "quick-xml",
             "skrifa",

@@ -4,8 +4,7 @@
 
 use std::io;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::{ReadyScene, SceneSource};
@@ -16,6 +15,7 @@ use mariana_render::frame::Frame;
 use mariana_render::frame::projection::EyeRay;
 use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
 use mariana_render::ray_diagram::RayDiagram;
+use mariana_work::{Latest, Shared, contained, latest};
 
 /// A frame with all data needed to trace rays in it.
 #[derive(Clone)]
@@ -100,7 +100,12 @@ struct State {
     answers: Vec<Answer>,
     /// True while ray statistics are computed, and during the pause afterwards.
     surveys: bool,
-    over: bool,
+}
+
+enum Question {
+    Point(Scenery, [f64; 2]),
+    Diagram(Scenery, [f64; 2], (u32, u32)),
+    RayStatistics(Scenery),
 }
 
 impl State {
@@ -108,25 +113,19 @@ impl State {
         self.point.is_some() || self.diagram.is_some()
     }
 
-    fn has_question(&self) -> bool {
-        self.is_asked_for_ray() || self.ray_statistics.is_some()
-    }
-}
-
-#[derive(Default)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn next(&mut self) -> Option<Question> {
+        let diagram = |(scenery, at, size)| Question::Diagram(scenery, at, size);
+        let point = self.point.take().map(|(scenery, at)| Question::Point(scenery, at));
+        let next = point.or_else(|| self.diagram.take().map(diagram));
+        let next = next.or_else(|| self.ray_statistics.take().map(Question::RayStatistics));
+        self.draws = matches!(next, Some(Question::Diagram(..)));
+        self.surveys = matches!(next, Some(Question::RayStatistics(_)));
+        next
     }
 }
 
 /// The probing thread, which ends by itself when this is dropped.
-pub struct Prober(Arc<Shared>);
+pub struct Prober(Latest<State>);
 
 impl Prober {
     /// Starts the thread, which calls `wake` after each answer.
@@ -134,22 +133,18 @@ impl Prober {
     /// # Errors
     /// Fails with the system's error if no thread can be started.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let shared = Arc::new(Shared::default());
-        let theirs = shared.clone();
-        std::thread::Builder::new().name("probe".into()).spawn(move || work(&theirs, &wake))?;
-        Ok(Self(shared))
+        latest("probe", State::default(), State::next, move |asked, state| work(asked, state, &wake))
+            .map(Self)
     }
 
     /// Asks for the surface at a point, given as fractions of the frame's width and height.
     pub fn request_point(&self, scenery: Scenery, at: [f64; 2]) {
-        self.0.lock().point = Some((scenery, at));
-        self.0.changed.notify_one();
+        self.0.change(|state| state.point = Some((scenery, at)));
     }
 
     /// Asks for the diagram of the ray through a point, for an image of `size` pixels.
     pub fn request_diagram(&self, scenery: Scenery, at: [f64; 2], size: (u32, u32)) {
-        self.0.lock().diagram = Some((scenery, at, size));
-        self.0.changed.notify_one();
+        self.0.change(|state| state.diagram = Some((scenery, at, size)));
     }
 
     /// True while a diagram is queued or drawn.
@@ -160,8 +155,7 @@ impl Prober {
 
     /// Asks for ray statistics.
     pub fn request_ray_statistics(&self, scenery: Scenery) {
-        self.0.lock().ray_statistics = Some(scenery);
-        self.0.changed.notify_one();
+        self.0.change(|state| state.ray_statistics = Some(scenery));
     }
 
     /// True while ray statistics are queued or computed, and during the pause afterwards.
@@ -176,70 +170,35 @@ impl Prober {
     }
 }
 
-impl Drop for Prober {
-    fn drop(&mut self) {
-        let mut state = self.0.lock();
-        (state.over, state.point, state.diagram, state.ray_statistics) = (true, None, None, None);
-        drop(state);
-        self.0.changed.notify_one();
+fn work(question: Question, shared: &Shared<State>, wake: &dyn Fn()) {
+    let begun = Instant::now();
+    // A question about a point interrupts the ray statistics of a grid.
+    let surveys = matches!(question, Question::RayStatistics(_));
+    let is_wanted =
+        || !shared.is_over() && begun.elapsed() < PATIENCE && !(surveys && shared.lock().is_asked_for_ray());
+    let answer = contained(|| match question {
+        Question::Point(scenery, at) => probe(&scenery, at, &is_wanted).map(Answer::Point),
+        Question::Diagram(scenery, at, size) => {
+            ray_diagram(&scenery, at, size, &is_wanted).map(|diagram| Answer::Diagram(Arc::new(diagram)))
+        }
+        Question::RayStatistics(scenery) => ray_statistics_of(&scenery, &is_wanted)
+            .map(|ray_statistics| Answer::RayStatistics(scenery.source, Arc::new(ray_statistics))),
+    });
+    let what = if surveys { "a grid" } else { "a ray" };
+    tracing::debug!("probed {what} of the frame in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
+    let mut state = shared.lock();
+    match answer {
+        Some(Some(answer)) => state.answers.push(answer),
+        Some(None) if begun.elapsed() >= PATIENCE => state.answers.push(Answer::TooLong),
+        Some(None) | None => {}
     }
-}
-
-fn work(shared: &Shared, wake: &dyn Fn()) {
-    loop {
-        let mut state = shared.lock();
-        while !state.has_question() && !state.over {
-            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
-        if state.over {
-            return;
-        }
-        let point = state.point.take();
-        let diagram = if point.is_none() { state.diagram.take() } else { None };
-        let ray_statistics =
-            if point.is_none() && diagram.is_none() { state.ray_statistics.take() } else { None };
-        state.draws = diagram.is_some();
-        state.surveys = ray_statistics.is_some();
-        drop(state);
-        let begun = Instant::now();
-        // A question about a point interrupts the ray statistics of a grid.
-        let is_asked = point.is_some() || diagram.is_some();
-        let is_wanted = || {
-            let state = shared.lock();
-            !state.over && begun.elapsed() < PATIENCE && (is_asked || !state.is_asked_for_ray())
-        };
-        let answer = catch_unwind(AssertUnwindSafe(|| match (point, diagram, ray_statistics) {
-            (Some((scenery, at)), ..) => probe(&scenery, at, &is_wanted).map(Answer::Point),
-            (None, Some((scenery, at, size)), _) => {
-                let diagram = ray_diagram(&scenery, at, size, &is_wanted)?;
-                Some(Answer::Diagram(Arc::new(diagram)))
-            }
-            (None, None, Some(scenery)) => {
-                let ray_statistics = ray_statistics_of(&scenery, &is_wanted)?;
-                Some(Answer::RayStatistics(scenery.source, Arc::new(ray_statistics)))
-            }
-            (None, None, None) => None,
-        }));
-        let what = if is_asked { "a ray" } else { "a grid" };
-        tracing::debug!("probed {what} of the frame in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
-        let mut state = shared.lock();
-        match answer {
-            Ok(Some(answer)) => state.answers.push(answer),
-            Ok(None) if begun.elapsed() >= PATIENCE => state.answers.push(Answer::TooLong),
-            Ok(None) => {}
-            Err(_) => tracing::error!("probing the scene failed: this is a bug in Mariana"),
-        }
-        let surveyed = state.surveys;
-        state.draws = false;
-        drop(state);
+    state.draws = false;
+    drop(state);
+    wake();
+    if surveys {
+        let rest = begun.elapsed().min(REST_MAX);
+        shared.wait_while(rest, |state| !state.is_asked_for_ray()).surveys = false;
         wake();
-        if surveyed {
-            let rest = begun.elapsed().min(REST_MAX);
-            let is_idle = |state: &mut State| !state.is_asked_for_ray() && !state.over;
-            let rested = shared.changed.wait_timeout_while(shared.lock(), rest, is_idle);
-            rested.unwrap_or_else(PoisonError::into_inner).0.surveys = false;
-            wake();
-        }
     }
 }
 
