@@ -12,13 +12,13 @@ use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
 use mariana_files::Folders;
+use mariana_work::{Latest, Shared, latest};
 
 use crate::limits;
 use crate::{SceneSource, first_comment};
@@ -71,15 +71,8 @@ pub struct Description {
 /// The thread that provides thumbnails and descriptions of scenes. Dropping this ends the process that draws.
 #[derive(Debug)]
 pub struct Thumbnails {
-    requests: Arc<Requests>,
+    requests: Latest<Waiting>,
     looked: Receiver<Looked>,
-}
-
-#[derive(Debug, Default)]
-struct Requests {
-    waiting: Mutex<Waiting>,
-    changed: Condvar,
-    over: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -122,26 +115,6 @@ impl Waiting {
         let newest = self.asked.iter().rposition(Request::is_quick)?;
         self.asked.remove(newest)
     }
-
-    fn is_empty(&self) -> bool {
-        self.asked.is_empty() && self.ahead.is_empty()
-    }
-}
-
-impl Requests {
-    fn lock(&self) -> MutexGuard<'_, Waiting> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Waits for the next request; `None` once the thread must end.
-    fn next(&self) -> Option<Request> {
-        let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
-        waiting.unwrap_or_else(PoisonError::into_inner).pop().filter(|_| !self.is_over())
-    }
-
-    fn is_over(&self) -> bool {
-        self.over.load(Ordering::Relaxed)
-    }
 }
 
 impl Thumbnails {
@@ -160,43 +133,45 @@ impl Thumbnails {
         program: Option<PathBuf>,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
-        let requests = Arc::new(Requests::default());
         let (answers, looked) = channel();
-        let worker = Worker { requests: requests.clone(), folder, program, answers, wake: Box::new(wake) };
-        std::thread::Builder::new().name("thumbnails".into()).spawn(move || worker.work())?;
+        let mut untidy = folder.clone();
+        let work = move |request, requests: &Shared<Waiting>| {
+            if let Some(folder) = untidy.take() {
+                forget_oldest(&folder);
+            }
+            let (folder, program) = (folder.as_deref(), program.as_deref());
+            Worker { requests, folder, program, answers: &answers, wake: &wake }.answer(request);
+        };
+        let requests = latest("thumbnails", Waiting::default(), Waiting::pop, work)?;
         Ok(Self { requests, looked })
     }
 
     /// Requests the descriptions of scenes.
     pub fn request_descriptions<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
-        self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Description));
-        self.requests.changed.notify_one();
+        let requests = sources.rev().cloned().map(Request::Description);
+        self.requests.change(|waiting| waiting.asked.extend(requests));
     }
 
     /// Requests the moving thumbnail of a scene.
     pub fn request_motion(&mut self, source: SceneSource) {
-        self.requests.lock().asked.push_back(Request::Motion(source));
-        self.requests.changed.notify_one();
+        self.requests.change(|waiting| waiting.asked.push_back(Request::Motion(source)));
     }
 
     /// Requests thumbnails in this order, before all earlier requests.
     pub fn request_pictures(&mut self, sources: Vec<SceneSource>) {
-        self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
-        self.requests.changed.notify_one();
+        let requests = sources.into_iter().rev().map(Request::Picture);
+        self.requests.change(|waiting| waiting.asked.extend(requests));
     }
 
     /// Requests thumbnails in this order, after all other requests.
     pub fn request_pictures_later(&mut self, sources: Vec<SceneSource>) {
-        let mut waiting = self.requests.lock();
-        sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
-        drop(waiting);
-        self.requests.changed.notify_one();
+        let requests = sources.into_iter().map(Request::Picture);
+        self.requests.change(|waiting| requests.for_each(|request| waiting.asked.push_front(request)));
     }
 
     /// Fills the cache with thumbnails while there are no requests.
     pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
-        self.requests.lock().ahead.extend(sources);
-        self.requests.changed.notify_one();
+        self.requests.change(|waiting| waiting.ahead.extend(sources));
     }
 
     /// Returns the next answer, if there is one.
@@ -205,32 +180,16 @@ impl Thumbnails {
     }
 }
 
-impl Drop for Thumbnails {
-    fn drop(&mut self) {
-        self.requests.over.store(true, Ordering::Relaxed);
-        self.requests.changed.notify_all();
-    }
-}
-
-struct Worker {
-    requests: Arc<Requests>,
+struct Worker<'a> {
+    requests: &'a Shared<Waiting>,
     /// The cache; `None` if the system has no cache folder.
-    folder: Option<PathBuf>,
-    program: Option<PathBuf>,
-    answers: Sender<Looked>,
-    wake: Box<dyn Fn() + Send>,
+    folder: Option<&'a Path>,
+    program: Option<&'a Path>,
+    answers: &'a Sender<Looked>,
+    wake: &'a dyn Fn(),
 }
 
-impl Worker {
-    fn work(&self) {
-        if let Some(folder) = &self.folder {
-            forget_oldest(folder);
-        }
-        while let Some(request) = self.requests.next() {
-            self.answer(request);
-        }
-    }
-
+impl Worker<'_> {
     fn answer(&self, request: Request) {
         let (source, about) = match request {
             Request::Description(source) => {
@@ -307,7 +266,7 @@ impl Worker {
 
     /// Draws a thumbnail and answers quick requests meanwhile.
     fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
-        draw(self.program.as_deref(), source, || {
+        draw(self.program, source, || {
             self.answer_quick();
             is_stopped()
         })
@@ -320,7 +279,7 @@ impl Worker {
     fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
         let text = source.text().map_err(|error| error.to_string())?;
         let key = key_of(source, &text)?;
-        Ok(self.folder.as_ref().map(|folder| folder.join(format!("{key:016x}.png"))))
+        Ok(self.folder.map(|folder| folder.join(format!("{key:016x}.png"))))
     }
 }
 
