@@ -149,6 +149,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-render",
             "mariana-scenes",
             "mariana-settings",
+            "mariana-work",
             "thiserror",
             "tracing",
         ],

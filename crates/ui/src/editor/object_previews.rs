@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::Builder;
 
 use mariana_field::lang::PICTURES;
 use mariana_field::ray_probe::preview;
+use mariana_work::{Worker, in_order};
 
 pub(crate) const SIDE: usize = 48;
 
@@ -16,28 +15,17 @@ pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
 pub(super) struct ObjectPreviews {
     /// Finished previews; `None` while a preview is being rendered.
     known: BTreeMap<&'static str, Option<ObjectPreview>>,
-    orders: Sender<(&'static str, &'static str)>,
-    drawn: Receiver<(&'static str, ObjectPreview)>,
+    painter: Worker<(&'static str, &'static str), (&'static str, ObjectPreview)>,
 }
 
 impl ObjectPreviews {
     /// Starts the thread, which calls `wake` after each preview. If the thread cannot start, there are no previews.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        let (orders, inbox) = channel::<(&'static str, &'static str)>();
-        let (tell, drawn) = channel();
-        let started = Builder::new().name("previews".into()).spawn(move || {
-            for (name, formula) in inbox {
-                let Some(picture) = preview(formula, SIDE) else { continue };
-                if tell.send((name, Arc::new(picture))).is_err() {
-                    return;
-                }
-                wake();
-            }
-        });
-        if let Err(error) = started {
+        let draw = |(name, formula)| Some((name, Arc::new(preview(formula, SIDE)?)));
+        let painter = in_order("previews", wake, move || draw).inspect_err(|error| {
             tracing::warn!("cannot start the thread for shape previews, so the list shows none: {error}");
-        }
-        Self { known: BTreeMap::new(), orders, drawn }
+        });
+        Self { known: BTreeMap::new(), painter: painter.unwrap_or_default() }
     }
 
     pub(super) fn request(&mut self, name: &str) {
@@ -45,14 +33,13 @@ impl ObjectPreviews {
             && !self.known.contains_key(name)
         {
             self.known.insert(name, None);
-            // Sending fails only if the thread did not start, which has been logged.
-            let _ = self.orders.send((name, formula));
+            self.painter.send((name, formula));
         }
     }
 
     pub(super) fn update(&mut self) -> bool {
         let mut any = false;
-        while let Ok((name, picture)) = self.drawn.try_recv() {
+        while let Some((name, picture)) = self.painter.poll() {
             self.known.insert(name, Some(picture));
             any = true;
         }
