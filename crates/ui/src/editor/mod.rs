@@ -209,7 +209,7 @@ impl Editor {
                 self.show_notice(words);
             }
         }
-        while let Ok(text) = self.clipboard.pasted.try_recv() {
+        while let Some(text) = self.clipboard.pasted() {
             self.put_in(text.as_bytes());
         }
         binding::write_waiting(self);
