@@ -5,13 +5,14 @@
 use std::collections::BTreeSet;
 use std::mem;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use egui::Context;
 use egui::epaint::text::{FallbackRequest, FontInsert, FontProvider};
 
 use crate::limits;
 use mariana_render::system_fonts::SystemFonts;
+use mariana_work::lock;
 
 struct Start {
     fonts: SystemFonts,
@@ -110,9 +111,4 @@ fn search(mut start: Start, requests: &Receiver<BTreeSet<char>>, found: &Mutex<V
             (start.wake)();
         }
     }
-}
-
-/// Locks `mutex` even after a panic, because a panic cannot leave the guarded data half changed.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
