@@ -41,7 +41,6 @@ pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
 mod settings;
-mod shader_import;
 mod shader_importing;
 mod snapshots;
 pub(crate) mod sound;
@@ -75,7 +74,7 @@ use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, Folders, PlaySettings};
 use crate::gpu::{Renderer, ShaderLibrary};
 use crate::input::{Input, Key, Modifiers, NamedKey};
-use crate::scenes::Drafts;
+use crate::scenes::{Drafts, ImportedShader, ShaderError};
 use crate::session::announcer::TrackOrder;
 use crate::session::controllers::Controllers;
 use crate::session::direction::Direction;
@@ -95,6 +94,7 @@ use crate::ui::overlay::{Overlay, UiEvent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use mariana_player::Player;
+use mariana_work::Answer;
 
 /// Interval at which an idle session looks for changes.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
@@ -150,7 +150,7 @@ pub(crate) struct Interface {
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
-    shader_import: shader_import::ShaderImport,
+    shader_import: Answer<Result<ImportedShader, ShaderError>>,
     probing: inspecting::Probing,
     pub(super) typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use mariana_work::once;
+
 use super::panels::thumbnails_ahead_at;
-use super::shader_import::ShaderImport;
 use super::{Interface, Playback};
 use crate::clock;
-use crate::scenes::{ImportedShader, SceneSource};
+use crate::scenes::{ImportedShader, SceneSource, import_shader};
 
 impl Interface {
     /// Makes a scene of a shader, which is shown when it is ready.
@@ -15,16 +16,17 @@ impl Interface {
             let words = "there is no folder for your own scenes: make a scene with `mariana import`";
             return playback.reports.answer(words);
         };
-        match ShaderImport::start(shader, folder, self.waker.clone()) {
+        // Executing a shader may take longer than a frame.
+        match once("import", self.waker.waking(), move || import_shader(&shader, &folder)) {
             Ok(import) => self.shader_import = import,
-            Err(words) => playback.reports.answer(words),
+            Err(error) => playback.reports.answer(format!("cannot import the shader: {error}")),
         }
     }
 
     /// Shows an imported shader. If the import has failed, reports the reason, and the scene stays.
     pub(super) fn update_shader_import(&mut self, playback: &mut Playback) {
-        match self.shader_import.result() {
-            Some(Ok(ImportedShader { scene, left_out })) => {
+        match self.shader_import.poll() {
+            Some(Ok(Ok(ImportedShader { scene, left_out }))) => {
                 let left_out = match left_out.as_slice() {
                     [] => String::new(),
                     parts => format!("; left out: {}", parts.join("; ")),
@@ -32,7 +34,8 @@ impl Interface {
                 playback.reports.answer(format!("imported as {}{left_out}", scene.display()));
                 self.show_file(playback, scene);
             }
-            Some(Err(words)) => playback.reports.answer(words),
+            Some(Ok(Err(error))) => playback.reports.answer(error.to_string()),
+            Some(Err(_)) => playback.reports.answer("the shader could not be imported"),
             None => {}
         }
     }

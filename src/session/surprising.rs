@@ -4,8 +4,8 @@
 //! with its own sliders: the scene that it varies is never changed.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
+
+use mariana_work::once;
 
 use super::Session;
 use super::variations::{Variation, vary, words_of};
@@ -20,7 +20,7 @@ const TRIES: u64 = 8;
 impl Session {
     /// Shows the variation with this number of the scene; 0 takes a new number.
     pub(super) fn surprise(&mut self, number: f32) {
-        if self.surprises.coming.is_some() {
+        if self.surprises.coming.is_awaited() {
             return;
         }
         let wanted = match &self.playback.scene.preparation.library.wanted {
@@ -41,15 +41,11 @@ impl Session {
         let is_number = number.is_finite() && number >= 1.0;
         let number = if is_number { (number as u64).min(NUMBER_MAX) } else { self.surprises.next_number() };
         let tries = if is_number { 1 } else { TRIES };
-        let (tell, coming) = channel();
-        let (drafts, waker) = (self.interface.drafts.clone(), self.interface.waker.clone());
+        let drafts = self.interface.drafts.clone();
         // Reading and checking a scene may take longer than a frame.
-        let started = Builder::new().name("surprise".into()).spawn(move || {
-            let _ = tell.send(vary(&original, &folder, &drafts, number..number + tries));
-            waker.wake();
-        });
-        match started {
-            Ok(_) => self.surprises.coming = Some(coming),
+        let vary = move || vary(&original, &folder, &drafts, number..number + tries);
+        match once("surprise", self.interface.waker.waking(), vary) {
+            Ok(coming) => self.surprises.coming = coming,
             Err(error) => self.playback.reports.answer(format!("cannot vary the scene: {error}")),
         }
     }
@@ -100,17 +96,11 @@ impl Session {
     }
 
     pub(super) fn update_surprises(&mut self) {
-        match self.surprises.coming.as_ref().map(Receiver::try_recv) {
-            Some(Ok(Ok(variation))) => {
-                self.surprises.coming = None;
-                self.show_variation(variation);
-            }
-            Some(Ok(Err(words))) => {
-                self.surprises.coming = None;
-                self.playback.reports.answer(words);
-            }
-            Some(Err(TryRecvError::Disconnected)) => self.surprises.coming = None,
-            Some(Err(TryRecvError::Empty)) | None => {}
+        match self.surprises.coming.poll() {
+            Some(Ok(Ok(variation))) => self.show_variation(variation),
+            Some(Ok(Err(words))) => self.playback.reports.answer(words),
+            // A panic is logged.
+            Some(Err(_)) | None => {}
         }
         while let Some(event) = self.surprises.files.as_ref().and_then(FileThread::file_events) {
             match event {
