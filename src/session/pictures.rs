@@ -5,9 +5,9 @@
 //! the picture.
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use mariana_work::{Answer, once};
 
 use super::waker::Waker;
 use crate::atomic_file::{AtomicFile, Unwritable};
@@ -28,8 +28,8 @@ const LOOKS_MAX: usize = 330;
 pub(super) struct Pictures {
     wanted: Option<Wanted>,
     reading: Option<(PictureReader, PathBuf)>,
-    writing: Vec<JoinHandle<()>>,
-    results: Option<(Sender<String>, Receiver<String>)>,
+    /// Messages about the pictures that are being written.
+    writing: Vec<Answer<String>>,
 }
 
 #[derive(Clone, Copy)]
@@ -63,7 +63,7 @@ impl Pictures {
             self.update(clock::now(), waker);
             std::thread::sleep(LOOK);
         }
-        self.writing.drain(..).for_each(|thread| drop(thread.join()));
+        self.writing.drain(..).for_each(|mut picture| drop(picture.within(Duration::MAX)));
     }
 
     /// Asks for a picture of the present frame at `scale` times the size of the window.
@@ -104,19 +104,13 @@ impl Pictures {
         {
             let (size, file) = (reader.size(), std::mem::take(file));
             self.reading = None;
-            let (told, _) = self.results.get_or_insert_with(channel);
-            let (told, waker) = (told.clone(), waker.clone());
-            let write = move || {
-                let _ = told.send(write(&rgba, size, &file));
-                waker.wake();
-            };
-            match std::thread::Builder::new().name("picture".into()).spawn(write) {
-                Ok(thread) => self.writing.push(thread),
+            match once("picture", waker.waking(), move || write(&rgba, size, &file)) {
+                Ok(picture) => self.writing.push(picture),
                 Err(error) => messages.push(format!("the picture was not saved: {error}")),
             }
         }
-        messages.extend(self.results.iter().flat_map(|(_, results)| results.try_iter()));
-        self.writing.retain(|thread| !thread.is_finished());
+        messages.extend(self.writing.iter_mut().filter_map(|picture| picture.poll()?.ok()));
+        self.writing.retain(Answer::is_awaited);
         (self.reading.is_some().then(|| now + LOOK), messages)
     }
 }
