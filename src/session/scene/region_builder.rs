@@ -6,13 +6,12 @@
 //! interpreter always waits for the tree: without cells it takes tens of times as long, which is longer than any tree
 //! takes. In stills, videos and measurements, `Renderer::draw` builds missing regions itself.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use cpu_time::ThreadTime;
+use mariana_work::{Latest, Shared, contained, latest};
 
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
@@ -34,7 +33,8 @@ pub(super) struct BuiltTree<Tag> {
     pub regions: Option<Arc<BuiltRegions>>,
 }
 
-/// Maximum time to wait for the thread at exit.
+/// Maximum time to wait for the thread at exit: a tree takes milliseconds, but minutes for a scene that is too large to
+/// draw.
 const END_WAIT: Duration = Duration::from_millis(200);
 
 struct State<Tag> {
@@ -42,111 +42,59 @@ struct State<Tag> {
     done: Option<BuiltTree<Tag>>,
     /// Counts calls of `forget`: a build begun before the last call is obsolete.
     forgotten: u64,
-    over: bool,
 }
 
-struct SharedTrees<Tag> {
-    state: Mutex<State<Tag>>,
-    changed: Condvar,
-}
-
-impl<Tag> SharedTrees<Tag> {
-    fn lock(&self) -> MutexGuard<'_, State<Tag>> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-pub(super) struct RegionBuilder<Tag> {
-    shared: Arc<SharedTrees<Tag>>,
-    thread: Option<JoinHandle<()>>,
-}
+pub(super) struct RegionBuilder<Tag>(Latest<State<Tag>>);
 
 impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// Starts the thread, which calls `wake` after each tree.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let state = State { next: None, done: None, forgotten: 0, over: false };
-        let shared = Arc::new(SharedTrees { state: Mutex::new(state), changed: Condvar::new() });
-        let theirs = shared.clone();
-        let thread = std::thread::Builder::new().name("regions".into());
-        let thread = thread.spawn(move || work(&theirs, &wake))?;
-        Ok(Self { shared, thread: Some(thread) })
+        let state = State { next: None, done: None, forgotten: 0 };
+        let next = |state: &mut State<Tag>| Some((state.next.take()?, state.forgotten));
+        let build = move |(job, forgotten), shared: &_| {
+            build(job, forgotten, shared);
+            wake();
+        };
+        Ok(Self(latest("regions", state, next, build)?.finished_at_drop(END_WAIT)))
     }
 
     /// Requests a tree. Replaces a request that has not begun.
     pub(super) fn request(&self, job: TreeJob<Tag>) {
-        self.shared.lock().next = Some(job);
-        self.shared.changed.notify_one();
+        self.0.change(|state| state.next = Some(job));
     }
 
     pub(super) fn poll(&self) -> Option<BuiltTree<Tag>> {
-        self.shared.lock().done.take()
+        self.0.lock().done.take()
     }
 
     pub(super) fn forget(&self) {
-        let mut state = self.shared.lock();
+        let mut state = self.0.lock();
         (state.next, state.done) = (None, None);
         state.forgotten += 1;
     }
 
     pub(super) fn has_built(&self) -> bool {
-        self.shared.lock().done.is_some()
+        self.0.lock().done.is_some()
     }
 }
 
-impl<Tag> Drop for RegionBuilder<Tag> {
-    fn drop(&mut self) {
-        let mut state = self.shared.lock();
-        state.over = true;
-        state.next = None;
-        drop(state);
-        self.shared.changed.notify_one();
-        // Wait only briefly: a tree takes milliseconds, but minutes for a scene that is too large to draw.
-        let until = Instant::now() + END_WAIT;
-        let Some(thread) = self.thread.take() else { return };
-        while !thread.is_finished() && Instant::now() < until {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        if thread.is_finished() && thread.join().is_err() {
-            tracing::warn!("the region thread panicked");
-        }
-    }
-}
-
-fn work<Tag: Send>(shared: &SharedTrees<Tag>, wake: &dyn Fn()) {
-    loop {
-        let mut state = shared.lock();
-        while state.next.is_none() && !state.over {
-            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
-        let Some(job) = state.next.take().filter(|_| !state.over) else { return };
-        let forgotten = state.forgotten;
-        drop(state);
-        let TreeJob { tag, frame, maker, request, patience } = job;
-        // The limit is this thread's processor time, so that other programs make no scene too large. Threads that help
-        // with the tree begin at 0, so this one is the first to reach the limit.
-        let begun = ThreadTime::now().as_duration();
-        let is_late = AtomicBool::new(false);
-        let is_wanted = || {
-            is_late.fetch_or(
-                ThreadTime::now().as_duration().saturating_sub(begun) >= patience,
-                Ordering::Relaxed,
-            );
-            let state = shared.lock();
-            state.forgotten == forgotten && !state.over && !is_late.load(Ordering::Relaxed)
-        };
-        // After a panic the frame must not wait for ever: the next request tries again.
-        let built = catch_unwind(AssertUnwindSafe(|| maker.build_while(&frame, request, &is_wanted)));
-        match built {
-            Ok(regions) => {
-                let mut state = shared.lock();
-                if state.forgotten == forgotten {
-                    let regions = (!is_late.into_inner()).then(|| Arc::new(regions));
-                    state.done = Some(BuiltTree { tag, frame, regions });
-                }
-            }
-            Err(_) => tracing::error!("building the regions panicked"),
-        }
-        wake();
+fn build<Tag: Send>(job: TreeJob<Tag>, forgotten: u64, shared: &Shared<State<Tag>>) {
+    let TreeJob { tag, frame, maker, request, patience } = job;
+    // The limit is this thread's processor time, so that other programs make no scene too large. Threads that help
+    // with the tree begin at 0, so this one is the first to reach the limit.
+    let begun = ThreadTime::now().as_duration();
+    let is_late = AtomicBool::new(false);
+    let is_wanted = || {
+        is_late
+            .fetch_or(ThreadTime::now().as_duration().saturating_sub(begun) >= patience, Ordering::Relaxed);
+        shared.lock().forgotten == forgotten && !shared.is_over() && !is_late.load(Ordering::Relaxed)
+    };
+    // After a panic the frame must not wait for ever: the next request tries again.
+    let Some(regions) = contained(|| maker.build_while(&frame, request, &is_wanted)) else { return };
+    let mut state = shared.lock();
+    if state.forgotten == forgotten {
+        let regions = (!is_late.into_inner()).then(|| Arc::new(regions));
+        state.done = Some(BuiltTree { tag, frame, regions });
     }
 }
 
@@ -182,7 +130,7 @@ mod tests {
     fn a_request_forgotten_during_its_build_returns_nothing() {
         let (builder, wakes, frame, maker, request) = long_tree();
         builder.request(TreeJob { tag: 1, frame, maker, request, patience: Duration::MAX });
-        while builder.shared.lock().next.is_some() {
+        while builder.0.lock().next.is_some() {
             std::thread::yield_now();
         }
         builder.forget();
@@ -210,7 +158,7 @@ mod tests {
         let patience = Duration::from_secs(1);
         builder.request(TreeJob { tag: 1, frame, maker, request, patience });
         let held = loop {
-            let state = builder.shared.lock();
+            let state = builder.0.lock();
             if state.next.is_none() {
                 break state;
             }
