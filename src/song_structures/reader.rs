@@ -3,12 +3,13 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::{ReadSong, StructureCache, find, lyrics_of};
 use mariana_player::lower_priority;
 use mariana_player::track::TrackInfo;
+use mariana_work::{Latest, Shared, contained, latest};
 
 /// Maximum number of structures of earlier tracks in memory.
 const KNOWN_MAX: usize = 16;
@@ -21,15 +22,7 @@ const FIRST_NICENESS: i32 = 5;
 /// The thread that reads songs and finds a `T` for each track. Dropping this value ends the thread.
 #[derive(Debug)]
 pub struct SongReader<T = ReadSong> {
-    shared: Arc<Shared<T>>,
-}
-
-#[derive(Debug)]
-struct Shared<T> {
-    state: Mutex<State<T>>,
-    changed: Condvar,
-    /// Maximum number of results in memory.
-    known_max: usize,
+    shared: Latest<State<T>>,
 }
 
 #[derive(Debug)]
@@ -40,7 +33,6 @@ struct State<T> {
     known: VecDeque<(u64, Option<Arc<T>>)>,
     /// The beginning of the result for a track, while the rest is being found.
     begun: Option<(u64, Arc<T>)>,
-    over: bool,
 }
 
 impl<T> State<T> {
@@ -50,6 +42,15 @@ impl<T> State<T> {
 
     fn next(&self) -> Option<&Arc<TrackInfo>> {
         self.wanted.iter().find(|track| self.find(track.id).is_none())
+    }
+
+    /// Stores a result, and keeps at most `known_max`.
+    fn publish(&mut self, track: u64, found: Option<T>, known_max: usize) {
+        self.begun = None;
+        if self.known.len() == known_max {
+            self.known.pop_front();
+        }
+        self.known.push_back((track, found.map(Arc::new)));
     }
 }
 
@@ -84,24 +85,24 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         find: impl Fn(&TrackInfo, &(dyn Fn() -> bool + Sync), &dyn Fn(T)) -> Option<Option<T>> + Send + 'static,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
-        let state = State { wanted: Vec::new(), known: VecDeque::new(), begun: None, over: false };
-        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), known_max });
-        let of_thread = shared.clone();
-        std::thread::Builder::new().name(name.into()).spawn(move || {
-            lower_priority(FIRST_NICENESS);
-            while let Some(track) = of_thread.next() {
-                let begun = Instant::now();
-                let go_on = || of_thread.wants_most(&track);
-                let publish = |begun| of_thread.lock().begun = Some((track.id, Arc::new(begun)));
-                if let Some(found) = find(&track, &go_on, &publish) {
-                    let known = if found.is_some() { "known" } else { "not known" };
-                    tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
-                    of_thread.publish(track.id, found);
-                    wake();
-                    lower_priority(NICENESS);
-                }
+        let state = State { wanted: Vec::new(), known: VecDeque::new(), begun: None };
+        let mut niceness = FIRST_NICENESS;
+        let work = move |track: Arc<TrackInfo>, shared: &Shared<State<T>>| {
+            lower_priority(niceness);
+            let begun = Instant::now();
+            let is_next = |next: &Arc<TrackInfo>| next.id == track.id;
+            let go_on = || !shared.is_over() && shared.lock().next().is_some_and(is_next);
+            let publish = |begun| shared.lock().begun = Some((track.id, Arc::new(begun)));
+            // After a panic the thread must not try the track again.
+            if let Some(found) = contained(|| find(&track, &go_on, &publish)).unwrap_or(Some(None)) {
+                let known = if found.is_some() { "known" } else { "not known" };
+                tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
+                shared.lock().publish(track.id, found, known_max);
+                wake();
+                niceness = NICENESS;
             }
-        })?;
+        };
+        let shared = latest(name, state, |state| state.next().cloned(), work)?;
         Ok(Self { shared })
     }
 
@@ -118,7 +119,8 @@ impl<T: Send + Sync + 'static> SongReader<T> {
             }
         }
         if state.next().is_some() {
-            self.shared.changed.notify_one();
+            drop(state);
+            self.shared.change(|_| ());
         }
     }
 
@@ -127,40 +129,5 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         let state = self.shared.lock();
         let begun = || state.begun.as_ref().filter(|(of, _)| *of == track).map(|(_, begun)| begun.clone());
         state.find(track).cloned().unwrap_or_else(begun)
-    }
-}
-
-impl<T> Drop for SongReader<T> {
-    fn drop(&mut self) {
-        self.shared.lock().over = true;
-        self.shared.changed.notify_one();
-    }
-}
-
-impl<T> Shared<T> {
-    fn lock(&self) -> MutexGuard<'_, State<T>> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Waits for a track to analyse; `None` at the end.
-    fn next(&self) -> Option<Arc<TrackInfo>> {
-        let nothing_to_do = |state: &mut State<T>| !state.over && state.next().is_none();
-        let state = self.changed.wait_while(self.lock(), nothing_to_do);
-        let state = state.unwrap_or_else(PoisonError::into_inner);
-        if state.over { None } else { state.next().cloned() }
-    }
-
-    fn wants_most(&self, track: &TrackInfo) -> bool {
-        let state = self.lock();
-        !state.over && state.next().is_some_and(|next| next.id == track.id)
-    }
-
-    fn publish(&self, track: u64, found: Option<T>) {
-        let mut state = self.lock();
-        state.begun = None;
-        if state.known.len() == self.known_max {
-            state.known.pop_front();
-        }
-        state.known.push_back((track, found.map(Arc::new)));
     }
 }
