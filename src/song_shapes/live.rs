@@ -1,13 +1,14 @@
 //! The texts of the song in the window, which never waits for them.
 
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::Builder;
+use std::io;
+use std::sync::Arc;
 
 use super::{Atlases, Baked, Key, SongTexts, are_same, shown};
 use crate::frame::Frame;
 use mariana_field::graph::{ShapeGrid, SoundInput};
 use mariana_field::lang::{SongText, TextBaker};
 use mariana_field::world::World;
+use mariana_work::{Latest, Shared, contained, latest};
 
 /// Maximum number of texts that wait for the thread. Older ones are dropped.
 const WANTED_MAX: usize = 32;
@@ -17,17 +18,10 @@ const SHOWN_MAX: usize = 64;
 /// The texts of the song in the frames of a session.
 pub struct LiveSongShapes {
     texts: SongTexts,
-    shared: Arc<SharedTexts>,
-    has_thread: bool,
+    shared: Latest<State>,
     /// The grids in the last frames, which stay until the next ones are baked.
     shown: Vec<(Arc<dyn TextBaker>, SongText, ShapeGrid)>,
     atlases: Atlases,
-}
-
-struct SharedTexts {
-    state: Mutex<State>,
-    changed: Condvar,
-    wake: Box<dyn Fn() + Send + Sync>,
 }
 
 #[derive(Default)]
@@ -36,20 +30,37 @@ struct State {
     wanted: Vec<Key>,
     baked: Baked,
     has_come: bool,
-    ended: bool,
+}
+
+impl State {
+    fn next(&mut self) -> Option<Key> {
+        while !self.wanted.is_empty() {
+            let key = self.wanted.remove(0);
+            if self.baked.get(&key).is_none() {
+                return Some(key);
+            }
+        }
+        None
+    }
 }
 
 impl LiveSongShapes {
-    /// `wake` is called when a text is baked that the last frame lacks.
-    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let shared = SharedTexts { state: Mutex::default(), changed: Condvar::new(), wake: Box::new(wake) };
-        Self {
-            texts: SongTexts::default(),
-            shared: Arc::new(shared),
-            has_thread: false,
-            shown: Vec::new(),
-            atlases: Atlases::default(),
-        }
+    /// Starts the thread, which calls `wake` when a text is baked that the last frame lacks.
+    ///
+    /// # Errors
+    /// Fails if the system cannot start a thread.
+    pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let bake = move |key: Key, shared: &Shared<State>| {
+            // After a panic the text stays empty, and is not tried again.
+            let grid = contained(|| key.baker.bake(&key.text)).unwrap_or_else(|| key.baker.bake(""));
+            let mut state = shared.lock();
+            state.baked.put(key, grid);
+            state.has_come = true;
+            drop(state);
+            wake();
+        };
+        let shared = latest("texts of the song", State::default(), State::next, bake)?;
+        Ok(Self { texts: SongTexts::default(), shared, shown: Vec::new(), atlases: Atlases::default() })
     }
 
     /// Sets the texts of the song. Returns true if they have changed.
@@ -101,56 +112,11 @@ impl LiveSongShapes {
         if wanted.is_empty() {
             return;
         }
-        {
-            // Two scenes may be drawn in turn, so keep what the other one wants.
-            let all = &mut self.shared.lock().wanted;
-            all.retain(|key| !wanted.contains(key));
-            all.splice(0..0, wanted);
-            all.truncate(WANTED_MAX);
-        }
-        if !self.has_thread {
-            let shared = self.shared.clone();
-            match Builder::new().name("texts of the song".into()).spawn(move || shared.run()) {
-                Ok(_) => self.has_thread = true,
-                // The texts stay empty. The next frame tries again.
-                Err(error) => tracing::warn!("no thread for the texts of the song: {error}"),
-            }
-        }
-        self.shared.changed.notify_all();
-    }
-}
-
-impl Drop for LiveSongShapes {
-    fn drop(&mut self) {
-        self.shared.lock().ended = true;
-        self.shared.changed.notify_all();
-    }
-}
-
-impl SharedTexts {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn run(&self) {
-        loop {
-            let state = self.lock();
-            let waits = |state: &mut State| !state.ended && state.wanted.is_empty();
-            let mut state = self.changed.wait_while(state, waits).unwrap_or_else(PoisonError::into_inner);
-            if state.ended {
-                return;
-            }
-            let key = state.wanted.remove(0);
-            if state.baked.get(&key).is_some() {
-                continue;
-            }
-            drop(state);
-            let grid = key.baker.bake(&key.text);
-            let mut state = self.lock();
-            state.baked.put(key, grid);
-            state.has_come = true;
-            drop(state);
-            (self.wake)();
-        }
+        // Two scenes may be drawn in turn, so keep what the other one wants.
+        self.shared.change(|state| {
+            state.wanted.retain(|key| !wanted.contains(key));
+            state.wanted.splice(0..0, wanted);
+            state.wanted.truncate(WANTED_MAX);
+        });
     }
 }

@@ -234,9 +234,7 @@ mod tests {
     fn the_window_shows_the_texts_of_stills() {
         let world = world("extrude(min(title(p.xy), lyrics(p.xy + vec2(0, 2))), p.z, 0.2)");
         let (woken, wakes) = std::sync::mpsc::channel();
-        let mut live = LiveSongShapes::new(move || {
-            let _ = woken.send(());
-        });
+        let mut live = LiveSongShapes::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let mut exact = ExactSongShapes::default();
         assert!(live.set_texts(texts()) && !live.set_texts(texts()));
         let mut before = None;

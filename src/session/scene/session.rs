@@ -69,7 +69,8 @@ impl SceneSession {
         let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
-        let (textures, song_shapes) = (LiveTextures::new(wake.clone()), LiveSongShapes::new(wake.clone()));
+        let textures = LiveTextures::new(wake.clone());
+        let song_shapes = LiveSongShapes::start(wake.clone()).map_err(no_worker)?;
         let programs = ProgramLibrary::start(gl, contexts, sources, ways.projection, wake);
         let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
         let mut session = Self {
