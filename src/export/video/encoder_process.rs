@@ -5,12 +5,13 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::process::{ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::Builder;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::child::{ChildLimits, ChildProcess};
 use crate::ending::{self, Undo};
+use mariana_work::lock;
 
 /// Only this many bytes at the end of the process's messages are read.
 const COMPLAINT_BYTES: u64 = 4096;
@@ -161,10 +162,6 @@ impl Wait {
 fn stamp(file: &Path) -> Option<(u64, SystemTime)> {
     let file = std::fs::metadata(file).ok()?;
     Some((file.len(), file.modified().ok()?))
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

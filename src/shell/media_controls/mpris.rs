@@ -19,6 +19,7 @@ use super::{OpenFiles, ReadPosition, Seen, SharedSeen};
 use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
 use mariana_player::track::{Repeat, TrackInfo};
+use mariana_work::once;
 
 /// The program's name on the bus. The process id is appended, because several instances may run.
 const NAME: &str = "mariana";
@@ -121,12 +122,8 @@ pub(crate) fn hand_over(files: &[PathBuf]) -> bool {
         bus.call_method(Some(APP_ID), path, Some(interface), "Open", &(files,)).map(drop)
     };
     // A bus or an instance that hangs must not prevent the start.
-    let (done, taken) = std::sync::mpsc::channel();
-    let thread = std::thread::Builder::new().name("hand over".into());
-    let started = thread.spawn(move || {
-        let _ = done.send(ask().is_ok());
-    });
-    started.is_ok() && taken.recv_timeout(HAND_OVER_LIMIT).unwrap_or(false)
+    let taken = once("hand over", || {}, move || ask().is_ok());
+    taken.is_ok_and(|mut taken| taken.within(HAND_OVER_LIMIT) == Some(Ok(true)))
 }
 
 #[derive(Clone)]
