@@ -181,6 +181,22 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     assert_eq!(woken.recv_timeout(PATIENCE), Err(RecvTimeoutError::Disconnected), "the thread ends");
 }
 
+#[test]
+fn a_panic_at_one_song_ended_the_analysis_of_all_later_songs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wav");
+    write_song(&path, 1, 2);
+    let (wake, woken) = channel();
+    let find = |track: &TrackInfo, _: &(dyn Fn() -> bool + Sync), _: &dyn Fn(u64)| {
+        assert!(track.id != 1, "on purpose");
+        Some(Some(track.id))
+    };
+    let reader = SongReader::of("test", 2, find, move || wake.send(()).unwrap_or_default()).unwrap();
+    reader.request(&[1, 2].map(|id| numbered(&track_of(&path), id)));
+    (0..2).for_each(|_| woken.recv_timeout(Duration::from_secs(60)).unwrap());
+    assert_eq!((reader.get(1), reader.get(2).as_deref()), (None, Some(&2)));
+}
+
 /// Endless frames. Each request for a block is reported.
 struct Endless(std::sync::mpsc::Sender<()>);
 
