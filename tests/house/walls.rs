@@ -101,11 +101,11 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-render",
             "mariana-work",
             "notify",
-            "quick-xml",
             "skrifa",
             "tempfile",
             "thiserror",
             "tracing",
+            "usvg",
         ],
     ),
     (

@@ -12,14 +12,17 @@ pub const DRAWING_BYTES_MAX: usize = 1 << 22;
 pub const DRAWING_ELEMENTS_MAX: usize = 100_000;
 /// Maximum nesting of elements and uses in a drawing.
 pub const DRAWING_NESTING_MAX: usize = 64;
-/// Maximum number of elements that are visited after uses are expanded, and of bytes of their properties.
-pub const DRAWING_VISITS_MAX: (usize, usize) = (50_000, 1 << 24);
+/// Maximum number of attributes of an element of a drawing, and of namespaces.
+pub const DRAWING_ATTRIBUTES_MAX: usize = 1_000;
+/// Maximum number of elements that are visited after uses are expanded, and of bytes of style sheets and properties for
+/// all of them. An element's own properties count 64 times.
+pub const DRAWING_VISITS_MAX: (usize, usize) = (50_000, 1 << 28);
 /// Maximum number of painted shapes of a drawing, and of parts of all their paths.
 pub const DRAWING_SHAPES_MAX: (usize, usize) = (10_000, 1 << 19);
 /// How often shapes may cover a whole drawing, or letters a whole text.
 pub const LAYERS_MAX: usize = 64;
-/// Largest number in a drawing's text. Numbers of paths must be smaller; others are clamped.
-pub const DRAWING_NUMBER_MAX: f64 = 1e9;
+/// Maximum number of digits before the point of a number in a drawing's text.
+pub const DRAWING_NUMBER_DIGITS_MAX: usize = 9;
 /// Largest coordinate of a shape, in units of the drawing. Farther places have too few digits to tell pixels apart.
 pub const DRAWING_REACH_MAX: f64 = 1e15;
 /// Maximum size of a font's file, in bytes.

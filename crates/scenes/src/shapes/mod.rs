@@ -14,7 +14,6 @@ mod glyphs;
 mod lettering;
 mod outline;
 mod svg;
-mod xml;
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -1,21 +1,28 @@
 //! SVG drawings as coverage and brightness.
 //!
-//! Reads what logos are made of: paths and basic shapes, filled or stroked, in groups and symbols, with transformations,
-//! attributes, `style`, and style sheets with simple selectors. Gradients count as opaque. Text, pictures, masks and
-//! filters are left out.
+//! usvg reads what logos are made of: paths and basic shapes, filled or stroked, in groups and symbols, with styles. It
+//! sets few limits, so it receives a copy of the drawing whose size is limited after all uses are repeated, without what
+//! is left out: texts, pictures, masks, filters and markers. Gradients and patterns count as opaque and half bright.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
-use kurbo::{
-    Affine, BezPath, Cap, Ellipse, Join, PathSeg, Point, Rect, RoundedRect, Shape, Stroke, StrokeOpts,
-};
+use kurbo::{Affine, BezPath, Cap, Join, PathEl, PathSeg, Point, Rect, Stroke, StrokeOpts};
+use usvg::roxmltree::{self, Document, ParsingOptions};
+use usvg::tiny_skia_path::PathSegment;
+use usvg::{FillRule, Group, LineCap, LineJoin, Node, Options, Paint, Path};
 
 use super::outline::{Coverage, Filling, Part, Steps, TooMuchWork};
-use super::xml::{Element, Tree, too_deep};
 use crate::limits;
 
 /// Largest deviation of a stroke's outline, relative to the size of the drawing.
 const STROKE_PRECISION: f64 = 1e-4;
+
+/// The attributes that are read as texts.
+const TEXTS: &str = "id class style href fill stroke color";
+/// The attributes that are read as numbers or keywords.
+const NUMBERS: &str = "transform d points viewBox preserveAspectRatio x y width height r rx ry cx cy x1 y1 x2 y2 \
+    fill-rule fill-opacity stroke-width stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity opacity display \
+    visibility";
 
 /// A drawing: its painted shapes, and the rectangle to show.
 #[derive(Debug)]
@@ -50,43 +57,35 @@ impl Drawing {
     pub(super) fn of(bytes: &[u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes)
             .map_err(|error| (format!("byte {} is not UTF-8", error.valid_up_to()), false))?;
-        let tree = Tree::of(text.trim_start_matches('\u{feff}'))?;
-        let Some(root) = tree.elements.first().filter(|root| root.name == "svg") else {
-            let first = tree.elements.first().map_or("", |root| root.name.as_str());
-            return Err((format!("its first element is `{first}`, not `svg`"), false));
-        };
-        let view = root.attribute("viewBox").map(|text| numbers(text).collect::<Vec<_>>());
-        let view = view.and_then(|numbers| match numbers[..] {
-            [x, y, width, height] => Some(Rect::new(x, y, x + width, y + height)),
-            _ => None,
-        });
-        let size = ["width", "height"].map(|name| root.attribute(name).and_then(length));
-        let view = view.or(match size {
-            [Some(width), Some(height)] => Some(Rect::new(0.0, 0.0, width, height)),
-            _ => None,
-        });
-        let is_usable = |view: &Rect| view.width() > 0.0 && view.height() > 0.0;
-        let view = view.filter(is_usable);
-        let mut reader = Reader {
-            tree: &tree,
-            ids: tree
-                .elements
-                .iter()
-                .filter_map(|element| Some((element.attribute("id")?, element)))
-                .collect(),
-            rules: Rules::of(&tree),
-            shapes: Vec::new(),
-            parts_left: limits::DRAWING_SHAPES_MAX.1,
-            visits_left: limits::DRAWING_VISITS_MAX,
-            scale: view.map_or(100.0, |view| view.width().max(view.height())),
-            has_text: false,
-        };
-        reader.children(root, &Style::default(), Affine::IDENTITY, 0)?;
-        let Reader { shapes, has_text, .. } = reader;
-        let around = || shapes.iter().map(|one| one.path.bounding_box()).reduce(|a, b| a.union(b));
-        let view = view.or_else(around).filter(is_usable);
-        match view {
-            Some(view) if !shapes.is_empty() => Ok(Self { shapes, view }),
+        let text = text.trim_start_matches('\u{feff}');
+        check_text(text)?;
+        let elements_max = limits::DRAWING_ELEMENTS_MAX;
+        // About each second node is the text between two elements.
+        let nodes_limit = 2 * elements_max as u32;
+        let options = ParsingOptions { allow_dtd: true, nodes_limit, ..ParsingOptions::default() };
+        let document = Document::parse_with_options(text, options).map_err(|error| match error {
+            roxmltree::Error::NodesLimitReached => {
+                (format!("it has more than {elements_max} elements"), true)
+            }
+            error => (format!("the XML has a mistake: {error}"), false),
+        })?;
+        let root = document.root_element();
+        if root.tag_name().name() != "svg" {
+            return Err((format!("its first element is `{}`, not `svg`", root.tag_name().name()), false));
+        }
+        let mut copy = String::new();
+        let has_text = copy_element(root, 0, &mut copy)?;
+        // The copy is well-formed.
+        let copy = Document::parse(&copy).map_err(|error| (error.to_string(), false))?;
+        Visits::count(&copy)?;
+        let tree = usvg::Tree::from_xmltree(&copy, &Options::default());
+        let tree = tree.map_err(|error| (error.to_string(), false))?;
+        let view = Rect::new(0.0, 0.0, tree.size().width().into(), tree.size().height().into());
+        let parts_left = limits::DRAWING_SHAPES_MAX.1;
+        let mut painter = Painter { shapes: Vec::new(), parts_left, size: view.width().max(view.height()) };
+        painter.group(tree.root(), 1.0)?;
+        match painter.shapes {
+            shapes if !shapes.is_empty() => Ok(Self { shapes, view }),
             _ if has_text => Err(("it paints only texts: convert them to paths".to_owned(), false)),
             _ => Err(("it paints nothing that is a path or a basic shape".to_owned(), false)),
         }
@@ -121,101 +120,221 @@ impl Drawing {
     }
 }
 
-struct Reader<'d> {
-    tree: &'d Tree,
-    ids: HashMap<&'d str, &'d Element>,
-    rules: Rules<'d>,
-    shapes: Vec<Painted>,
-    /// Parts of paths that may still be painted.
-    parts_left: usize,
-    /// Elements that may still be visited, and bytes of their properties.
-    visits_left: (usize, usize),
-    scale: f64,
-    has_text: bool,
-}
-
-/// Properties that children inherit.
-#[derive(Debug, Clone)]
-struct Style {
-    fill: Option<f32>,
-    odd: bool,
-    stroke: Option<f32>,
-    width: f64,
-    cap: Cap,
-    join: Join,
-    opacity: [f64; 3],
-}
-
-impl Default for Style {
-    fn default() -> Self {
-        let (cap, join) = (Cap::Butt, Join::Miter);
-        Self { fill: Some(0.0), odd: false, stroke: None, width: 1.0, cap, join, opacity: [1.0; 3] }
+/// Checks what the XML parser does not limit: attributes and namespaces, which it compares with each other, and entities.
+fn check_text(text: &str) -> Result<()> {
+    let most = limits::DRAWING_BYTES_MAX;
+    if text.len() > most {
+        return Err((format!("it has more than {most} bytes"), true));
     }
+    let attributes_max = limits::DRAWING_ATTRIBUTES_MAX;
+    let has_too_many = |tag: &str| tag.matches('=').count() > attributes_max;
+    if text.matches("xmlns").count() > attributes_max || text.split('<').any(has_too_many) {
+        return Err((format!("an element has more than {attributes_max} attributes"), true));
+    }
+    let mut longest = 0;
+    for declaration in text.split("<!ENTITY").skip(1) {
+        let quote = declaration.find(['"', '\'']).and_then(|at| declaration.get(at..)?.split_at_checked(1));
+        let value = quote.and_then(|(quote, rest)| rest.split(quote).next()).unwrap_or_default();
+        if value.contains(['&', '<']) {
+            return Err(("its entities contain elements or other entities".to_owned(), false));
+        }
+        longest = longest.max(value.len());
+    }
+    if longest.saturating_mul(text.matches('&').count()) > most {
+        return Err((format!("its entities expand to more than {most} bytes"), true));
+    }
+    Ok(())
 }
 
-impl<'d> Reader<'d> {
-    fn children(&mut self, of: &'d Element, style: &Style, place: Affine, depth: usize) -> Result<()> {
-        let tree = self.tree;
-        let mut children = of.children.iter().filter_map(|child| tree.elements.get(*child));
-        children.try_for_each(|child| self.element(child, style, place, depth))
+/// Adds a copy of an element to `copy`, with what can be painted. Returns true if there are texts in it.
+fn copy_element(element: roxmltree::Node<'_, '_>, depth: usize, copy: &mut String) -> Result<bool> {
+    let name = match element.tag_name().name() {
+        name @ ("svg" | "g" | "a" | "switch" | "use" | "symbol" | "defs" | "style" | "path" | "rect"
+        | "circle" | "ellipse" | "line" | "polyline" | "polygon") => name,
+        "linearGradient" | "radialGradient" | "pattern" => "linearGradient",
+        name => return Ok(name == "text"),
+    };
+    if depth > limits::DRAWING_NESTING_MAX {
+        return Err(too_deep());
+    }
+    *copy += &format!("<{name}");
+    // `href` is often `xlink:href`; other attributes with prefixes belong to drawing programs.
+    let attributes = || element.attributes().filter(|one| one.namespace().is_none() || one.name() == "href");
+    for attribute in attributes() {
+        let (own, value) = (attribute.name(), attribute.value());
+        let is_first = attributes().find(|one| one.name() == own).is_some_and(|first| first == attribute);
+        let is_number = NUMBERS.split(' ').any(|name| name == own);
+        let is_read = is_number || TEXTS.split(' ').any(|name| name == own);
+        // A radius in percent could be a huge one.
+        let is_unbounded = own.starts_with('r') && value.contains('%');
+        if !is_first || !is_read || is_unbounded || name == "linearGradient" && own != "id" {
+            continue;
+        }
+        if is_number {
+            check_numbers(value)?;
+        }
+        let value = if own == "style" { plain_style(value) } else { value.to_owned() };
+        *copy += &format!(" {own}='{}'", escaped(value.trim()));
+    }
+    copy.push('>');
+    let mut has_text = false;
+    match name {
+        "linearGradient" => *copy += "<stop stop-color='gray'/>",
+        "style" => *copy += &escaped(&plain_rules(element.text().unwrap_or_default())),
+        _ => {
+            for child in element.children() {
+                has_text |= copy_element(child, depth + 1, copy)?;
+            }
+        }
+    }
+    *copy += &format!("</{name}>");
+    Ok(has_text)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('\'', "&apos;")
+}
+
+/// Without the sizes of fonts, which would multiply lengths, and without filters: usvg leaves out shapes whose filter is
+/// not in the drawing.
+fn plain_style(text: &str) -> String {
+    text.replace("font", "x-font").replace("filter", "x-filter")
+}
+
+/// The rules of a style sheet whose selectors are simple, without those for some media. The time for other selectors grows
+/// with a power of the nesting.
+fn plain_rules(sheet: &str) -> String {
+    let is_simple =
+        |one: &&str| !one.contains(|letter: char| letter.is_whitespace() || ">+~@[".contains(letter));
+    let (mut rules, mut is_for_media) = (String::new(), false);
+    for rule in sheet.split('}') {
+        let Some((selectors, body)) = rule.split_once('{') else {
+            is_for_media = false;
+            continue;
+        };
+        is_for_media |= body.contains('{');
+        let simple: Vec<&str> = selectors.split(',').map(str::trim).filter(is_simple).collect();
+        if !is_for_media && !simple.is_empty() {
+            rules += &format!("{}{{{}}}", simple.join(","), plain_style(body));
+        }
+    }
+    rules
+}
+
+/// Refuses numbers of which kurbo would make almost endless arcs.
+fn check_numbers(text: &str) -> Result<()> {
+    let most = limits::DRAWING_NUMBER_DIGITS_MAX;
+    let text = text.replace('E', "e").replace("e+", "e").replace("e-", " ");
+    // `.5.5` is two numbers.
+    let is_huge = |number: &str| {
+        number.split('.').enumerate().any(|(at, part)| {
+            let (digits, exponent) = part.split_once('e').unwrap_or((part, ""));
+            let exponent = exponent.parse().unwrap_or(if exponent.is_empty() { 0 } else { most });
+            exponent.saturating_add(if at == 0 { digits.len() } else { 1 }) > most
+        })
+    };
+    if text.split(|letter: char| !letter.is_ascii_digit() && !".e".contains(letter)).any(is_huge) {
+        return Err((format!("it has a number of more than {most} digits before its point"), true));
+    }
+    Ok(())
+}
+
+/// Counts elements as often as uses repeat them, and the bytes of the properties and rules that usvg reads for them.
+struct Visits<'d> {
+    ids: HashMap<&'d str, roxmltree::Node<'d, 'd>>,
+    /// Bytes of style sheets.
+    sheets: usize,
+    left: (usize, usize),
+}
+
+impl<'d> Visits<'d> {
+    fn count(copy: &'d Document<'d>) -> Result<()> {
+        let mut ids = HashMap::new();
+        for element in copy.descendants() {
+            if let Some(id) = element.attribute("id") {
+                ids.entry(id).or_insert(element);
+            }
+        }
+        let sheets = copy
+            .descendants()
+            .filter(roxmltree::Node::is_text)
+            .filter_map(|text| Some(text.text()?.len()))
+            .sum();
+        Self { ids, sheets, left: limits::DRAWING_VISITS_MAX }.element(copy.root_element(), 0, 0)
     }
 
-    fn element(&mut self, element: &'d Element, style: &Style, place: Affine, depth: usize) -> Result<()> {
+    fn element(&mut self, element: roxmltree::Node<'d, 'd>, inherited: usize, depth: usize) -> Result<()> {
         if depth > limits::DRAWING_NESTING_MAX {
             return Err(too_deep());
         }
-        let mut style = style.clone();
-        let mut hidden = false;
-        let transform = element.attribute("transform");
-        let mut own = place * transform.map_or(Affine::IDENTITY, transformation);
-        for (name, value) in self.properties(element)? {
-            match (name, value.trim()) {
-                ("display", "none") | ("visibility", "hidden" | "collapse") => hidden = true,
-                ("transform", value) if transform.is_none() => own *= transformation(value),
-                (name, value) => style.set(name, value),
-            }
-        }
-        if hidden {
-            return Ok(());
-        }
-        match element.name.as_str() {
-            "g" | "a" | "svg" | "switch" => self.children(element, &style, own, depth + 1),
-            "use" => {
-                let at = ["x", "y"].map(|name| element.attribute(name).and_then(length).unwrap_or(0.0));
-                let link = element.attribute("href");
-                let target = link.and_then(|link| self.ids.get(link.trim_start_matches('#')).copied());
-                let Some(target) = target else { return Ok(()) };
-                let own = own * Affine::translate((at[0], at[1]));
-                if target.name == "symbol" {
-                    return self.children(target, &style, own, depth + 1);
-                }
-                self.element(target, &style, own, depth + 1)
-            }
-            "text" => {
-                self.has_text = true;
-                Ok(())
-            }
-            _ => match path_of(element)? {
-                Some(path) => self.paint(&path, &style, own),
-                None => Ok(()),
-            },
-        }
+        let own: usize = element.attributes().map(|one| one.name().len() + one.value().len()).sum();
+        // Each rule is compared with the classes, and the text of a path becomes a path.
+        let classes = element.attribute("class").map_or(0, str::len);
+        let bytes = inherited + 64 * own + self.sheets.saturating_mul(1 + classes / 16);
+        let left = self.left.1.checked_sub(bytes);
+        self.left = self.left.0.checked_sub(1).zip(left).ok_or_else(|| {
+            let (elements, bytes) = limits::DRAWING_VISITS_MAX;
+            (format!("its uses and styles repeat more than {elements} elements or {bytes} bytes"), true)
+        })?;
+        let link = element.attribute("href").filter(|_| element.has_tag_name("use"));
+        let target = link.and_then(|link| self.ids.get(link.strip_prefix('#')?).copied());
+        let children = element.children().filter(roxmltree::Node::is_element);
+        children.chain(target).try_for_each(|one| self.element(one, inherited + own, depth + 1))
+    }
+}
+
+fn too_deep() -> Refused {
+    (format!("its groups and uses are nested more than {} deep", limits::DRAWING_NESTING_MAX), true)
+}
+
+/// What usvg has read, as paths.
+struct Painter {
+    shapes: Vec<Painted>,
+    /// Parts of paths that may still be painted.
+    parts_left: usize,
+    size: f64,
+}
+
+impl Painter {
+    fn group(&mut self, group: &Group, opacity: f32) -> Result<()> {
+        let opacity = opacity * group.opacity().get();
+        group.children().iter().try_for_each(|node| match node {
+            Node::Group(group) => self.group(group, opacity),
+            Node::Path(path) if path.is_visible() => self.path(path, opacity),
+            _ => Ok(()),
+        })
     }
 
-    fn paint(&mut self, path: &BezPath, style: &Style, place: Affine) -> Result<()> {
-        let [all, fill, stroke] = style.opacity;
-        if let Some(brightness) = style.fill.filter(|_| all * fill >= 0.5) {
+    fn path(&mut self, of: &Path, opacity: f32) -> Result<()> {
+        let to = of.abs_transform();
+        let place = Affine::new([to.sx, to.ky, to.kx, to.sy, to.tx, to.ty].map(f64::from));
+        let path = path_of(of.data());
+        if let Some(fill) = of.fill().filter(|fill| opacity * fill.opacity().get() >= 0.5) {
             self.count(path.elements().len())?;
-            let filling = if style.odd { Filling::Odd } else { Filling::Turning };
-            self.add(Painted { path: place * path, filling, brightness })?;
+            let filling = match fill.rule() {
+                FillRule::NonZero => Filling::Turning,
+                FillRule::EvenOdd => Filling::Odd,
+            };
+            self.add(Painted { path: place * &path, filling, brightness: brightness(fill.paint()) })?;
         }
-        let is_stroked = style.width > 0.0 && all * stroke >= 0.5;
-        if let Some(brightness) = style.stroke.filter(|_| is_stroked) {
-            let precision = STROKE_PRECISION * self.scale;
-            self.count(stroke_parts(path, style.width, precision, self.parts_left))?;
-            let stroke = Stroke::new(style.width).with_caps(style.cap).with_join(style.join);
-            let outline = kurbo::stroke(path.iter(), &stroke, &StrokeOpts::default(), precision);
-            self.add(Painted { path: place * outline, filling: Filling::Turning, brightness })?;
+        if let Some(stroke) = of.stroke().filter(|stroke| opacity * stroke.opacity().get() >= 0.5) {
+            let width = f64::from(stroke.width().get());
+            let precision = STROKE_PRECISION * self.size / place.determinant().abs().sqrt().max(1e-9);
+            self.count(stroke_parts(&path, width, precision, self.parts_left))?;
+            let cap = match stroke.linecap() {
+                LineCap::Butt => Cap::Butt,
+                LineCap::Round => Cap::Round,
+                LineCap::Square => Cap::Square,
+            };
+            let join = match stroke.linejoin() {
+                LineJoin::Miter | LineJoin::MiterClip => Join::Miter,
+                LineJoin::Round => Join::Round,
+                LineJoin::Bevel => Join::Bevel,
+            };
+            let style = Stroke::new(width).with_caps(cap).with_join(join);
+            let outline = kurbo::stroke(path.iter(), &style, &StrokeOpts::default(), precision);
+            let (filling, brightness) = (Filling::Turning, brightness(stroke.paint()));
+            self.add(Painted { path: place * outline, filling, brightness })?;
         }
         Ok(())
     }
@@ -241,23 +360,28 @@ impl<'d> Reader<'d> {
         self.shapes.push(shape);
         Ok(())
     }
+}
 
-    /// Attributes, rules of style sheets, and the attribute `style`: later ones win.
-    fn properties(&mut self, element: &'d Element) -> Result<Vec<(&'d str, &'d str)>> {
-        let (elements_max, bytes_max) = limits::DRAWING_VISITS_MAX;
-        let rules = self.rules.for_element(element);
-        let own = element.attributes.iter().map(|(name, value)| name.len() + value.len());
-        let bytes = own.chain(rules.iter().map(|rule| rule.0)).sum();
-        let left = self.visits_left.0.checked_sub(1).zip(self.visits_left.1.checked_sub(bytes));
-        self.visits_left = left.ok_or_else(|| {
-            let most =
-                format!("its uses and styles repeat more than {elements_max} elements or {bytes_max} bytes");
-            (most, true)
-        })?;
-        let own = element.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()));
-        let of_rules = rules.iter().flat_map(|rule| rule.1.iter().copied());
-        let of_style = element.attribute("style").into_iter().flat_map(declarations);
-        Ok(own.chain(of_rules).chain(of_style).collect())
+fn path_of(data: &usvg::tiny_skia_path::Path) -> BezPath {
+    let at = |point: usvg::tiny_skia_path::Point| Point::new(point.x.into(), point.y.into());
+    let elements = data.segments().map(|segment| match segment {
+        PathSegment::MoveTo(to) => PathEl::MoveTo(at(to)),
+        PathSegment::LineTo(to) => PathEl::LineTo(at(to)),
+        PathSegment::QuadTo(control, to) => PathEl::QuadTo(at(control), at(to)),
+        PathSegment::CubicTo(first, second, to) => PathEl::CurveTo(at(first), at(second), at(to)),
+        PathSegment::Close => PathEl::ClosePath,
+    });
+    elements.collect()
+}
+
+/// The brightness of a paint, 0..1.
+fn brightness(paint: &Paint) -> f32 {
+    match paint {
+        Paint::Color(color) => {
+            let [red, green, blue] = [color.red, color.green, color.blue].map(f32::from);
+            (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0
+        }
+        _ => 0.5,
     }
 }
 
@@ -279,238 +403,4 @@ fn stroke_parts(path: &BezPath, width: f64, precision: f64, most: usize) -> usiz
         }
     }
     parts
-}
-
-impl Style {
-    fn set(&mut self, name: &str, value: &str) {
-        let value = value.trim_end_matches("!important").trim();
-        match name {
-            "fill" => self.fill = paint(value, self.fill),
-            "stroke" => self.stroke = paint(value, self.stroke),
-            "fill-rule" => self.odd = value == "evenodd",
-            "stroke-width" => self.width = length(value).unwrap_or(self.width),
-            "stroke-linecap" => {
-                self.cap = match value {
-                    "round" => Cap::Round,
-                    "square" => Cap::Square,
-                    _ => Cap::Butt,
-                }
-            }
-            "stroke-linejoin" => {
-                self.join = match value {
-                    "round" => Join::Round,
-                    "bevel" => Join::Bevel,
-                    _ => Join::Miter,
-                }
-            }
-            "opacity" => self.opacity[0] *= fraction(value),
-            "fill-opacity" => self.opacity[1] = fraction(value),
-            "stroke-opacity" => self.opacity[2] = fraction(value),
-            _ => {}
-        }
-    }
-}
-
-fn fraction(value: &str) -> f64 {
-    let percent = value.strip_suffix('%').and_then(|value| Some(value.trim().parse::<f64>().ok()? / 100.0));
-    percent
-        .or_else(|| value.parse().ok())
-        .filter(|value: &f64| value.is_finite())
-        .unwrap_or(1.0)
-        .clamp(0.0, 1.0)
-}
-
-/// Returns the brightness of a paint, 0..1; `None` for no paint. The brightness of gradients and of unknown names is 0.5.
-fn paint(value: &str, inherited: Option<f32>) -> Option<f32> {
-    let luminance = |[red, green, blue]: [f32; 3]| (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0;
-    let lower = value.to_ascii_lowercase();
-    match lower.as_str() {
-        "none" | "transparent" => return None,
-        "inherit" => return inherited,
-        "black" => return Some(0.0),
-        "white" => return Some(1.0),
-        _ => {}
-    }
-    if let Some(digits) = lower.strip_prefix('#') {
-        let digits: Vec<f32> = digits.chars().filter_map(|digit| Some(digit.to_digit(16)? as f32)).collect();
-        let color = match digits[..] {
-            [r, g, b] | [r, g, b, _] => [17.0 * r, 17.0 * g, 17.0 * b],
-            [r, s, g, h, b, c] | [r, s, g, h, b, c, _, _] => [16.0 * r + s, 16.0 * g + h, 16.0 * b + c],
-            _ => return Some(0.5),
-        };
-        return Some(luminance(color));
-    }
-    if let Some(inner) = lower.strip_prefix("rgb").and_then(|rest| rest.split_once('('))
-        && let [r, g, b, ..] = numbers(inner.1.trim_end_matches(')')).collect::<Vec<_>>()[..]
-    {
-        return Some(luminance([r as f32, g as f32, b as f32]).clamp(0.0, 1.0));
-    }
-    Some(0.5)
-}
-
-/// The path of an element; `None` if the element is no shape.
-fn path_of(element: &Element) -> Result<Option<BezPath>> {
-    let number = |name: &str| element.attribute(name).and_then(length);
-    let of = |name: &str| number(name).unwrap_or(0.0);
-    const PRECISION: f64 = 1e-3;
-    Ok(Some(match element.name.as_str() {
-        "path" => {
-            let text = element.attribute("d").unwrap_or_default();
-            let most = limits::DRAWING_NUMBER_MAX;
-            // kurbo divides arcs of huge radii without end.
-            if numbers(text).any(|number| number.abs() >= most) {
-                return Err((format!("a path has a number of {most:e} or more"), true));
-            }
-            // A path with a mistake is left out.
-            BezPath::from_svg(text).unwrap_or_default()
-        }
-        "rect" => {
-            let (width, height) = (of("width"), of("height"));
-            let radius =
-                number("rx").or(number("ry")).unwrap_or(0.0).clamp(0.0, 0.5 * width.min(height).max(0.0));
-            let rect = Rect::new(of("x"), of("y"), of("x") + width, of("y") + height);
-            match radius > 0.0 {
-                true => RoundedRect::from_rect(rect, radius).to_path(PRECISION * width.max(height)),
-                false => rect.to_path(PRECISION),
-            }
-        }
-        kind @ ("circle" | "ellipse") => {
-            let radii = if kind == "circle" { (of("r"), of("r")) } else { (of("rx"), of("ry")) };
-            Ellipse::new((of("cx"), of("cy")), radii, 0.0).to_path(PRECISION * radii.0.max(radii.1).max(1e-6))
-        }
-        "line" => {
-            let mut path = BezPath::new();
-            path.move_to((of("x1"), of("y1")));
-            path.line_to((of("x2"), of("y2")));
-            path
-        }
-        kind @ ("polyline" | "polygon") => {
-            let mut path = BezPath::new();
-            let points: Vec<f64> = numbers(element.attribute("points").unwrap_or_default()).collect();
-            for at in points.as_chunks::<2>().0 {
-                let at = (at[0], at[1]);
-                if path.is_empty() { path.move_to(at) } else { path.line_to(at) }
-            }
-            if kind == "polygon" && !path.is_empty() {
-                path.close_path();
-            }
-            path
-        }
-        _ => return Ok(None),
-    }))
-}
-
-/// Returns the numbers in a text, separated by any other characters, clamped to [`crate::limits::DRAWING_NUMBER_MAX`].
-fn numbers(text: &str) -> impl Iterator<Item = f64> {
-    let mut rest = text;
-    std::iter::from_fn(move || {
-        loop {
-            let start = rest.find(|letter: char| letter.is_ascii_digit() || "+-.".contains(letter))?;
-            rest = rest.get(start..).unwrap_or_default();
-            let mut seen = (false, false);
-            let end = rest.char_indices().find(|(at, letter)| {
-                let before = rest.get(..*at).and_then(|text| text.chars().last());
-                let is_sign_of_exponent = "+-".contains(*letter) && matches!(before, Some('e' | 'E'));
-                let continues = match letter {
-                    '0'..='9' => true,
-                    '.' => !std::mem::replace(&mut seen.0, true) && !seen.1,
-                    'e' | 'E' => !std::mem::replace(&mut seen.1, true) && *at > 0,
-                    '+' | '-' => *at == 0 || is_sign_of_exponent,
-                    _ => false,
-                };
-                !continues
-            });
-            let (number, after) = rest.split_at(end.map_or(rest.len(), |(at, _)| at.max(1)));
-            rest = after;
-            let most = limits::DRAWING_NUMBER_MAX;
-            if let Ok(number) = number.trim_end_matches(['e', 'E']).parse::<f64>() {
-                return Some(number.clamp(-most, most));
-            }
-        }
-    })
-}
-
-/// A length in pixels. Percentages have no value.
-fn length(text: &str) -> Option<f64> {
-    if text.trim_end().ends_with('%') {
-        return None;
-    }
-    let unit = match text.trim().get(text.trim().len().saturating_sub(2)..) {
-        Some("mm") => 96.0 / 25.4,
-        Some("cm") => 96.0 / 2.54,
-        Some("in") => 96.0,
-        Some("pt") => 96.0 / 72.0,
-        Some("pc") => 16.0,
-        _ => 1.0,
-    };
-    numbers(text).next().map(|number| number * unit)
-}
-
-fn transformation(text: &str) -> Affine {
-    let mut whole = Affine::IDENTITY;
-    for part in text.split(')') {
-        let Some((name, arguments)) = part.split_once('(') else { continue };
-        whole *= match (
-            name.trim_matches(|letter: char| !letter.is_ascii_alphabetic()),
-            &numbers(arguments).collect::<Vec<_>>()[..],
-        ) {
-            ("matrix", [a, b, c, d, e, f]) => Affine::new([*a, *b, *c, *d, *e, *f]),
-            ("translate", [x]) => Affine::translate((*x, 0.0)),
-            ("translate", [x, y]) => Affine::translate((*x, *y)),
-            ("scale", [both]) => Affine::scale(*both),
-            ("scale", [x, y]) => Affine::scale_non_uniform(*x, *y),
-            ("rotate", [angle]) => Affine::rotate(angle.to_radians()),
-            ("rotate", [angle, x, y]) => Affine::rotate_about(angle.to_radians(), Point::new(*x, *y)),
-            ("skewX", [angle]) => Affine::skew(angle.to_radians().tan(), 0.0),
-            ("skewY", [angle]) => Affine::skew(0.0, angle.to_radians().tan()),
-            _ => Affine::IDENTITY,
-        };
-    }
-    whole
-}
-
-fn declarations(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    let pairs = text.split(';').filter_map(|pair| pair.split_once(':'));
-    pairs.map(|(name, value)| (name.trim(), value.trim()))
-}
-
-/// The size of a rule's text, and its properties.
-type Rule<'d> = (usize, Vec<(&'d str, &'d str)>);
-
-/// The rules of style sheets.
-struct Rules<'d> {
-    rules: Vec<Rule<'d>>,
-    /// For each selector, its rules.
-    by_selector: HashMap<&'d str, Vec<usize>>,
-}
-
-impl<'d> Rules<'d> {
-    fn of(tree: &'d Tree) -> Self {
-        let mut of = Self { rules: Vec::new(), by_selector: HashMap::new() };
-        for rule in tree.elements.iter().flat_map(|sheet| sheet.text.split('}')) {
-            let Some((selectors, body)) = rule.split_once('{') else { continue };
-            for selector in selectors.split(',') {
-                let rules = of.by_selector.entry(selector.trim()).or_default();
-                if rules.last() != Some(&of.rules.len()) {
-                    rules.push(of.rules.len());
-                }
-            }
-            of.rules.push((rule.len(), declarations(body).collect()));
-        }
-        of
-    }
-
-    /// The rules for an element, in the order of the text.
-    fn for_element(&self, element: &Element) -> Vec<&Rule<'d>> {
-        if self.rules.is_empty() {
-            return Vec::new();
-        }
-        let classes = element.attribute("class").unwrap_or_default().split_whitespace();
-        let names = classes.map(|class| format!(".{class}"));
-        let names = names.chain(element.attribute("id").map(|id| format!("#{id}")));
-        let names: BTreeSet<String> = names.chain(["*".to_owned(), element.name.clone()]).collect();
-        let found = names.iter().filter_map(|name| self.by_selector.get(name.as_str())).flatten();
-        let found: BTreeSet<usize> = found.copied().collect();
-        found.into_iter().filter_map(|rule| self.rules.get(rule)).collect()
-    }
 }
