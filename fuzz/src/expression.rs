@@ -12,7 +12,7 @@ use mariana_field::graph::{
 };
 use mariana_field::lang;
 use mariana_field::tape::{
-    Batch, Clause, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
+    Batch, Clause, GradientBatch, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
 };
 use mariana_field::world::{World, WorldError};
 
@@ -246,9 +246,11 @@ pub(crate) fn differential(data: &[u8]) {
         let wanted = raw.evaluate(&plain, point, frame).unwrap();
         assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified graph");
         assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused graph");
-        let duals: Vec<f32> =
-            GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
-        assert_same(&duals, &wanted, "dual numbers");
+        let (mut duals, [x, y, z]) = (Vec::new(), point.position);
+        GradientBatch::new(tape, frame).run(&[point.position], &mut duals);
+        let duals: Vec<f32> = duals.iter().map(|dual| dual.value).collect();
+        let first = raw.evaluate(plain.get(..1).unwrap_or_default(), &Point::at(x, y, z), frame).unwrap();
+        assert_same(&duals, &first, "dual numbers");
         // Widen each input to an interval around its value at the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
         for by in [0.0, 0.25, 1e10] {

@@ -7,7 +7,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, Interval, NodeId, Point};
 use mariana_field::lang::compile;
 use mariana_field::tape::{
-    Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
+    Batch, GradientBatch, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };
 
 fn scene(graph: &mut Graph, count: usize) -> NodeId {
@@ -113,9 +113,11 @@ fn tape(c: &mut Criterion) {
         group.bench_function("interval", |b| {
             b.iter(|| intervals.over(black_box(side), [Interval::point(0.0); 3])[0])
         });
-        let mut gradients = GradientEvaluator::new(&tape, &frame);
-        group
-            .bench_function("gradient", |b| b.iter(|| gradients.at(black_box(&Point::at(0.1, 0.2, 0.3)))[0]));
+        let mut gradients = GradientBatch::new(&tape, &frame);
+        let mut duals = Vec::new();
+        group.bench_function("gradients_at_8_points", |b| {
+            b.iter(|| gradients.run(black_box(&[[0.1, 0.2, 0.3]; 8]), &mut duals));
+        });
         let xs: Vec<f32> = (0..1024).map(|i| i as f32 * 0.01).collect();
         let mut batch = Batch::new(&tape, &frame);
         group.throughput(Throughput::Elements(clauses * xs.len() as u64));

@@ -403,12 +403,12 @@ fn cells_hold_the_slopes_in_them() {
         let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3], eye: None };
         let regions = RegionPlan::new(&world).build(&inputs, &options);
         let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
-        let mut gradients = crate::tape::GradientEvaluator::new(&tape, &inputs);
+        let mut gradients = crate::tape::GradientBatch::new(&tape, &inputs);
         let (mut seen, mut close, mut slack) = (0, 0, 0.0);
         for number in 0..60_000 {
             let at = point(&regions, number);
             let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
-            let found = gradients.at(&Point::at(at[0], at[1], at[2]))[0];
+            let found = gradients.at(at);
             // A cell that is solid throughout has no surface, so it stores no slopes.
             if cell.slopes == [crate::graph::Interval::point(0.0); 3] && found.value < 0.0 {
                 continue;

@@ -53,7 +53,7 @@ mod select;
 
 pub use clause::{Clause, Instruction, Operand, opcode};
 pub use evaluate::{Batch, IntervalEvaluator, PointEvaluator, Points};
-pub use gradients::{Dual, GradientBatch, GradientEvaluator, GradientIntervals};
+pub use gradients::{Dual, GradientBatch};
 
 /// A reason for which a tape cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -268,7 +268,13 @@ impl fmt::Display for Tape {
 mod rounds_tests;
 
 #[cfg(test)]
+mod non_lipschitz_tests;
+
+#[cfg(test)]
 mod slope_tests;
+
+#[cfg(test)]
+pub(crate) mod testing;
 
 #[cfg(test)]
 mod tests;

@@ -2,9 +2,10 @@
 
 use proptest::prelude::*;
 
+use super::testing::GradientIntervals;
 use super::*;
+use crate::graph::GradientInterval;
 use crate::graph::random::{Step, build, frame, number, same, steps};
-use crate::graph::{GradientInterval, Point};
 
 fn config(cases: u32) -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(cases);
@@ -71,7 +72,7 @@ impl GradientInterval {
 
 fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> GradientInterval {
     let box_of = sides.map(|(low, size)| Interval::new(low, low + size));
-    GradientIntervals::new(tape, frame).over(box_of, [Interval::point(0.25); 3])[0]
+    GradientIntervals::new(tape, frame).over(box_of, [Interval::point(0.0); 3])[0]
 }
 
 fn tape_of(steps: &[Step]) -> Tape {
@@ -102,7 +103,7 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
                 registers[usize::from(output)] = memory[usize::from(from)]
             }
             Instruction::Input { output, place } => {
-                registers[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.25);
+                registers[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.0);
             }
             Instruction::Unary { op, output, a } => {
                 let a = registers[usize::from(a)];
@@ -152,9 +153,9 @@ proptest! {
         let mut found = Vec::new();
         GradientBatch::new(&tape, &frame).run(&places, &mut found);
         prop_assert_eq!(found.len(), places.len());
-        let mut each = GradientEvaluator::new(&tape, &frame);
-        for ([x, y, z], found) in places.into_iter().zip(found) {
-            let wanted = each.at(&Point::at(x, y, z))[0];
+        let mut each = GradientBatch::new(&tape, &frame);
+        for (place, found) in places.into_iter().zip(found) {
+            let wanted = each.at(place);
             prop_assert!(same(wanted.value, found.value), "{wanted:?} {found:?}");
             for (wanted, found) in wanted.gradient.into_iter().zip(found.gradient) {
                 prop_assert!(same(wanted + 0.0, found + 0.0), "{wanted:?} {found:?}\n{tape}");
@@ -166,10 +167,10 @@ proptest! {
     fn bounds_hold_the_gradient(steps in steps(30), (sides, along) in places()) {
         let (tape, frame) = (tape_of(&steps), frame());
         let bounds = bounds_over(&tape, &frame, sides);
-        let mut gradients = GradientEvaluator::new(&tape, &frame);
+        let mut gradients = GradientBatch::new(&tape, &frame);
         for along in along {
             let at = [0, 1, 2].map(|axis| (sides[axis].0 + along[axis] * sides[axis].1).min(sides[axis].0 + sides[axis].1));
-            let found = gradients.at(&Point { position: at, normal: [0.25; 3] })[0];
+            let found = gradients.at(at);
             prop_assert!(bounds.value.contains(found.value));
             for (bounds, slope) in bounds.gradient.iter().zip(found.gradient) {
                 prop_assert!(bounds.contains(slope), "{slope:?} not in {bounds:?} at {at:?} of {sides:?}\n{tape}");

@@ -3,4 +3,3 @@
 #[allow(dead_code, reason = "other tests use more of it")]
 mod expression;
 mod melts;
-mod non_lipschitz_tracing;

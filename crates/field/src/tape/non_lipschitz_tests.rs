@@ -1,18 +1,16 @@
 //! Traces formulas that are not distances with the gradient's bounds in each cell, as shaders/non_lipschitz.glsl does.
 //! Every hit that marching in small steps finds must be found.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use std::collections::HashMap;
 
-use crate::expression::Random;
-use mariana_field::graph::{FrameInputs, Interval, Point};
-use mariana_field::lang::{compile, no_includes};
-use mariana_field::rays::{
+use super::testing::GradientIntervals;
+use super::{Batch, PointEvaluator, Points, Tape, TapeOptions};
+use crate::graph::{FrameInputs, Interval, Point};
+use crate::lang::{compile, no_includes};
+use crate::rays::{
     AHEAD, AHEAD_OF_FAR, CLOSE_ENOUGH, CLOSINGS_MAX, NON_LIPSCHITZ_NEAR, NON_LIPSCHITZ_STEPS_MAX, PAST_FACE,
     ROOT_SIDE, non_lipschitz_step, past,
 };
-use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape, TapeOptions};
 
 /// Growth of a pixel's cone in an image with 360 rows and a field of view of 40 degrees.
 const SPREAD: f32 = 0.002;
@@ -34,6 +32,18 @@ const FORMULAS: [(&str, &str, f32, f32); 7] = [
     ("terrain", "y + 2 - 2.5*noise_2d(0.5*p.xz) - 0.6*noise_2d(1.7*p.xz)", 16.0, 3.0),
     ("lattice", "cos(x)+cos(y)+cos(z)+0.4", 12.0, 0.3),
 ];
+
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        // SplitMix64 (Steele 2014).
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        low + (high - low) * ((mixed ^ mixed >> 31) >> 40) as f32 / (1u32 << 24) as f32
+    }
+}
 
 fn tape_of(formula: &str) -> Tape {
     let scene = compile("test", formula, &mut no_includes).scene.unwrap();
