@@ -1,6 +1,5 @@
 //! Expressions.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeInner};
@@ -8,7 +7,7 @@ use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeIn
 use super::calls::{Argument, Executor, Pointer, Slot};
 use super::layout::{Info, Part, member, size};
 use super::problem::{Problem, Result};
-use crate::graph::{Graph, Input, Node, NodeId, Op, Order};
+use crate::graph::{Input, NodeId, Op};
 
 impl Executor<'_, '_> {
     pub(super) fn slot(&self, of: Handle<Expression>) -> Slot {
@@ -250,7 +249,10 @@ impl Executor<'_, '_> {
                 Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
             })?;
             self.step(order.nodes.len(), || place.clone())?;
-            let beside = at_next_pixel(self.graph, nodes, &order, input);
+            let (pixel, one) = (self.graph.input(input), self.graph.constant(1.0));
+            let beside = self
+                .graph
+                .with_inputs(nodes, &order, |graph, own| (own == input).then(|| graph.add(pixel, one)));
             for ((sum, &here), there) in sums.iter_mut().zip(nodes).zip(beside) {
                 let mut change = self.graph.sub(there, here);
                 if axis == DerivativeAxis::Width {
@@ -487,22 +489,4 @@ impl Executor<'_, '_> {
         }
         Ok(())
     }
-}
-
-/// Returns the values at the next pixel in the direction of `input`.
-fn at_next_pixel(graph: &mut Graph, nodes: &[NodeId], order: &Order, input: Input) -> Vec<NodeId> {
-    let (pixel, one) = (graph.input(input), graph.constant(1.0));
-    let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
-    for &id in &order.nodes {
-        let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
-        let copy = match graph.node(id) {
-            Node::Input(own) if own == input => graph.add(pixel, one),
-            Node::Constant(_) | Node::Input(_) => id,
-            Node::Unary(op, a) => graph.unary(op, at(a)),
-            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
-            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
-        };
-        copies.insert(id, copy);
-    }
-    nodes.iter().map(|id| copies.get(id).copied().unwrap_or(*id)).collect()
 }

@@ -1,9 +1,12 @@
 //! Builders of expressions. Helpers such as [`Graph::mix`] combine several operators.
 
+use std::collections::HashMap;
+
 use super::Graph;
 use super::frame_inputs::SILENT;
 use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
+use super::order::Order;
 
 /// Up to this magnitude, [`Graph::pow`] turns a constant integer exponent into a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
@@ -80,6 +83,29 @@ impl Graph {
     /// Reads a channel of a texture at (u, v): 0 red, 1 green, 2 blue, 3 alpha. `channel` is taken modulo 4.
     pub fn texture(&mut self, texture: u16, channel: u8, u: NodeId, v: NodeId) -> NodeId {
         self.intern(Node::Texture { texture, channel: channel & 3, u, v })
+    }
+
+    /// Copies the nodes of `order` with other nodes for the inputs for which `other` returns one. Returns the copies of
+    /// `roots`.
+    pub(crate) fn with_inputs(
+        &mut self,
+        roots: &[NodeId],
+        order: &Order,
+        other: impl Fn(&mut Self, Input) -> Option<NodeId>,
+    ) -> Vec<NodeId> {
+        let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
+        for &id in &order.nodes {
+            let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
+            let copy = match self.node(id) {
+                Node::Constant(_) => id,
+                Node::Input(input) => other(self, input).unwrap_or(id),
+                Node::Unary(op, a) => self.unary(op, at(a)),
+                Node::Binary(op, a, b) => self.binary(op, at(a), at(b)),
+                Node::Texture { texture, channel, u, v } => self.texture(texture, channel, at(u), at(v)),
+            };
+            copies.insert(id, copy);
+        }
+        roots.iter().map(|id| copies.get(id).copied().unwrap_or(*id)).collect()
     }
 
     /// a to the power of b. A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] becomes a product, for any

@@ -8,7 +8,7 @@
 //! Transfer"). Ambient light is scattered as if it came equally from all directions.
 
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Result};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Op, Result};
 use crate::lang::{FieldRange, Medium, Scene};
 use crate::region::every_frame::EveryFrame;
 
@@ -108,21 +108,11 @@ fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3]> {
 
 /// Returns the expressions for a surface or a ray with this normal or direction.
 pub(super) fn facing(graph: &mut Graph, roots: &[NodeId], normal: [f32; 3]) -> Result<Vec<NodeId>> {
-    let mut moved = vec![NodeId::default(); graph.len()];
-    for id in graph.order(roots)?.nodes {
-        let at = |id: NodeId| moved[id.index()];
-        let copy = match graph.node(id) {
-            Node::Input(Input::NX) => graph.constant(normal[0]),
-            Node::Input(Input::NY) => graph.constant(normal[1]),
-            Node::Input(Input::NZ) => graph.constant(normal[2]),
-            Node::Constant(_) | Node::Input(_) => id,
-            Node::Unary(op, a) => graph.unary(op, at(a)),
-            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
-            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
-        };
-        moved[id.index()] = copy;
-    }
-    Ok(roots.iter().map(|root| moved[root.index()]).collect())
+    let order = graph.order(roots)?;
+    Ok(graph.with_inputs(roots, &order, |graph, input| {
+        let axis = [Input::NX, Input::NY, Input::NZ].iter().position(|axis| *axis == input)?;
+        Some(graph.constant(normal[axis]))
+    }))
 }
 
 /// Returns a box that contains all media in all frames of `any`. A side without a bound is infinite.

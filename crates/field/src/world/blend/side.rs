@@ -272,25 +272,16 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
 
 /// Returns the value at the point `place`, with a zero normal.
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId> {
-    let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
-    for id in graph.order(&[value])?.nodes {
-        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
-        let copy = match graph.node(id) {
-            Node::Input(Input::X) => place[0],
-            Node::Input(Input::Y) => place[1],
-            Node::Input(Input::Z) => place[2],
-            Node::Input(Input::NX | Input::NY | Input::NZ) => zero,
-            Node::Constant(_) | Node::Input(_) => id,
-            Node::Unary(op, a) => graph.unary(op, at(a)),
-            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
-            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
-        };
-        if let Some(place) = moved.get_mut(id.index()) {
-            *place = copy;
-        }
-    }
-    Ok(at_index(&moved, value))
+    let order = graph.order(&[value])?;
+    let moved = graph.with_inputs(&[value], &order, |_, input| match input {
+        Input::X => Some(place[0]),
+        Input::Y => Some(place[1]),
+        Input::Z => Some(place[2]),
+        Input::NX | Input::NY | Input::NZ => Some(zero),
+        _ => None,
+    });
+    Ok(moved.first().copied().unwrap_or_default())
 }
 
 fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
