@@ -5,7 +5,7 @@
 use crate::support::test_renderer::{TestRenderer, silence};
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, PathOrder, PathProgress, PathSampling};
-use mariana::gpu::scene_program::{Mode, link_paths, variant_of};
+use mariana::gpu::scene_program::{Mode, path_texts, variant_of};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::SceneSource;
 
@@ -28,7 +28,8 @@ impl Paths {
         let (world, buffers, plan) =
             (renderer.world(), renderer.resources.buffers(), renderer.resources.plan());
         let variant = variant_of(world, buffers, plan, mode, gl.info(), Counting::Off).unwrap();
-        let program = link_paths(gl, &ShaderLibrary::embedded(), &variant).unwrap();
+        let texts = path_texts(gl, &ShaderLibrary::embedded(), &variant).unwrap();
+        let program = Program::of(gl, &texts).unwrap();
         Self { program, renderer }
     }
 

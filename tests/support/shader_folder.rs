@@ -14,10 +14,17 @@ pub(crate) fn shader_text(name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// The names of all shader files.
+pub(crate) fn shader_names() -> Vec<String> {
+    let files = std::fs::read_dir(shader_folder()).unwrap();
+    let names = files.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| !["Cargo.toml", "README.md", "lib.rs"].contains(&name.as_str())).collect()
+}
+
 /// A copy of the shaders in which the files of `replaced` have new texts. The library is valid while the folder exists.
 pub(crate) fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     let folder = tempfile::tempdir().unwrap();
-    for name in ShaderLibrary::embedded_names() {
+    for name in shader_names() {
         let text = replaced.iter().find(|(other, _)| *other == name);
         let text = text.map_or_else(|| shader_text(&name), |(_, text)| (*text).to_owned());
         std::fs::write(folder.path().join(&name), text).unwrap();

@@ -263,15 +263,7 @@ pub fn as_paths(mut variant: Variant) -> Variant {
     variant
 }
 
-/// Links the program that draws paths of light, from a variant for [`link_scene`].
-///
-/// # Errors
-/// Same errors as [`link_scene`].
-pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program> {
-    Program::of(gl, &path_texts(gl, library, variant)?)
-}
-
-/// Returns the texts of the program that [`link_paths`] links.
+/// Returns the texts of the program that draws paths of light, from a variant for [`link_scene`].
 ///
 /// # Errors
 /// Fails if a shader cannot be read.

@@ -81,17 +81,6 @@ impl ShaderLibrary {
         Ok(assembly.text)
     }
 
-    /// The names of all embedded shaders, sorted.
-    pub fn embedded_names() -> Vec<String> {
-        let is_shader = |path: &Path| {
-            path.extension().is_some_and(|end| ["frag", "glsl", "vert"].iter().any(|kind| end == *kind))
-        };
-        let paths = SHADERS.files().map(|file| file.path()).filter(|path| is_shader(path));
-        let mut names: Vec<String> = paths.map(|path| path.to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-
     fn read(&self, name: &str, asked_by: &str) -> Result<String, ShaderSourceError> {
         match &self.folder {
             Some(folder) => {

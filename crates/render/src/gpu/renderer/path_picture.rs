@@ -38,7 +38,7 @@ impl PathPicture {
 }
 
 impl Renderer {
-    /// Draws `frame` by paths of light, with a program of [`crate::gpu::scene_program::link_paths`]. The lens and the
+    /// Draws `frame` by paths of light, with a program of [`crate::gpu::scene_program::path_texts`]. The lens and the
     /// media are part of the paths.
     ///
     /// # Errors
