@@ -254,7 +254,7 @@ impl Bench<'_> {
             self.resources.set_cells(run.regions, run.mode);
             self.resources.upload_regions(run.built.clone());
             counter.draw(&self.frame, &self.resources, &program)?;
-            let evaluations = counter.evaluations().per_pixel(pixels);
+            let evaluations = counter.evaluations(pixels);
             reports.push(run.report(evaluations));
         }
         Ok(reports)

@@ -82,7 +82,7 @@ fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> 
     let light = test_renderer.renderer.read_light().unwrap();
     Drawn {
         picture,
-        evaluations: test_renderer.renderer.evaluations(),
+        evaluations: test_renderer.renderer.evaluations(1.0),
         not_finite: light.iter().filter(|part| !part.is_finite()).count(),
     }
 }

@@ -265,8 +265,7 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
     let plain_program = counting.program_of(Mode::Compiled, Counting::Off);
     for (time, size) in [(0.0, (320, 180)), (7.0, (320, 180)), (31.0, (320, 180)), (12.0, (640, 360))] {
         let picture = counting.picture(time, loud_music(), size);
-        let evaluations = counting.renderer.evaluations();
-        let each = evaluations.per_pixel(f64::from(size.0 * size.1));
+        let each = counting.renderer.evaluations(f64::from(size.0 * size.1));
         assert!(
             each.primary >= 0.3 && each.shadow > 0.3 && each.normal > 0.3,
             "primary, shadow or normal evaluations were not counted: {each:?}"
@@ -276,13 +275,13 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
             "reflection or occlusion evaluations were \
             not counted: {each:?}"
         );
-        assert_eq!(evaluations.capped_rays, 0.0, "rays reach their step cap at {time} s");
+        assert_eq!(each.capped_rays, 0.0, "rays reach their step cap at {time} s");
         assert!(each.total() <= 60.0, "{:.1} evaluations per pixel at {time} s: {each:?}", each.total());
 
         plain.draw(&counting.frame(time, loud_music(), size), &counting.resources, &plain_program).unwrap();
         let uncounted = RgbaImage::from_raw(size.0, size.1, plain.read()).unwrap();
         assert_alike("counting", &picture, &uncounted, TIGHT);
-        assert_eq!(plain.evaluations().total(), 0.0, "a renderer without counting has counted");
+        assert_eq!(plain.evaluations(1.0).total(), 0.0, "a renderer without counting has counted");
     }
 }
 

@@ -46,7 +46,7 @@ fn a_light_too_weak_for_a_visible_shadow_sends_no_rays() {
     let counted = |lights: &str| {
         let text = format!("{FLOOR}object ball {{ shape = sphere(p - vec3(0, 1, 0), 0.7) }}\n{lights}");
         let mut drawn = TestRenderer::of(&SceneSource::Formula(text), Mode::Compiled, Counting::On);
-        (drawn.picture(0.0, silence(), SIZE), drawn.renderer.evaluations().shadow)
+        (drawn.picture(0.0, silence(), SIZE), drawn.renderer.evaluations(1.0).shadow)
     };
     let sun = "light sun { direction = vec3(0.4, -1, 0.2)  color = 3 }\n";
     let lamp = |color: f64| format!("{sun}light lamp {{ direction = vec3(-0.8, -1, 0)  color = {color} }}");

@@ -115,7 +115,7 @@ fn both_modes_draw_the_same_media() {
 fn empty_space_is_skipped() {
     let mut renderer = renderer(&PUFFS.replace("reflect", "coat"), Mode::Compiled, Counting::On);
     renderer.picture(1.0, silence(), (160, 90));
-    let counts = renderer.renderer.evaluations();
+    let counts = renderer.renderer.evaluations(1.0);
     // Without the grid, every ray would take all of its steps through the box around both puffs.
     let rays = f64::from(80 * 45);
     let all = 24.0 * rays;

@@ -127,7 +127,7 @@ fn drawn(
     let frame = test_renderer.frame(time, sound, size);
     test_renderer.renderer.draw(&frame, &test_renderer.resources, program).unwrap();
     let picture = RgbaImage::from_raw(size.0, size.1, test_renderer.renderer.read()).unwrap();
-    (picture, test_renderer.renderer.evaluations())
+    (picture, test_renderer.renderer.evaluations(1.0))
 }
 
 /// Like [`drawn`], in loud music. Without a program, draws with the renderer's own.
@@ -139,7 +139,7 @@ fn counted(
 ) -> (RgbaImage, Evaluations) {
     match program {
         Some(program) => drawn(test_renderer, program, time, loud_sound(), size),
-        None => (test_renderer.picture(time, loud_sound(), size), test_renderer.renderer.evaluations()),
+        None => (test_renderer.picture(time, loud_sound(), size), test_renderer.renderer.evaluations(1.0)),
     }
 }
 

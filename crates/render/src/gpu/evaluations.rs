@@ -45,23 +45,4 @@ impl Evaluations {
     pub fn total(&self) -> f64 {
         self.primary + self.reflection + self.normal + self.shadow + self.occlusion
     }
-
-    /// All counts divided by a number of pixels.
-    pub fn per_pixel(&self, pixels: f64) -> Self {
-        Self {
-            primary: self.primary / pixels,
-            reflection: self.reflection / pixels,
-            normal: self.normal / pixels,
-            shadow: self.shadow / pixels,
-            occlusion: self.occlusion / pixels,
-            capped_rays: self.capped_rays / pixels,
-            clauses: self.clauses / pixels,
-            surface_clauses: self.surface_clauses / pixels,
-            lookups: self.lookups / pixels,
-            media: self.media / pixels,
-            media_steps: self.media_steps / pixels,
-            swarm_steps: self.swarm_steps / pixels,
-            edge_pixels: self.edge_pixels / pixels,
-        }
-    }
 }

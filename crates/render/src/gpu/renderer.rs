@@ -528,11 +528,11 @@ impl Renderer {
         self.presenter.read(self.painter.finished())
     }
 
-    /// Distance evaluations of the last image; zero without [`Counting::On`].
-    pub fn evaluations(&self) -> Evaluations {
+    /// Distance evaluations of the last image, divided by a number of pixels; zero without [`Counting::On`].
+    pub fn evaluations(&self, pixels: f64) -> Evaluations {
         let targets = self.painter.canvas.targets.as_ref().filter(|_| self.painter.counting == Counting::On);
         targets.map_or_else(Evaluations::default, |targets| {
-            targets.evaluations(self.painter.sampling.edge_samples)
+            targets.evaluations(self.painter.sampling.edge_samples, pixels)
         })
     }
 

@@ -46,10 +46,7 @@ impl Figures {
                 renderer.draw(&frame, &resources, &program)?;
                 let picture = RgbaImage::from_raw(size.0, size.1, renderer.read());
                 let pixels = f64::from(size.0) * f64::from(size.1);
-                Ok((
-                    picture.context("an image has four bytes per pixel")?,
-                    renderer.evaluations().per_pixel(pixels),
-                ))
+                Ok((picture.context("an image has four bytes per pixel")?, renderer.evaluations(pixels)))
             };
         let mut figures = Self { cost: Evaluations::default(), moved: 0.0, black: 0.0, white: 0.0 };
         for (moment, sound) in sounds.iter().enumerate() {

@@ -79,33 +79,38 @@ impl Targets {
         self.kind == kind
     }
 
-    pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
-        let mut sum = Evaluations::default();
+    /// Returns the counts, divided by a number of pixels.
+    pub(super) fn evaluations(&self, samples: EdgeSamples, pixels: f64) -> Evaluations {
+        let mut sums = [[0.0; 4]; 3];
         let media = self.media.as_ref().map(|media| &media.rays);
         for target in [&self.first, self.edges.samples()].into_iter().chain(media) {
-            let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
-            for texel in kinds.as_chunks::<4>().0 {
-                let [primary, reflection, normal, shadow] = texel.map(f64::from);
-                sum.primary += primary;
-                sum.reflection += reflection;
-                sum.normal += normal;
-                sum.shadow += shadow;
-            }
-            for texel in more.as_chunks::<4>().0 {
-                sum.occlusion += f64::from(texel[0]);
-                sum.capped_rays += f64::from(texel[1]);
-                sum.clauses += f64::from(texel[2]);
-                sum.lookups += f64::from(texel[3]);
-            }
-            for texel in target.read_rgba32f(3).as_chunks::<4>().0 {
-                sum.surface_clauses += f64::from(texel[0]);
-                sum.media += f64::from(texel[1]);
-                sum.media_steps += f64::from(texel[2]);
-                sum.swarm_steps += f64::from(texel[3]);
+            for (sum, index) in sums.iter_mut().zip(1..) {
+                for texel in target.read_rgba32f(index).as_chunks::<4>().0 {
+                    sum.iter_mut().zip(texel).for_each(|(sum, count)| *sum += f64::from(*count));
+                }
             }
         }
-        sum.edge_pixels = self.edge_pixels(samples);
-        sum
+        let [
+            [primary, reflection, normal, shadow],
+            [occlusion, capped_rays, clauses, lookups],
+            [surface_clauses, media, media_steps, swarm_steps],
+        ] = sums.map(|four| four.map(|sum| sum / pixels));
+        let edge_pixels = self.edge_pixels(samples) / pixels;
+        Evaluations {
+            primary,
+            reflection,
+            normal,
+            shadow,
+            occlusion,
+            capped_rays,
+            clauses,
+            surface_clauses,
+            lookups,
+            media,
+            media_steps,
+            swarm_steps,
+            edge_pixels,
+        }
     }
 
     pub(super) fn edge_pixels(&self, samples: EdgeSamples) -> f64 {
