@@ -61,7 +61,8 @@ impl Pair {
         while pairs.len() < count {
             let [from, to] = [0, 1].map(|_| names[random.below(names.len())].clone());
             let fraction = 0.25 * (1 + random.below(3)) as f32;
-            if from != to {
+            let has_glass = |name: &String| ready(&SceneSource::Shipped(name.clone())).world.features.glass;
+            if from != to && !has_glass(&from) && !has_glass(&to) {
                 pairs.push(Self { from, to, kind: BlendKind::Melt, fraction });
             }
         }

@@ -101,6 +101,9 @@ pub enum BlendError {
     /// A scene depends on its earlier frames, which a blend does not have.
     #[error("the scene {0} shows its last frame, so it cannot melt or open a portal: fade instead")]
     Feedback(String),
+    /// A melt with glass would show opaque slabs where glass begins to grow.
+    #[error("the scene {0} has glass, which cannot melt: fade instead, or open a portal")]
+    Glass(String),
     /// The blended scene exceeds the limits of expressions.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -130,7 +133,8 @@ impl World {
     /// the default `fraction`.
     ///
     /// # Errors
-    /// Returns a [`BlendError`] if the two worlds together exceed a limit, or one of them depends on earlier frames.
+    /// Returns a [`BlendError`] if the two worlds together exceed a limit, one of them depends on earlier frames, or one with
+    /// glass would melt.
     pub fn blend(
         from: &World,
         to: &World,
@@ -139,6 +143,11 @@ impl World {
         fraction: f32,
     ) -> Result<World, BlendError> {
         within_limits(from, to)?;
+        if let Some(world) = [from, to].into_iter().find(|world| world.features.glass)
+            && kind == BlendKind::Melt
+        {
+            return Err(BlendError::Glass(world.name.clone()));
+        }
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
         graph.reserve(from.scene.graph.len() + to.scene.graph.len());

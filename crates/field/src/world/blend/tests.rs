@@ -520,3 +520,18 @@ fn the_pixel_of_the_sky_stays_where_it_is() {
         );
     }
 }
+
+#[test]
+fn a_melt_with_glass_showed_opaque_slabs() {
+    let [bell, ball] = [
+        "material glass { glass = 1 }\nobject bell { shape = sphere(p, 1)  material = glass }",
+        "sphere(p, 2)",
+    ]
+    .map(world_of);
+    for (from, to) in [(&bell, &ball), (&ball, &bell)] {
+        let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5);
+        assert!(matches!(melt, Err(BlendError::Glass(_))));
+        let portal = World::blend(from, to, BlendKind::Portal(PortalShape::Ball), &Alignment::NONE, 0.5);
+        assert!(portal.is_ok());
+    }
+}
