@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn own_names_come_first_with_their_line_and_comment() {
         let text = "# How large it is.\nparam spread = 1 in 0 .. 2\nfn spray(p, amount: number) {\n}\nspr";
-        assert_eq!(names(text, false), ["spray", "spread"]);
+        assert_eq!(names(text, false), ["spray", "spread", "spring"]);
         let buffer = Buffer::new(text.as_bytes().to_vec());
         let about = documentation(&buffer, "spread").unwrap();
         assert_eq!(

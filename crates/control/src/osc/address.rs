@@ -1,5 +1,6 @@
 //! The meaning of OSC messages by their addresses.
 
+use regex_lite::Regex;
 use rosc::{OscMessage, OscType};
 
 use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
@@ -165,29 +166,10 @@ fn given(argument: &OscType) -> Result<ActionValue, Refused> {
     }
 }
 
-// Address patterns of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
-// set, `{one,two}` one of several words. No pattern character matches a slash. The matcher keeps a set of reachable
-// positions and never backtracks. Matching takes at most (number of parts) x (number of characters) steps.
-
-/// A parsed address pattern.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Pattern {
-    parts: Vec<Part>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Part {
-    /// A literal character.
-    Is(char),
-    /// Any character except a slash.
-    Any,
-    /// Any number of characters except slashes.
-    Many,
-    /// A character within (or, if `is_not`, outside) these inclusive ranges.
-    OneOf { ranges: Vec<(char, char)>, is_not: bool },
-    /// One of these words.
-    Word(Vec<Vec<char>>),
-}
+/// An address pattern of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
+/// set, `{one,two}` one of several words. No pattern character matches a slash. Matching never backtracks.
+#[derive(Debug, Clone)]
+pub struct Pattern(Regex);
 
 /// True if an address contains pattern characters.
 pub fn is_pattern(address: &str) -> bool {
@@ -200,107 +182,64 @@ impl Pattern {
         if text.len() > limits::NAME_BYTES_MAX {
             return None;
         }
-        let mut parts = Vec::new();
-        let mut rest = text.chars();
-        while let Some(sign) = rest.next() {
-            parts.push(match sign {
-                '?' => Part::Any,
-                // Consecutive stars count as one.
-                '*' if parts.last() == Some(&Part::Many) => continue,
-                '*' => Part::Many,
+        let mut expression = "^".to_owned();
+        let mut rest = text;
+        while let Some(sign) = rest.chars().next() {
+            rest = rest.get(sign.len_utf8()..)?;
+            match sign {
+                '?' => expression.push_str("[^/]"),
+                '*' => expression.push_str("[^/]*"),
                 '[' => {
-                    let (set, behind) = rest.as_str().split_once(']')?;
-                    rest = behind.chars();
-                    one_of(set)
+                    let (set, behind) = rest.split_once(']')?;
+                    expression.push_str(&one_of(set));
+                    rest = behind;
                 }
                 '{' => {
-                    let (words, behind) = rest.as_str().split_once('}')?;
-                    rest = behind.chars();
-                    Part::Word(words.split(',').map(|word| word.chars().collect()).collect())
+                    let (words, behind) = rest.split_once('}')?;
+                    let words: Vec<String> = words.split(',').map(regex_lite::escape).collect();
+                    expression.push_str(&format!("(?:{})", words.join("|")));
+                    rest = behind;
                 }
-                sign => Part::Is(sign),
-            });
+                sign => expression.push_str(&regex_lite::escape(sign.encode_utf8(&mut [0; 4]))),
+            }
         }
-        Some(Self { parts })
+        Regex::new(&(expression + "$")).ok().map(Self)
     }
 
     /// True if the pattern matches the whole address.
     pub fn matches(&self, address: &str) -> bool {
-        let text: Vec<char> = address.chars().collect();
-        // The positions at which the parts so far can end.
-        let mut ends = vec![false; text.len() + 1];
-        if let Some(first) = ends.first_mut() {
-            *first = true;
-        }
-        for part in &self.parts {
-            ends = part.after(&ends, &text);
-        }
-        ends.last() == Some(&true)
+        self.0.is_match(address)
     }
 }
 
-impl Part {
-    /// Returns the possible end positions of this part for the given start positions.
-    fn after(&self, begins: &[bool], text: &[char]) -> Vec<bool> {
-        let mut ends = vec![false; begins.len()];
-        let mut reach = |end: usize| {
-            if let Some(place) = ends.get_mut(end) {
-                *place = true;
-            }
-        };
-        if *self == Self::Many {
-            let mut goes_on = false;
-            for (place, begins) in begins.iter().enumerate() {
-                goes_on |= begins;
-                if goes_on {
-                    reach(place);
-                }
-                goes_on &= text.get(place) != Some(&'/');
-            }
-            return ends;
-        }
-        for place in begins.iter().enumerate().filter(|(_, begins)| **begins).map(|(place, _)| place) {
-            let behind = text.get(place..).unwrap_or_default();
-            match self {
-                Self::Word(words) => {
-                    let found = words.iter().filter(|word| behind.starts_with(word));
-                    found.for_each(|word| reach(place + word.len()));
-                }
-                _ if behind.first().is_some_and(|next| self.is(*next)) => reach(place + 1),
-                _ => {}
-            }
-        }
-        ends
-    }
+const SLASH: u32 = '/' as u32;
 
-    fn is(&self, character: char) -> bool {
-        match self {
-            Self::Is(this) => character == *this,
-            Self::Any => character != '/',
-            Self::OneOf { ranges, is_not } => {
-                let is_in = ranges.iter().any(|(first, last)| (*first..=*last).contains(&character));
-                character != '/' && is_in != *is_not
-            }
-            Self::Many | Self::Word(_) => false,
-        }
-    }
-}
-
-fn one_of(set: &str) -> Part {
+/// Returns the regular expression of a set of characters.
+fn one_of(set: &str) -> String {
     let (is_not, set) = set.strip_prefix('!').map_or((false, set), |set| (true, set));
     let signs: Vec<char> = set.chars().collect();
     let mut ranges = Vec::new();
     let mut rest = signs.as_slice();
     while let [first, behind @ ..] = rest {
         // A hyphen at the end is a literal character.
-        (ranges, rest) = match behind {
-            ['-', last, behind @ ..] => {
-                ([ranges, vec![(*first.min(last), *first.max(last))]].concat(), behind)
-            }
-            _ => ([ranges, vec![(*first, *first)]].concat(), behind),
+        let last;
+        (last, rest) = match behind {
+            ['-', last, behind @ ..] => (last, behind),
+            _ => (first, behind),
         };
+        let (low, high) = (u32::from(*first.min(last)), u32::from(*first.max(last)));
+        // No range contains the slash.
+        for (low, high) in [(low, high.min(SLASH - 1)), (low.max(SLASH + 1), high)] {
+            if low <= high {
+                ranges.push(format!("\\x{{{low:x}}}-\\x{{{high:x}}}"));
+            }
+        }
     }
-    Part::OneOf { ranges, is_not }
+    match (ranges.concat(), is_not) {
+        (ranges, true) => format!("[^/{ranges}]"),
+        (ranges, false) if ranges.is_empty() => r"[^\s\S]".to_owned(),
+        (ranges, false) => format!("[{ranges}]"),
+    }
 }
 
 #[cfg(test)]
@@ -433,6 +372,8 @@ mod pattern_tests {
             ("/*/*", ["/a/b", "/param/size"], ["/a", "/a/b/c"]),
             ("/[a-c]x", ["/ax", "/cx"], ["/dx", "/x"]),
             ("/[c-a-]x", ["/bx", "/-x"], ["/dx", "//x"]),
+            ("/[+-:]x", ["/+x", "/5x"], ["//x", "/;x"]),
+            ("/{.,}x?", ["/.xy", "/xy"], ["/axy", "/x"]),
             ("/[!a-c]x", ["/dx", "/-x"], ["/ax", "//x"]),
             ("/{next,previous}", ["/next", "/previous"], ["/nex", "/next,previous"]),
             ("/{a,ab}c*d", ["/abcd", "/acxxd"], ["/abd", "/abbcd"]),
@@ -443,12 +384,13 @@ mod pattern_tests {
             assert!(fits.iter().all(|address| matches(pattern, address)), "{pattern}");
             assert!(!fits_not.iter().any(|address| matches(pattern, address)), "{pattern}");
         }
+        assert!(!matches("/[]", "/a") && !matches("/[]", "/"), "an empty set matches nothing");
     }
 
     #[test]
     fn unclosed_and_oversized_patterns_are_rejected() {
         for broken in ["/[a", "/{a,b", "/a[", &"*?".repeat(limits::NAME_BYTES_MAX / 2 + 1)] {
-            assert_eq!(Pattern::read(broken), None, "{broken}");
+            assert!(Pattern::read(broken).is_none(), "{broken}");
         }
         assert!(Pattern::read(&"*?".repeat(limits::NAME_BYTES_MAX / 2)).is_some());
     }
