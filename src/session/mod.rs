@@ -94,7 +94,7 @@ use crate::ui::overlay::{Overlay, UiEvent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use mariana_player::Player;
-use mariana_work::Answer;
+use mariana_work::Awaited;
 
 /// Interval at which an idle session looks for changes.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
@@ -150,7 +150,7 @@ pub(crate) struct Interface {
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
-    shader_import: Answer<Result<ImportedShader, ShaderError>>,
+    shader_import: Awaited<Result<ImportedShader, ShaderError>>,
     probing: inspecting::Probing,
     pub(super) typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,

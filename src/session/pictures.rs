@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use mariana_work::{Answer, once};
+use mariana_work::{Awaited, once};
 
 use super::waker::Waker;
 use crate::atomic_file::{AtomicFile, Unwritable};
@@ -29,7 +29,7 @@ pub(super) struct Pictures {
     wanted: Option<Wanted>,
     reading: Option<(PictureReader, PathBuf)>,
     /// Messages about the pictures that are being written.
-    writing: Vec<Answer<String>>,
+    writing: Vec<Awaited<String>>,
 }
 
 #[derive(Clone, Copy)]
@@ -110,7 +110,7 @@ impl Pictures {
             }
         }
         messages.extend(self.writing.iter_mut().filter_map(|picture| picture.poll()?.ok()));
-        self.writing.retain(Answer::is_awaited);
+        self.writing.retain(Awaited::is_awaited);
         (self.reading.is_some().then(|| now + LOOK), messages)
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::documents::FileThread;
 use crate::scenes::{Drafts, NumberEdits, SceneSource, TextureCache};
 use mariana_editing::mutated;
-use mariana_work::Answer;
+use mariana_work::Awaited;
 
 /// Numbers of variations are less than this, so that a user can remember and send them.
 const NUMBERS: u64 = 10_000;
@@ -25,7 +25,7 @@ pub(super) struct Surprises {
     pub original: Option<SceneSource>,
     /// The variations shown so far, the last one shown now.
     pub shown: Vec<Variation>,
-    pub coming: Answer<Result<Variation, String>>,
+    pub coming: Awaited<Result<Variation, String>>,
     last_number: u64,
     pub files: Option<FileThread>,
     /// The variation that is being saved.

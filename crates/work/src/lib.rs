@@ -100,9 +100,9 @@ impl Drop for Background {
 
 /// The answer of a thread that [`once`] has started. The default has no thread and no answer.
 #[derive(Debug)]
-pub struct Answer<T>(Option<(Receiver<T>, Background)>);
+pub struct Awaited<T>(Option<(Receiver<T>, Background)>);
 
-/// The error of an [`Answer`] that will not come, because the thread panicked.
+/// The error of an [`Awaited`] that will not come, because the thread panicked.
 pub const NO_ANSWER: &str = "the work ended without an answer";
 
 /// Starts a thread that computes one answer and calls `wake` afterwards.
@@ -113,7 +113,7 @@ pub fn once<T: Send + 'static>(
     name: &str,
     wake: impl FnOnce() + Send + 'static,
     work: impl FnOnce() -> T + Send + 'static,
-) -> io::Result<Answer<T>> {
+) -> io::Result<Awaited<T>> {
     let (tell, answer) = channel();
     let background = Background::start(name, move || {
         // The owner may be gone.
@@ -121,16 +121,16 @@ pub fn once<T: Send + 'static>(
         drop(tell);
         wake();
     })?;
-    Ok(Answer(Some((answer, background))))
+    Ok(Awaited(Some((answer, background))))
 }
 
-impl<T> Default for Answer<T> {
+impl<T> Default for Awaited<T> {
     fn default() -> Self {
         Self(None)
     }
 }
 
-impl<T> Answer<T> {
+impl<T> Awaited<T> {
     /// Returns the answer once, as soon as it has come.
     pub fn poll(&mut self) -> Option<Result<T, &'static str>> {
         self.within(Duration::ZERO)

@@ -52,7 +52,7 @@ fn an_answer_comes_once_after_waking() {
     wakes.recv_timeout(LIMIT).unwrap();
     assert_eq!(answer.poll(), Some(Ok(7)));
     assert_eq!((answer.poll(), answer.is_awaited()), (None, false));
-    assert_eq!(Answer::<u32>::default().poll(), None);
+    assert_eq!(Awaited::<u32>::default().poll(), None);
 }
 
 #[test]
