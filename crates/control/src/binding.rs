@@ -46,19 +46,17 @@ impl SoundBinding {
         is_finite.then_some(self)
     }
 
-    /// True if the parameter follows the input with a delay.
-    pub fn is_smoothed(&self) -> bool {
-        self.smoothing > 0.0 || self.release.is_some_and(|release| release > 0.0)
-    }
-
     /// Returns the binding as an expression of the scene language, where `input` is the input's expression.
-    /// The expression leaves out the smoothing, because an expression has no memory.
     pub fn expression(&self, input: &str) -> String {
         let curved = self.curve.expression(input);
-        if (self.low, self.high) == (0.0, 1.0) {
-            curved
-        } else {
-            format!("mix({}, {}, {curved})", self.low, self.high)
+        let value = match (self.low, self.high) {
+            (0.0, 1.0) => curved,
+            (low, high) => format!("mix({low}, {high}, {curved})"),
+        };
+        match (self.smoothing, self.release) {
+            (0.0, None | Some(0.0)) => value,
+            (rise, Some(fall)) if fall != rise => format!("follow({value}, {rise}, {fall})"),
+            (rise, _) => format!("follow({value}, {rise})"),
         }
     }
 }
@@ -191,6 +189,15 @@ mod tests {
         assert_eq!(up.expression("bass"), "mix(0.5, 2.5, bass ^ 2)");
         assert_eq!(up.expression("melody / 88"), "mix(0.5, 2.5, (melody / 88) ^ 2)");
         assert_eq!(binding(0.0, 1.0, Curve::Fast).expression("bass"), "bass * (2 - bass)");
+        let smooth = |smoothing, release| SoundBinding { smoothing, release, ..up.clone() };
+        for (binding, written) in [
+            (smooth(0.0, Some(0.0)), "mix(0.5, 2.5, bass ^ 2)"),
+            (smooth(0.25, None), "follow(mix(0.5, 2.5, bass ^ 2), 0.25)"),
+            (smooth(0.25, Some(0.25)), "follow(mix(0.5, 2.5, bass ^ 2), 0.25)"),
+            (smooth(0.0, Some(1.5)), "follow(mix(0.5, 2.5, bass ^ 2), 0, 1.5)"),
+        ] {
+            assert_eq!(binding.expression("bass"), written);
+        }
         assert_eq!(binding(f32::NAN, 1.0, Curve::Fast).mended(), None);
         let long = SoundBinding { smoothing: 1e9, ..up };
         assert_eq!(long.mended().unwrap().smoothing, limits::SMOOTHING_SECONDS_MAX);

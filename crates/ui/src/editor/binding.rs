@@ -45,11 +45,8 @@ pub(super) fn write_waiting(editor: &mut Editor) {
         Ok(())
     });
     if editor.notice.words().is_none() {
-        let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
-        editor.show_notice(format!(
-            "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",
-            to_write.name
-        ));
+        let name = &to_write.name;
+        editor.show_notice(format!("{name} now follows the sound in the text; Ctrl+Z undoes this"));
     }
 }
 
