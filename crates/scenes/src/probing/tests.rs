@@ -32,11 +32,10 @@ fn asked(scenery: &Scenery, ask: impl Fn(&Prober, Scenery)) -> Answer {
 #[test]
 fn a_probed_point_has_an_object_a_position_and_a_source_range() {
     let scenery = scenery(BALLS);
-    let surface =
-        |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.request_point(scenery, at)) {
-            Answer::Point(probed) => probed.surface,
-            other => panic!("{other:?}"),
-        };
+    let surface = |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.request_point(scenery, at)) {
+        Answer::Point(probed) => probed.surface,
+        other => panic!("{other:?}"),
+    };
     let ball = surface([0.5, 0.5]).unwrap();
     assert_eq!((ball.object.as_str(), ball.material.as_str()), ("near", "default"));
     assert!((ball.distance - 4.0).abs() < 1e-3 && (ball.position[2] - 4.0).abs() < 1e-3, "{ball:?}");

@@ -79,7 +79,8 @@ fn objects_that_melt_come_from_the_text_of_both() {
 
 #[test]
 fn a_scene_may_exceed_the_list_of_notes() {
-    let text = "object o { shape = min(for i in 0..1000: sphere(p - vec3(i, sum(for k in 0..300: k * x), 0), 1)) }";
+    let text =
+        "object o { shape = min(for i in 0..1000: sphere(p - vec3(i, sum(for k in 0..300: k * x), 0), 1)) }";
     let compiled = compile("test", text, &mut no_includes);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
     assert!(scene.origins.notes.len() >= super::NOTES_MAX);

@@ -142,12 +142,7 @@ impl World {
         alignment: &Alignment,
         fraction: f32,
     ) -> Result<World, BlendError> {
-        within_limits(from, to)?;
-        if let Some(world) = [from, to].into_iter().find(|world| world.features.glass)
-            && kind == BlendKind::Melt
-        {
-            return Err(BlendError::Glass(world.name.clone()));
-        }
+        check_blend(from, to, kind)?;
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
         graph.reserve(from.scene.graph.len() + to.scene.graph.len());
@@ -242,7 +237,12 @@ fn whole(name: String, shape: NodeId) -> Object {
     Object { name, span: Default::default(), shape, bound: None, material: 0, trusted: false }
 }
 
-fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
+fn check_blend(from: &World, to: &World, kind: BlendKind) -> Result<(), BlendError> {
+    if let Some(world) = [from, to].into_iter().find(|world| world.features.glass)
+        && kind == BlendKind::Melt
+    {
+        return Err(BlendError::Glass(world.name.clone()));
+    }
     if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
         return Err(BlendError::Feedback(world.name.clone()));
     }
