@@ -28,7 +28,7 @@ pub struct Motion {
     /// The goal, then the time constants of rise and fall in seconds, or the stiffness in 1/s² and the damping in 1/s.
     /// For [`MotionKind::Since`], the first operand is above 0.5 during the event.
     pub operands: [NodeId; 3],
-    /// Bounds of the value, whatever is heard.
+    /// Bounds of the value for any sound.
     pub range: Interval,
 }
 
@@ -72,7 +72,7 @@ impl Motion {
     /// Returns the state at the first known moment, at which the operands have these values.
     pub(crate) fn begin(&self, [goal, ..]: [f32; 3]) -> MotionState {
         let value = if self.kind == MotionKind::Since { MOTION_SECONDS } else { goal };
-        MotionState { value: self.within(value, 0.0), speed: 0.0, goal }
+        MotionState { value: self.within(value, self.within(0.0, 0.0)), speed: 0.0, goal }
     }
 
     /// Returns the state `seconds` later, when the operands have these values.
@@ -101,7 +101,8 @@ impl Motion {
     }
 
     fn within(&self, value: f32, otherwise: f32) -> f32 {
-        if value.is_finite() { value.clamp(self.range.lo, self.range.hi) } else { otherwise }
+        // Not `clamp`, because the ends of an unknown range are NaN.
+        if value.is_finite() { value.max(self.range.lo).min(self.range.hi) } else { otherwise }
     }
 }
 
@@ -129,8 +130,8 @@ impl Graph {
         }
     }
 
-    /// Returns what keeps a value from being computed for earlier moments: the first input, curve or texture that it
-    /// reads besides the time, the numbers of the sound, parameters and other motions.
+    /// Returns the name of the first input, curve or texture that a value reads and that is not known for earlier moments.
+    /// Known are the time, the numbers of the sound, parameters and motions.
     pub(crate) fn not_remembered(&self, root: NodeId) -> Option<String> {
         let nodes = self.order(&[root]).ok()?.nodes;
         nodes.into_iter().find_map(|id| match self.node(id) {
@@ -185,6 +186,24 @@ mod tests {
         assert!(damped.iter().all(|value| *value < 1.001) && damped[98] > 0.99);
         let hard = run(MotionKind::Spring, [f32::INFINITY, f32::NAN], jump);
         assert!(hard.iter().all(|value| value.is_finite() && value.abs() <= 6.0), "{hard:?}");
+    }
+
+    #[test]
+    fn a_goal_without_a_range_or_a_value_moves_nothing_out_of_bounds() {
+        let operands = [NodeId::default(); 3];
+        for kind in [MotionKind::Follow, MotionKind::Spring, MotionKind::Since] {
+            for range in [Interval::ANY, Interval::ALL, Interval { lo: -1.0, hi: 1.0 }] {
+                let motion = Motion { kind, operands, range };
+                let mut state = motion.begin([f32::NAN; 3]);
+                for goal in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, 0.25] {
+                    for numbers in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e30] {
+                        state = motion.step(state, [goal, numbers, numbers], 0.02);
+                        assert!(state.value.is_finite(), "{kind:?} {range:?} {goal} {numbers}: {state:?}");
+                        assert!(range.is_any() || range.contains(state.value), "{range:?}: {state:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
