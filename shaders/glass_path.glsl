@@ -46,7 +46,7 @@ Surface opaque_part(Surface s) {
     return s;
 }
 
-// Lets the bent ray go on in place of the mirrored one, which waits if it can. Returns false if the surface is no glass.
+// Continues the path with the bent ray. The mirrored ray waits if it can. Returns false if the surface is no glass.
 bool bend(inout EyePath path, Mirror at, vec3 came, bool leaves, float fraction_min) {
     Material m = at.s.material;
     if (!(m.glass > 0.0)) return false;

@@ -21,7 +21,7 @@ pub struct Worker<Order, Answer = ()> {
 }
 
 /// Starts a thread. It calls `prepare` and passes each order to the result, which may answer. It calls `wake` after each
-/// answer. A panic of one order is logged, and the thread goes on with the next one.
+/// answer. A panic of one order is logged, and the thread continues with the next order.
 ///
 /// # Errors
 /// Fails if the system cannot start a thread.

@@ -25,7 +25,7 @@ pub struct Latest<State> {
 
 /// Starts a thread that takes jobs out of `state` with `next`, and passes each one to `work`. An `Option` as the state
 /// is a request that a newer one replaces. A long job can look in the state whether it is still wanted, and must end
-/// when [`Shared::is_over`]. A panic of one job is logged, and the thread goes on with the next one.
+/// when [`Shared::is_over`]. A panic of one job is logged, and the thread continues with the next job.
 ///
 /// # Errors
 /// Fails if the system cannot start a thread.

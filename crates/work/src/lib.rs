@@ -18,7 +18,7 @@ mod latest;
 pub use in_order::{Worker, in_order};
 pub use latest::{Latest, Shared, latest};
 
-/// A thread with a loop of its own. Dropping this leaves the thread alone.
+/// A thread that runs its own loop. Dropping this leaves the thread alone.
 #[derive(Debug)]
 pub struct Background {
     handle: Option<JoinHandle<()>>,
@@ -51,7 +51,7 @@ impl Default for Background {
 }
 
 impl Background {
-    /// Starts a thread with a loop of its own.
+    /// Starts a thread that runs its own loop.
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.

@@ -143,7 +143,7 @@ impl Graph {
             match node {
                 Node::Input(input) => {
                     used.inputs.insert(input);
-                    // A motion reads what its operands read. They precede it, like those of other nodes.
+                    // A motion reads the inputs of its operands, which precede it.
                     if let Input::Motion(number) = input {
                         let operands = self.motions.get(usize::from(number)).map(|motion| motion.operands);
                         operands.iter().flatten().for_each(|operand| is_needed[operand.index()] = true);

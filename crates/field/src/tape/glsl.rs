@@ -51,7 +51,7 @@ pub fn input_name(input: Input) -> String {
         Input::Level(level) => format!("frame_levels[{}].x", level.place()),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
-        // Scenes are drawn with hoisted values in place of motions; an export writes numbers.
+        // Drawn scenes have hoisted values for their motions, and an export writes numbers.
         Input::Motion(index) => packed("frame_motions", usize::from(index)),
     }
 }

@@ -57,7 +57,7 @@ impl Motions {
 }
 
 impl Moving<'_> {
-    /// Moves on to a moment, `seconds` after the one before, and writes the values into its inputs.
+    /// Advances by `seconds` to a moment, and writes the values into its inputs.
     pub fn step(&mut self, at: &mut FrameInputs, seconds: f32) {
         at.motions.resize(self.motions.steps.len(), 0.0);
         for (number, (motion, operands)) in self.motions.steps.iter().enumerate() {

@@ -80,7 +80,7 @@ impl AudibleMoment {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
-    /// Returns the sound of the last seconds before an earlier time of the track, as far as it is known.
+    /// Returns the known sound of the seconds before an earlier time of the track.
     pub(super) fn recent(&self, song_time: f64) -> Vec<Recent> {
         let back = self.moment.song_time - song_time;
         let recent =

@@ -183,8 +183,8 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32], held: &Held
 
 const _: () = assert!(RECENT_SECONDS as f32 == MOTION_SECONDS);
 
-/// Computes the numbers with inertia of a frame from the last seconds. Held inputs had their values then, too, and
-/// parameters had the values that they have now.
+/// Computes the numbers with inertia of a frame from the last seconds. Held inputs and parameters keep their present
+/// values during these seconds.
 fn move_numbers(world: &World, inputs: &mut FrameInputs, time: f64, recent: &[Recent], held: &HeldInputs) {
     let motions = &world.frame_tape.motions;
     let (mut moving, mut at) = (motions.begin(), inputs.clone());
