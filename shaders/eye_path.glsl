@@ -1,4 +1,4 @@
-// The path from the eye through mirrors and glass: its next ray, and what was found so far.
+// The path from the eye through mirrors and glass: its next ray, its light and its first surface.
 struct EyePath {
     vec3 origin;
     vec3 direction;
@@ -18,7 +18,7 @@ float cone_of(EyePath path) {
     return camera_position.w * path.travelled;
 }
 
-// What the path has met: 1 / distance of the first surface along the camera's axis, the key of its surfaces, and ROUGH_KEY
+// The path's first surface: 1 / distance of the first surface along the camera's axis, the key of its surfaces, and ROUGH_KEY
 // after a rough mirror (pixel_key.glsl).
 float seen_nearness = 0.0;
 float surface_key = 0.0;

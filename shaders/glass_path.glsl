@@ -1,4 +1,4 @@
-// Paths through glass (variant GLASS): where rays begin, what the glass leaves of the light, and which ray goes on.
+// Paths through glass (variant GLASS): where rays begin, what the glass leaves of the light, and which ray is traced next.
 
 // Maximum number of surfaces on a path. Without glass: four mirrors, and the surface in the last mirror. With glass: two
 // hollow bodies with two walls each, the surface behind them, and SURFACES_KEPT for the waiting ray.
@@ -76,7 +76,7 @@ bool bend(inout EyePath path, Mirror at, vec3 came, bool leaves, float fraction_
     return true;
 }
 
-// Goes on with the waiting ray where the path would end. Keeps some surfaces for it.
+// Continues the path with the waiting ray where it would end. Keeps some surfaces for it.
 void resume_waiting(inout EyePath path, inout bool ends) {
     bool is_waiting = waiting.throughput != vec3(0.0);
     if (!is_waiting || !(ends || path.surface == SURFACES_MAX - SURFACES_KEPT)) return;

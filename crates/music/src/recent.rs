@@ -6,8 +6,8 @@ use super::song::SongMoment;
 /// The time span of recent moments, in seconds.
 pub const RECENT_SECONDS: f64 = 6.0;
 
-/// Every which moment of the analysis is kept: one every 21 ms at 48 kHz. They are at fixed moments of the stream, so
-/// that what is computed from them does not depend on the frames.
+/// One of this many moments of the analysis is kept: one every 21 ms at 48 kHz. They are at fixed moments of the stream,
+/// so that what is computed from them does not depend on the frames.
 pub(super) const MOMENTS_PER_RECENT: u64 = 2;
 
 /// The sound of an earlier moment.

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use super::{Background, contained};
 
-/// The owner of a thread that [`in_order`] has started. When this is dropped, the thread carries out the orders that it
-/// has, but none after an answer that nobody can read.
+/// The owner of a thread that [`in_order`] has started. When this is dropped, the thread carries out the
+/// remaining orders, and stops at the first answer that can no longer be delivered.
 // The thread ends after the orders have gone, and its last answers are still sent meanwhile: the order of the fields.
 #[derive(Debug)]
 pub struct Worker<Order, Answer = ()> {

@@ -97,14 +97,15 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
     rest.reserve(order.len());
     let mut moved = Moved::of(graph);
     // Shaders know no motions, so these come first: there are fewer of them than places.
-    for &id in order.iter().filter(|id| matches!(graph.node(**id), Node::Input(Input::Motion(_)))) {
+    let is_motion = |id: NodeId| matches!(graph.node(id), Node::Input(Input::Motion(_)));
+    for &id in order.iter().filter(|id| is_motion(**id)) {
         if is_read[id.index()] {
             moved.0[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
             hoisted.push(id);
         }
     }
     for &id in &order {
-        if matches!(graph.node(id), Node::Input(Input::Motion(_))) {
+        if is_motion(id) {
             continue;
         }
         let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_));

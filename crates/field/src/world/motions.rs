@@ -69,8 +69,9 @@ impl Moving<'_> {
                     *state
                 }
                 None => {
-                    self.states.push(motion.begin(*values));
-                    motion.begin(*values)
+                    let state = motion.begin(*values);
+                    self.states.push(state);
+                    state
                 }
             };
             if let Some(value) = at.motions.get_mut(number) {

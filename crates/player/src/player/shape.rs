@@ -107,7 +107,8 @@ fn open_and_measure(track: &TrackInfo, wanted: &Shared<Wanted>, shared: &SharedS
     }
 }
 
-/// Decodes the track and publishes its shape. Returns `None` if it has none, or another track is requested.
+/// Decodes the track and publishes its shape. Stops with `None` when another track is requested, or if the
+/// track is too long or its duration is unknown.
 fn measure(
     track: &TrackInfo,
     source: &mut dyn FrameSource,

@@ -146,7 +146,7 @@ fn check_text(text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Adds a copy of an element to `copy`, with what can be painted. Returns true if there are texts in it.
+/// Adds a copy of an element to `copy`, with only the elements that can be painted. Returns true if it contains texts.
 fn copy_element(element: roxmltree::Node<'_, '_>, depth: usize, copy: &mut String) -> Result<bool> {
     let name = match element.tag_name().name() {
         name @ ("svg" | "g" | "a" | "switch" | "use" | "symbol" | "defs" | "style" | "path" | "rect"
@@ -287,7 +287,7 @@ fn too_deep() -> Refused {
     (format!("its groups and uses are nested more than {} deep", limits::DRAWING_NESTING_MAX), true)
 }
 
-/// What usvg has read, as paths.
+/// Turns the tree that usvg has read into paths.
 struct Painter {
     shapes: Vec<Painted>,
     /// Parts of paths that may still be painted.

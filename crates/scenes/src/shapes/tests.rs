@@ -319,7 +319,7 @@ fn names_of_colours_and_styles_of_the_root_were_ignored() {
     assert_eq!(brightness("fill='white'", square), 1.0);
     assert!((brightness("style='fill:lime'", square) - 0.7152).abs() < 1e-3);
     assert_eq!(brightness("color='white'", "<rect fill='currentColor' width='100%' height='100%'/>"), 1.0);
-    // Rules for dark screens do not count, and a rule for two classes and nothing else does.
+    // Rules for dark screens are ignored, so only the rule for two classes applies.
     let sheet = "<style>@media (x) { .a { fill: white } .b { fill: white } } .a.b { fill: lime }</style>";
     let classes = format!("{sheet}<rect class='b a' width='9' height='9'/>");
     assert!((brightness("", &classes) - 0.7152).abs() < 1e-3);
