@@ -34,55 +34,23 @@
 #include "shadow.glsl"
 #include "light.glsl"
 #include "picture_block.glsl"
+#include "path_pass.glsl"
 #include "path_state.glsl"
 #include "path_random.glsl"
 #include "path_lights.glsl"
 #include "path_lobes.glsl"
-#ifdef SWARM
-#include "swarm.glsl"
-#endif
-#ifdef MEDIA
-#include "media.glsl"
+#include "path_ray.glsl"
+#include "path_guides.glsl"
 #include "path_media.glsl"
-#endif
+#include "path_glass.glsl"
+#include "path_swarm.glsl"
+#include "path_direct.glsl"
+#include "path_surface.glsl"
 
 layout(location = 0) out vec4 state_origin;
 layout(location = 1) out vec4 state_direction;
 layout(location = 2) out vec4 state_throughput;
 layout(location = 3) out vec4 state_sum;
-
-// The numbers of a pass; written by crates/render/src/gpu/renderer/paths.rs.
-#define path_corner pass_sample.xy                  // the place of the first pixel of the state in the frame
-#define path_first uint(pass_sample.z)              // number of the pixel's first path in the sequence
-#define path_sampling int(pass_sample.w)            // SAMPLE_...
-#define paths_most int(pass_list.x)                 // largest number of paths of a pixel
-#define path_noise pass_list.y                      // a pixel is finished if its relative standard error is below this
-#define is_beginning (pass_list.z > 0.5)            // true in the first pass, in which there is no state
-#define is_guiding (pass_list.z > 1.5)              // true in the passes that write what pixels show, for the filter
-#define guides_before int(pass_list.z - 1.5)        // number of such passes before
-
-// How light is found: the first one in pictures, the others in tests of it.
-const int SAMPLE_BOTH = 0;
-const int SAMPLE_LIGHTS = 1;
-const int SAMPLE_LOBES = 2;
-
-// The end of a ray that leaves the scene, beyond every light.
-const float NEVER = 1e9;
-
-// Pairs of numbers for a path, and for each of its rays.
-const int PLACE_PAIR = 0;
-const int LENS_PAIR = 1;
-const int RAY_PAIRS = 2;
-const int LIGHT_PAIR = 0;       // the direction to a light
-const int LOBE_PAIR = 1;        // the direction of the next ray
-const int CHOICE_PAIR = 2;      // which light, which lobe
-const int SURVIVAL_PAIR = 3;    // mirror or lobe, and the end of a path
-#ifdef SWARM
-const int SWARM_PAIR = 4;       // whether a ray meets thin balls
-const int PAIRS = 5;
-#else
-const int PAIRS = 4;
-#endif
 
 // From this ray on, a path may end by chance.
 const int CERTAIN_RAYS = 3;
@@ -90,128 +58,6 @@ const int CERTAIN_RAYS = 3;
 const int PATHS_MIN = 16;
 // Noise in darker light than this fraction of white is not visible.
 const float DARKEST = 0.02;
-// Shadows of paths have no penumbra: a path samples the light's width.
-const float SHARPEST = 1e5;
-
-// The place from which a path goes on.
-struct Vertex {
-    vec3 origin;
-    Lobes lobes;        // of a surface
-    float lobed;        // fraction of the lobes' light that rays may meet by chance
-    bool is_medium;
-    vec3 kept;          // of a medium
-    float phase;
-};
-
-float vertex_density(Vertex at, vec3 to) {
-#ifdef MEDIA
-    if (at.is_medium) return scattering(at.phase, dot(at.lobes.direction, to));
-#endif
-    return lobe_density(at.lobes, to);
-}
-
-vec3 vertex_reflectance(Vertex at, vec3 to) {
-#ifdef MEDIA
-    if (at.is_medium) return at.kept * scattering(at.phase, dot(at.lobes.direction, to));
-#endif
-    return lobe_reflectance(at.lobes, to);
-}
-
-// The weight of a direction that was drawn with the density `own` and could have been drawn with `other`.
-float weight_of(float own, float other) {
-    float ratio = other / max(own, 1e-30);
-    return 1.0 / (1.0 + ratio * ratio);
-}
-
-vec3 finite_light(vec3 light) {
-    float bright = brightness_of(light);
-    return bright >= 0.0 && bright < 1e12 ? max(light, vec3(0.0)) : vec3(0.0);
-}
-
-int last_light() {
-    return min(int(frame_clock.y), LIGHTS_MAX) - 1;
-}
-
-float all_shares(vec3 origin) {
-    float sum = 0.0;
-    for (int i = 0; i <= last_light(); i++) sum += light_share(i, origin);
-    return sum;
-}
-
-// Returns the light of all lights that a ray meets by chance before `end`, or behind surfaces that do not stop all of it.
-vec3 lights_met(Path path, float end, bool is_scattered) {
-    vec3 sum = vec3(0.0);
-    float shares = all_shares(path.origin);
-    for (int i = 0; i <= last_light(); i++) {
-        LightPoint met = light_on_ray(i, path.origin, path.direction, false);
-        float share = light_share(i, path.origin);
-        if (!(met.t >= 0.0) || !(share > 0.0)) continue;
-        float passing = met.t < end ? 1.0 : is_scattered ? 0.0 : 1.0 - met.shadow;
-        float weight = path_sampling == SAMPLE_LOBES ? 1.0 : weight_of(path.density, met.density * share / shares);
-        sum += met.radiance * (passing * weight);
-    }
-    return path_sampling == SAMPLE_LIGHTS ? vec3(0.0) : sum;
-}
-
-// Returns the light of one light at a place, whose choice `random` is.
-vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
-    float shares = all_shares(at.origin);
-    if (!(shares > 0.0) || path_sampling == SAMPLE_LOBES) return vec3(0.0);
-    float before = 0.0;
-    int chosen = 0;
-    float chosen_share = 0.0;
-    for (int i = 0; i <= last_light(); i++) {
-        float share = light_share(i, at.origin);
-        if (share > 0.0 && before <= random * shares) {
-            chosen = i;
-            chosen_share = share;
-        }
-        before += share;
-    }
-    vec3 to = towards_light(chosen, at.origin, direction_random);
-    LightPoint point = light_on_ray(chosen, at.origin, to, true);
-    float density = point.density * chosen_share / shares;
-    if (!(density > 0.0) || point.t < 0.0) return vec3(0.0);
-    float weight = path_sampling == SAMPLE_LIGHTS ? 1.0 : mix(1.0, weight_of(density, vertex_density(at, to)), at.lobed);
-    vec3 thrown = vertex_reflectance(at, to);
-    // The part that rays find by chance.
-    vec3 met = thrown * (1.0 - weight);
-    vec3 normal = at.is_medium ? vec3(0.0) : at.lobes.normal;
-#ifdef TRANSLUCENT
-    // Light through the body, as in the raster. No ray meets it by chance.
-    Material m = at.lobes.material;
-    if (!at.is_medium) thrown += m.color * (0.5 * m.translucent / PI);
-    shadow_dims = !at.is_medium && m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
-    normal *= dot(normal, to) < 0.0 ? -1.0 : 1.0;
-#endif
-    vec3 light = finite_light(thrown * point.radiance / density);
-    if (brightness_of(light) <= 0.0) return vec3(0.0);
-    vec3 light_met = finite_light(met * point.radiance / density);
-    float t = point.shadow > 0.0 ? point.t : 0.0;
-    int rays = 1;
-#ifdef GLASS
-    // Glass stops or bends the rays that meet lights by chance, so a second ray looks for glass. The rays towards lights
-    // find the rest.
-    if (t > 0.0 && brightness_of(light_met) > 0.01 * brightness_of(light)) rays = 2;
-#endif
-    float visible = 0.0;
-    float visible_met = 0.0;
-    for (int i = 0; i < rays; i++) {
-        penumbra_growth = i == 0 ? 1.0 / SHARPNESS_MAX : 0.0;
-        visible_met = mix(1.0, light_visibility(at.origin, normal, to, t, SHARPEST, cone), point.shadow);
-        if (i == 0) visible = visible_met;
-        if (visible <= 0.0) break;
-    }
-#ifdef TRANSLUCENT
-    shadow_dims = 0.0;
-#endif
-    light = light * visible - light_met * visible_met;
-#ifdef MEDIA
-    if (brightness_of(light) > 0.0) light *= meet_media(at.origin, to, point.t, true, false).left;
-#endif
-    return light;
-}
-
 // Returns a pixel's first ray.
 void begin(inout Path path) {
     path.throughput = vec3(1.0);
@@ -254,261 +100,113 @@ bool is_known(Path path, ivec2 texel) {
     return errors <= path_noise * path_noise * light;
 }
 
-void add(inout Path path, vec3 light) {
-    vec3 sound = finite_light(path.throughput * light);
-    path.sum += sound;
-    path.found += brightness_of(sound);
+// Adds the sky's light where a ray sees it. Ambient light is part of the light that media emit in the raster. Paths find it
+// themselves, so the fraction `ambient` of it is subtracted.
+void add_sky(inout Path path, vec3 fraction, vec3 ambient, vec3 direction, vec3 dx, vec3 dy, bool is_seen) {
+    vec3 mean_ambient = vec3(0.0);
+    for (int i = brightness_of(ambient) > 0.0 ? 0 : 6; i < 7; i++) {
+        bool is_sky = i == 6;
+        if (is_sky && !(max(fraction.r, max(fraction.g, fraction.b)) > 0.0)) break;
+        vec3 axis = vec3(equal(ivec3(i >> 1), ivec3(0, 1, 2))) * ((i & 1) == 0 ? 1.0 : -1.0);
+        vec3 light = light_of(sky_light(is_sky ? direction : axis, dx, dy, is_sky && is_seen));
+        if (is_sky) {
+            add(path, fraction * light);
+        } else {
+            mean_ambient += light * (1.0 / 6.0);
+        }
+    }
+    vec3 doubled = ambient * mean_ambient;
+    path.sum -= doubled;
+    path.found -= brightness_of(doubled);
 }
 
-// The guides of the filter: normal and distance of the first surface after mirrors and glass, and about the light of the path
-// if a light of 1 lit everything.
-vec4 guide = vec4(0.0, 0.0, 0.0, NEVER);
-vec3 guide_color = vec3(0.0);
-// Guides follow a path through this number of mirrors and walls of glass that are no rougher than this.
-const int GUIDED_RAYS = 6;
-const float GUIDED_ALPHA = 0.01;
-
 // Follows the ray of a path, and draws the next one. Returns false at the end of the path.
-bool go_on(inout Path path) {
+bool follow(inout Path path) {
     int pairs = RAY_PAIRS + PAIRS * path.ray;
     float spread = camera_position.w;
-    float cone = spread * path.travelled;
-    float start = path.ray > 0 ? 0.01 : 0.0;
-#ifdef GLASS
-    bool is_inside = path.density < INSIDE_BELOW;
-    if (is_inside) path.density = INSIDE - path.density;
-    ray_side = is_inside ? -1.0 : 1.0;
-    // Walls of glass are thin, so rays start close to the surface.
-    if (is_inside) start = 0.0;
-#else
-    const bool is_inside = false;
-#endif
-    Hit hit = trace(path.origin, path.direction, start, cone, spread, true);
-#ifdef SWARM
-    // A ray meets the thin balls of a swarm with the probability of the light that they hide.
-    SwarmSeen seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, path.travelled, 0);
-    add(path, seen.light);
-    guide_color += path.throughput * finite_light(seen.light);
-    bool is_thin = random_pair(pairs + SWARM_PAIR).x >= seen.left;
-    bool is_ball = is_thin || seen.ball > 0;
-    if (is_ball) hit = Hit(is_thin ? seen.thin_t : seen.t, NOTHING, true);
-#else
-    const bool is_ball = false;
-#endif
-#ifdef GLASS
-    ray_side = 1.0;
-    bool leaves = is_inside && hit.met && !met_in_glass && hit.plane == NOTHING && !is_ball;
-#endif
-    float end = hit.met ? hit.t : NEVER;
-    bool is_scattered = false;
-#ifdef MEDIA
-    // There is no medium in glass, and the filter is guided by surfaces.
-    bool is_clear = is_inside || is_guiding;
-    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false, path.density == BY_EYE);
-    if (is_clear) met.t = end;
-    is_scattered = met.t < end;
-    end = met.t;
-    add(path, met.emitted);
-    vec3 ambient_throughput = met.is_last ? vec3(0.0) : path.throughput * met.ambient;
-#endif
-    if (path.density > 0.0) add(path, lights_met(path, end, is_scattered));
+    bool is_inside = begin_inside(path);
+    // Walls of glass are thin, so rays in it start close to the surface.
+    float start = path.ray > 0 && !is_inside ? 0.01 : 0.0;
+    Hit hit = trace(path.origin, path.direction, start, spread * path.travelled, spread, true);
+    BallsMet balls = meet_balls(path, hit, pairs);
+    bool leaves = leaves_glass(hit, is_inside, balls.is_ball);
+    float at_surface = hit.met ? hit.t : NEVER;
+    Meeting met = meet_media(path, at_surface, is_inside);
+    bool is_scattered = met.t < at_surface;
+    if (path.density > 0.0) add(path, path.throughput * lights_met(path, met.t, is_scattered));
 
-    float reached = path.travelled + (hit.met || is_scattered ? end : 1.0);
-    vec3 dx = ray_dx(reached);
-    vec3 dy = ray_dy(reached);
-    vec3 sky_fraction = is_scattered ? vec3(0.0) : path.throughput;
-    vec3 seen_direction = path.direction;
-    bool is_seen = path.density == BY_EYE;
     bool goes_on = hit.met || is_scattered;
-#ifdef MEDIA
-    // The filter smooths media before the sky.
-    if (!goes_on && path.ray == 0) guide.xyz = -path.direction;
-#endif
+    float reached = path.travelled + (goes_on ? met.t : 1.0);
+    RayEnd end = RayEnd(hit, met.t, is_inside, leaves, ray_dx(reached), ray_dy(reached));
+    vec3 ray = path.direction;
+    bool is_seen = path.density == BY_EYE;
+    vec3 ambient = path.throughput * met.ambient;
+    vec3 sky_fraction = is_scattered ? vec3(0.0) : path.throughput;
     if (goes_on) {
         path.travelled = reached;
-        cone = spread * reached;
-        vec3 p = path.origin + end * path.direction;
+        vec3 p = path.origin + met.t * ray;
         vec2 survival = random_pair(pairs + SURVIVAL_PAIR);
         vec2 choice = random_pair(pairs + CHOICE_PAIR);
+        vec2 random = random_pair(pairs + LOBE_PAIR);
         Vertex at;
-        at.is_medium = is_scattered;
-        at.origin = p;
-        at.lobed = 1.0;
-        bool is_mirrored = false;
-#ifdef GLASS
-        bool goes_inside = is_inside && !leaves;
-#endif
-        vec3 to = path.direction;
-#ifdef MEDIA
-        at.kept = met.kept;
-        at.phase = met.phase;
-#endif
-        vec4 plane = plane_of(hit.plane);
-        if (hit.plane != NOTHING && !is_scattered) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
-        Surface s;
+        Parting parting;
+        if (is_scattered) {
+            at.origin = p;
+            at.lobes.direction = ray;
+            at.lobed = 1.0;
+            at.is_medium = true;
+            at.kept = met.kept;
+            at.phase = met.phase;
+        } else {
+            vec4 plane = plane_of(hit.plane);
+            if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
+            Surface s;
 #ifdef SWARM
-        if (is_thin) {
-            s = thin_surface(seen.thin_color, p, path.direction);
-        } else if (is_ball) {
-            s = swarm_surface(seen.ball, p, path.direction);
-        } else
+            if (balls.is_ball) {
+                s = ball_surface(balls, p, ray);
+            } else
 #endif
-        {
-#ifdef GLASS
-            // The glass around an opaque surface.
-            for (int i = goes_inside ? 0 : 1; i < 2; i++) {
-                surface_penumbra = goes_inside && i > 0 ? WITHOUT_GLASS : 0.0;
-                s = scene_surface(p, i > 0 ? hit.plane : NOTHING, path.direction, cone, dx, dy);
-                if (is_inside && (i == 0 || leaves)) path.throughput *= exp(-within_ranges(s.material).absorb * end);
-            }
-#else
-            s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
-#endif
+            s = surface_at_end(path, end, p, spread * reached);
+            s.material = within_ranges(s.material);
+            turn_inside(s, end);
+            sky_fraction = path.throughput * s.material.haze;
+            at = vertex_on_surface(path, end, s, p, random, parting);
+            add(path, path.throughput * s.material.emission);
         }
-        Material m = within_ranges(s.material);
-#ifdef GLASS
-        if (hit.plane != NOTHING) m.glass = 0.0;
-        if (leaves) {
-            s.normal = -s.normal;
-            m.glass = 1.0;
-            m.haze = 0.0;
+        if (!is_guiding) {
+            vec2 towards = random_pair(pairs + LIGHT_PAIR);
+            add(path, path.throughput * light_sampled(at, spread * reached, choice.x, towards));
         }
-        vec3 colored = m.color;
-        m.color *= 1.0 - m.glass;
-#else
-        vec3 colored = m.color;
-#endif
-        at.lobes = lobes_of(m, s.normal, path.direction);
+        bool is_image = false;
+        bool goes_inside = is_inside && !leaves;
         if (!is_scattered) {
-            sky_fraction = path.throughput * m.haze;
-            path.throughput *= 1.0 - m.haze;
-            vec3 kept = path.throughput;
-            float off = hit.plane != NOTHING ? 0.0 : max(0.002, cone);
-            at.origin = p + s.normal * off;
-            vec3 facing = s.normal;
-#ifdef BLUR
-            float alpha = m.blur * m.blur;
-            if (alpha > 1e-4 && !is_guiding) facing = facet(s.normal, alpha, random_pair(pairs + LOBE_PAIR));
-#endif
-            // The fractions of light that the surface mirrors, scatters, and lets through.
-            float reflectance = mirrored_part(m, s.normal, path.direction);
-            vec3 tint = mix(vec3(1.0), colored, m.metalness);
-#ifdef SHEEN
-            tint *= film_color(m.film, clamp(-dot(path.direction, s.normal), 0.0, 1.0));
-#endif
-            vec3 mirrored = reflectance * tint;
-            float scattered = 1.0 - reflectance;
-            float bent = 0.0;
-#ifdef GLASS
-            float ratio = leaves ? m.ior : 1.0 / m.ior;
-            float of_glass = glass_reflectance(ratio, clamp(-dot(path.direction, facing), 0.0, 1.0));
-            if (m.glass > 0.0) {
-                mirrored = leaves ? vec3(of_glass) : max(reflectance, m.glass * of_glass) * tint;
-                bent = m.glass * (1.0 - of_glass);
-            }
-            if (leaves) scattered = 0.0;
-            // The mirror image of glass replaces the rays of its highlight, but not the highlights of lights.
-            at.lobed = 1.0 - m.glass * (at.lobes.shares.y + at.lobes.shares.z);
-#endif
-            path.throughput = kept * scattered;
-            add(path, m.emission);
-            if (!is_guiding) add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
-            // The ray goes one of these ways, with about the probability of the light that takes it.
-            vec3 ways = vec3(brightness_of(mirrored), bent, scattered * at.lobed * max(at.lobes.bright, 0.05));
-            ways /= max(ways.x + ways.y + ways.z, 1e-6);
-            if (is_guiding) {
-                guide = vec4(s.normal, path.travelled);
-                guide_color += kept * (scattered * (mix(vec3(0.04), vec3(1.0), m.color) + finite_light(m.emission)));
-                guide_color += kept * (mirrored + bent);
-                bool is_rough = false;
-#ifdef BLUR
-                is_rough = alpha > GUIDED_ALPHA;
-#endif
-                bool is_image = !is_rough && ways.x + ways.y > ways.z;
-                bool is_reflected = is_image && ways.x > ways.y;
-                ways = vec3(is_reflected, is_image && !is_reflected, !is_image);
-            }
-            is_mirrored = survival.x < ways.x + ways.y;
-            if (survival.x < ways.x) {
-                to = reflect(path.direction, facing);
-                to = normalize(to + s.normal * max(0.02 - dot(to, s.normal), 0.0));
-                path.throughput = kept * mirrored / ways.x;
-#ifdef GLASS
-                goes_inside = goes_inside || leaves;
-#endif
-            } else if (is_mirrored) {
-#ifdef GLASS
-                to = refract(path.direction, facing, ratio);
-                to = normalize(to - s.normal * max(0.02 + dot(to, s.normal), 0.0));
-                path.throughput = kept * (bent / ways.y);
-                at.origin = p - s.normal * off;
-                goes_inside = !leaves;
-#endif
+            vec3 ways = ways_of(parting, at);
+            if (is_guiding) guide_at(parting, at.lobes.material, reached, ways);
+            is_image = survival.x < ways.x + ways.y;
+            if (is_image) {
+                bool is_reflected = survival.x < ways.x;
+                go_into_image(path, parting, ways, is_reflected);
+                goes_inside = is_reflected ? is_inside : !leaves;
             } else {
-                path.throughput = kept * (scattered * at.lobed / max(ways.z, 1e-6));
+                path.throughput = parting.kept * (parting.scattered * at.lobed / max(ways.z, 1e-6));
             }
-        } else {
-            add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
         }
-        if (is_mirrored) {
-            // The next surface's colour replaces the white of this image.
-            guide_color -= path.throughput;
-            path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
-        } else {
-            vec2 random = random_pair(pairs + LOBE_PAIR);
-#ifdef MEDIA
-            if (is_scattered) to = around(path.direction, scattering_rise(at.phase, random.x), random.y);
-#endif
-            if (!is_scattered) to = lobe_direction(at.lobes, choice.y, random);
-            float density = vertex_density(at, to);
-            path.throughput *= density > 0.0 ? vertex_reflectance(at, to) / density : vec3(0.0);
-            path.density = density;
-        }
-#ifdef GLASS
+        if (!is_image) scatter(path, at, choice.y, random);
         if (goes_inside) path.density = INSIDE - path.density;
-#endif
-        path.origin = at.origin;
-        path.direction = to;
         float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
         float survives = path.ray < CERTAIN_RAYS || is_guiding ? 1.0 : min(most, 0.95);
         goes_on = most > 0.0 && most < 1e12 && survival.y < survives && path.ray + 1 < FINISHED;
-        goes_on = goes_on && (is_mirrored || !is_guiding);
+        goes_on = goes_on && (is_image || !is_guiding) && !(is_scattered && met.is_last);
         path.throughput /= max(survives, 1e-6);
-#ifdef MEDIA
-        goes_on = goes_on && !(is_scattered && met.is_last);
-#endif
+    } else {
+        guide_sky(path);
     }
-    vec3 next_throughput = path.throughput;
     guide_color += sky_fraction;
 #ifdef NO_SKY
     if (path.ray == 0) sky_fraction = vec3(0.0);
 #endif
-    // Ambient light is part of the light that media emit in the raster. Paths find it themselves, so it is subtracted.
-#ifdef MEDIA
-    vec3 mean_ambient = vec3(0.0);
-    float any_scattered = brightness_of(ambient_throughput);
-    int first = any_scattered > 0.0 ? 0 : 6;
-#else
-    const int first = 6;
-#endif
     float scale = 1.0 / max(reached, 1e-6);
-    for (int i = first; i < 7; i++) {
-        bool is_sky = i == 6;
-        if (is_sky && !(max(sky_fraction.r, max(sky_fraction.g, sky_fraction.b)) > 0.0)) break;
-        vec3 axis = vec3(equal(ivec3(i >> 1), ivec3(0, 1, 2))) * ((i & 1) == 0 ? 1.0 : -1.0);
-        vec3 light = light_of(sky_light(is_sky ? seen_direction : axis, dx * scale, dy * scale, is_sky && is_seen));
-        path.throughput = sky_fraction;
-        if (is_sky) add(path, light);
-#ifdef MEDIA
-        if (!is_sky) mean_ambient += light * (1.0 / 6.0);
-#endif
-    }
-#ifdef MEDIA
-    vec3 doubled = ambient_throughput * mean_ambient;
-    path.sum -= doubled;
-    path.found -= brightness_of(doubled);
-#endif
-    path.throughput = next_throughput;
+    add_sky(path, sky_fraction, ambient, ray, end.dx * scale, end.dy * scale, is_seen);
     return goes_on;
 }
 
@@ -525,9 +223,7 @@ void main() {
     uvec2 pixel = uvec2(texel + ivec2(path_corner));
     path_seed = hashed(pixel.x ^ hashed(pixel.y ^ 0x9E3779B9u));
     path_index = path_first + uint(is_guiding ? guides_before : path.number);
-#ifdef MEDIA
-    path_stream = hashed(path_seed ^ hashed(path_index * uint(RAYS_MAX) + uint(path.ray)));
-#endif
+    begin_stream(path);
     path_place = gl_FragCoord.xy + path_corner + random_pair(PLACE_PAIR) - 0.5;
     vec3 eye_direction = eye_ray();
     if (path.ray == 0) begin(path);
@@ -535,7 +231,7 @@ void main() {
     if (path.ray != FINISHED) {
         bool goes_on = eye_direction != vec3(0.0);
         for (int i = 0; goes_on && i < (is_guiding ? GUIDED_RAYS : 1); i++) {
-            goes_on = go_on(path);
+            goes_on = follow(path);
             path.ray++;
         }
         if (goes_on) guide_color += path.throughput;

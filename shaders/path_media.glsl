@@ -7,11 +7,6 @@
 // raster. If they meet matter before, the path ends there with the sky's ambient light, as in the raster. A white medium in a
 // white sky then stays white.
 
-// Most places at which a ray looks at a medium. More are needed only in media that no light leaves.
-const int MEETINGS_MAX = 512;
-// Rays look at least this often at a medium, per unit of length, because it may emit light without being dense.
-const float MEETINGS_MIN = 0.25;
-
 // What a ray through media has met.
 struct Meeting {
     float t;            // where it met matter; the ray's end if it met none
@@ -23,8 +18,16 @@ struct Meeting {
     bool is_last;       // the path ends at matter
 };
 
+#ifdef MEDIA
+#include "media.glsl"
+
+// Most places at which a ray looks at a medium. More are needed only in media that no light leaves.
+const int MEETINGS_MAX = 512;
+// Rays look at least this often at a medium, per unit of length, because it may emit light without being dense.
+const float MEETINGS_MIN = 0.25;
+
 // Follows a ray up to `end`. With `counts_left`, it does not stop at matter. `is_seen` for rays of the eye and its mirrors.
-Meeting meet_media(vec3 origin, vec3 direction, float end, bool counts_left, bool is_seen) {
+Meeting follow_media(vec3 origin, vec3 direction, float end, bool counts_left, bool is_seen) {
     vec2 span = box_span(origin, direction, medium_low.xyz, medium_high.xyz);
     bool is_last = !is_seen && span.y > MEDIUM_FAR;
     float last = min(min(span.y, end), is_last ? MEDIUM_SHADE_FAR : MEDIUM_FAR);
@@ -66,3 +69,57 @@ float scattering_rise(float phase, float random) {
     float ratio = (1.0 - phase * phase) / (1.0 - phase + 2.0 * phase * random);
     return clamp(1.0 - (1.0 + phase * phase - ratio * ratio) / (2.0 * phase), 0.0, 2.0);
 }
+
+// Adds what a path's ray meets of media before `end`.
+Meeting meet_media(inout Path path, float end, bool is_inside) {
+    // There is no medium in glass, and the filter is guided by surfaces.
+    bool is_clear = is_inside || is_guiding;
+    Meeting met = follow_media(path.origin, path.direction, is_clear ? 0.0 : end, false, path.density == BY_EYE);
+    if (is_clear) met.t = end;
+    add(path, path.throughput * met.emitted);
+    if (met.is_last) met.ambient = vec3(0.0);
+    return met;
+}
+
+float left_by_media(vec3 origin, vec3 direction, float end) {
+    return follow_media(origin, direction, end, true, false).left;
+}
+
+float scattered_part(float phase, float cosine) {
+    return scattering(phase, cosine);
+}
+
+vec3 scattered_direction(vec3 direction, float phase, vec2 random) {
+    return around(direction, scattering_rise(phase, random.x), random.y);
+}
+
+// The filter smooths media before the sky.
+void guide_sky(Path path) {
+    if (path.ray == 0) guide.xyz = -path.direction;
+}
+
+// Starts the path's sequence of independent numbers.
+void begin_stream(Path path) {
+    path_stream = hashed(path_seed ^ hashed(path_index * uint(RAYS_MAX) + uint(path.ray)));
+}
+#else
+Meeting meet_media(inout Path path, float end, bool is_inside) {
+    return Meeting(end, 1.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false);
+}
+
+float left_by_media(vec3 origin, vec3 direction, float end) {
+    return 1.0;
+}
+
+float scattered_part(float phase, float cosine) {
+    return 0.0;
+}
+
+vec3 scattered_direction(vec3 direction, float phase, vec2 random) {
+    return direction;
+}
+
+void guide_sky(Path path) {}
+
+void begin_stream(Path path) {}
+#endif
