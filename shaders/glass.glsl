@@ -7,8 +7,36 @@ float ray_side = 1.0;
 // Fraction of light that is lost per unit of length in the glass.
 vec3 glass_absorbs = vec3(0.0);
 
-// True if the last ray that `trace` has followed met an opaque surface inside of glass.
+// In glass, a ray also ends at opaque surfaces. Their distance is evaluated only where it is needed: up to this distance
+// the ray is free of them.
+float free_in_glass = FAR;
+// True if the last evaluation of `trace` was of opaque surfaces inside of glass.
 bool met_in_glass = false;
+
+void begin_in_glass(float t) {
+    free_in_glass = ray_side < 0.0 ? t : FAR;
+    met_in_glass = false;
+}
+
+// Chooses the distance for the next evaluation.
+void look_in_glass(float t) {
+    met_in_glass = ray_side < 0.0 && t >= free_in_glass;
+}
+
+// True if the other distance is evaluated next: from the same point, or where the ray is no longer free.
+bool looks_again_in_glass(inout float t, float stride, inout float before) {
+    if (met_in_glass) {
+        free_in_glass = t + stride;
+        return true;
+    }
+    bool is_known = !(ray_side < 0.0 && t + stride > free_in_glass);
+    if (!is_known) {
+        t = free_in_glass;
+        before = 0.0;
+    }
+    return !is_known;
+}
+
 // The penumbra for distances around a surface: WITHOUT_GLASS for surfaces inside of glass, else 0.
 float surface_penumbra = 0.0;
 #define SURFACE_PENUMBRA surface_penumbra
@@ -38,6 +66,16 @@ float glass_reflectance(float ratio, float cosine) {
 }
 #else
 const float ray_side = 1.0;
+const bool met_in_glass = false;
+
+void begin_in_glass(float t) {}
+
+void look_in_glass(float t) {}
+
+bool looks_again_in_glass(inout float t, float stride, inout float before) {
+    return false;
+}
+
 #define SURFACE_PENUMBRA 0.0
 #define PLANES_FROM(start, cone) (start)
 #endif

@@ -173,9 +173,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     uvec4 head = uvec4(0u);
     for (int i = FIRST_ROUND; i < SURFACE_ROUNDS; i += i == 0 ? 2 - GLOW_ROUNDS : 1) {
         int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + 2 * s.object;
-#ifdef BODY
         if (i == 3) place++;
-#endif
         Place asked = here;
         Place beside = right;
         Place over = above;
@@ -192,9 +190,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         head = run_program(program_at(place, i == 0 ? s.normal : asked.p), asked, beside, over);
         vec3 first = vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
         if (i == 0) s.ambient = first;
-#ifdef GLOW
         if (i == 1) s.glow = glow_from(vec4(first, READ(head.x, 3)));
-#endif
 #ifdef BODY
         if (i == 2) { READ_MATERIAL(s.material, head) }
 #endif

@@ -43,17 +43,13 @@ int operator_number(uint word) {
 // are variables, selected by the bits of the register's number. Otherwise they are in an array.
 #include "operators.glsl"
 
-// `last` is true for the second clause of a texel. It is a constant with EVERY_CASE, else a variable.
+// CLAUSE_PLACE is the type of `last`, which is true for the second clause of a texel. FORGET clears registers before a run,
+// so that compilers for GPUs drop the old values. On a CPU this would take time.
 #ifdef EVERY_CASE
 #define CLAUSE_PLACE const bool
-#else
-#define CLAUSE_PLACE bool
-#endif
-
-// Clears registers before a run, so that compilers for GPUs drop the old values. On a CPU this would take time.
-#ifdef EVERY_CASE
 #define FORGET(file, first, count)
 #else
+#define CLAUSE_PLACE bool
 #define FORGET(file, first, count) for (int i = first; i < count; ++i) file[i] = 0.0
 #endif
 
@@ -99,11 +95,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         float r = region_rare(words.z, a, b, 0.0);
         REGION_WRITE(BYTE(words.z, 1), r);
     }
-#ifdef LIMITED_ROUNDS
-    // Add four: the ray's own step takes these rounds.
-    rounds_of_last = texel - first + 4;
-    rounds_run += rounds_of_last;
-#endif
+    count_rounds_of_step(texel - first);
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
@@ -188,9 +180,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
         float r = tape_rare(words.z, a, b, 0.0);
         WRITE(BYTE(words.z, 1), r);
     }
-#ifdef LIMITED_ROUNDS
-    rounds_run += texel - first;
-#endif
+    count_rounds(texel - first);
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;

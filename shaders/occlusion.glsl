@@ -25,7 +25,6 @@ float openness(vec3 p, vec3 normal, vec4 d) {
     return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((probes - d) / probes, 0.0, 1.0)) / dot(PROBE_WEIGHTS, vec4(1.0)), 0.0, 1.0);
 }
 
-#ifdef GLOW
 // Position of the probe for glow, as a fraction of the reach along the normal. At that position, objects in front of
 // the surface are nearer and objects behind the surface are farther away.
 const float GLOW_PROBE = 0.25;
@@ -36,4 +35,3 @@ vec3 glow_from(vec4 found) {
     float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
     return light_of(found.rgb) * (near * near * near);
 }
-#endif

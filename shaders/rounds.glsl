@@ -23,10 +23,24 @@ int rounds_of_last = 1;
 int steps_left(int most, int rounds) {
     return min(most, (rounds - rounds_run) / rounds_of_last);
 }
+
+void count_rounds(int count) {
+    rounds_run += count;
+}
+
+// Counts an evaluation of the distance. The ray's own step takes four more rounds.
+void count_rounds_of_step(int count) {
+    rounds_of_last = count + 4;
+    rounds_run += rounds_of_last;
+}
 #else
 int steps_left(int most, int rounds) {
     return most;
 }
+
+void count_rounds(int count) {}
+
+void count_rounds_of_step(int count) {}
 #endif
 
 int trace_rounds(bool reflected) {

@@ -43,25 +43,3 @@ layout(location = BEAM_PLACE) out float sample_beam;
 #else
 #define WRITE_BEAM(value)
 #endif
-
-#ifdef BEAMS
-// Starts the ray where the pixel's first sample has found no surface before.
-void begin_beam() {
-    beam_spread = pass_list.z * camera_position.w;
-    uint start = RAYS_START_TOGETHER ? sample_start() : 0u;
-    ray_start = uintBitsToFloat(start & ~STEPS_BITS);
-    ray_steps = int(start & STEPS_BITS);
-}
-
-// Returns the free distance of the beam; the last bits hold the number of steps.
-float packed_beam() {
-    uint steps = uint(min(beam_steps, int(STEPS_BITS)));
-    return uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | steps);
-}
-#else
-void begin_beam() {}
-
-float packed_beam() {
-    return 0.0;
-}
-#endif

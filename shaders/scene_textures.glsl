@@ -1,42 +1,10 @@
-// The scene's textures. Each texture has its own sampler, because in OpenGL 3.3 a variable cannot index an array of
-// samplers.
-
-#if TEXTURES > 0
-uniform sampler2D scene_texture_0;
-#endif
-#if TEXTURES > 1
-uniform sampler2D scene_texture_1;
-#endif
-#if TEXTURES > 2
-uniform sampler2D scene_texture_2;
-#endif
-#if TEXTURES > 3
-uniform sampler2D scene_texture_3;
-#endif
-#if TEXTURES > 4
-uniform sampler2D scene_texture_4;
-#endif
-#if TEXTURES > 5
-uniform sampler2D scene_texture_5;
-#endif
-#if TEXTURES > 6
-uniform sampler2D scene_texture_6;
-#endif
-#if TEXTURES > 7
-uniform sampler2D scene_texture_7;
-#endif
-#if TEXTURES > 8
-uniform sampler2D scene_texture_8;
-#endif
-#if TEXTURES > 9
-uniform sampler2D scene_texture_9;
-#endif
-#if TEXTURES > 10
-uniform sampler2D scene_texture_10;
-#endif
-#if TEXTURES > 11
-uniform sampler2D scene_texture_11;
-#endif
+// The scene's textures. texture_samplers.glsl is written for each scene (crates/render/src/gpu/scene_program.rs): a sampler
+// for each texture, because in OpenGL 3.3 a variable cannot index an array of samplers, and
+//
+//     vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy)
+//
+// which reads a texture with the footprint of a pixel. dx and dy are the changes of uv to the pixel to the right and to
+// the pixel above.
 
 #ifdef PROJECTED
 // Returns the place in a texture of `size` texels. Each of two eyes reads its own part of the last frame, and repeats the
@@ -52,47 +20,7 @@ vec2 texture_place(int index, vec2 uv, ivec2 size) {
 #define PLACE_IN(pixels) uv
 #endif
 
-// Reads a texture with the footprint of a pixel. dx and dy are the changes of uv to the pixel to the right and to the
-// pixel above.
-vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
-#if TEXTURES > 0
-    if (index == 0) return textureGrad(scene_texture_0, PLACE_IN(scene_texture_0), dx, dy);
-#endif
-#if TEXTURES > 1
-    if (index == 1) return textureGrad(scene_texture_1, PLACE_IN(scene_texture_1), dx, dy);
-#endif
-#if TEXTURES > 2
-    if (index == 2) return textureGrad(scene_texture_2, PLACE_IN(scene_texture_2), dx, dy);
-#endif
-#if TEXTURES > 3
-    if (index == 3) return textureGrad(scene_texture_3, PLACE_IN(scene_texture_3), dx, dy);
-#endif
-#if TEXTURES > 4
-    if (index == 4) return textureGrad(scene_texture_4, PLACE_IN(scene_texture_4), dx, dy);
-#endif
-#if TEXTURES > 5
-    if (index == 5) return textureGrad(scene_texture_5, PLACE_IN(scene_texture_5), dx, dy);
-#endif
-#if TEXTURES > 6
-    if (index == 6) return textureGrad(scene_texture_6, PLACE_IN(scene_texture_6), dx, dy);
-#endif
-#if TEXTURES > 7
-    if (index == 7) return textureGrad(scene_texture_7, PLACE_IN(scene_texture_7), dx, dy);
-#endif
-#if TEXTURES > 8
-    if (index == 8) return textureGrad(scene_texture_8, PLACE_IN(scene_texture_8), dx, dy);
-#endif
-#if TEXTURES > 9
-    if (index == 9) return textureGrad(scene_texture_9, PLACE_IN(scene_texture_9), dx, dy);
-#endif
-#if TEXTURES > 10
-    if (index == 10) return textureGrad(scene_texture_10, PLACE_IN(scene_texture_10), dx, dy);
-#endif
-#if TEXTURES > 11
-    if (index == 11) return textureGrad(scene_texture_11, PLACE_IN(scene_texture_11), dx, dy);
-#endif
-    return vec4(0.0);
-}
+#include "texture_samplers.glsl"
 
 // Reads a texture at its finest level, for coordinates that depend on another texture.
 vec4 read_texture(int index, float u, float v) {

@@ -80,7 +80,8 @@ impl Programs {
                 self.variant.registers.min(REGION_REGISTERS),
             ),
         );
-        format!("{HEAD}{CELL_HASH_GLSL}{}{interpreter}{main}", tables_glsl())
+        let rounds = include_str!("../../shaders/rounds.glsl");
+        format!("{HEAD}{CELL_HASH_GLSL}{rounds}{}{interpreter}{main}", tables_glsl())
     }
 }
 

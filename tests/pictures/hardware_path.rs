@@ -46,8 +46,8 @@ fn shaders_without_beams(place: &Workplace) -> String {
     for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")).unwrap() {
         let path = entry.unwrap().path();
         let text = std::fs::read_to_string(&path).unwrap();
-        let is_tracing = path.ends_with("sphere_tracing.glsl");
-        assert_eq!(is_tracing, text.contains(BEAMS), "{}", path.display());
+        let has_beams = path.ends_with("beams.glsl");
+        assert_eq!(has_beams, text.contains(BEAMS), "{}", path.display());
         std::fs::write(folder.join(path.file_name().unwrap()), text.replace(BEAMS, "")).unwrap();
     }
     folder.to_str().unwrap().to_owned()

@@ -221,7 +221,6 @@ impl Variant {
         for (name, number) in numbers {
             let _ = writeln!(text, "#define {name} {number}");
         }
-        let _ = writeln!(text, "#ifndef TEXTURES\n#define TEXTURES {}\n#endif", self.textures);
         let flags = [("INPUT_CLAUSES", self.inputs), ("EVERY_CASE", self.every_case)];
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");

@@ -141,18 +141,31 @@ pub fn compiled_variant(
     variant
 }
 
+/// The samplers of a scene's textures, and the function that reads them; see `scene_textures.glsl`.
+fn texture_samplers(textures: usize) -> String {
+    let samplers = (0..textures).map(|index| format!("uniform sampler2D scene_texture_{index};\n"));
+    let reads = (0..textures).map(|index| {
+        let texture = format!("scene_texture_{index}");
+        format!("    if (index == {index}) return textureGrad({texture}, PLACE_IN({texture}), dx, dy);\n")
+    });
+    let (samplers, reads): (String, String) = (samplers.collect(), reads.collect());
+    format!(
+        "{samplers}\nvec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {{\n{reads}    return vec4(0.0);\n}}\n"
+    )
+}
+
 fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
     variant.defines.extend(light_defines());
     variant.defines.extend(mariana_field::rays::defines());
-    variant.defines.push(format!("TEXTURES {textures}"));
     variant.defines.extend(features.defines().map(str::to_owned));
     if counting == Counting::On {
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
     variant.generated.push(("levels.glsl".into(), levels_glsl()));
+    variant.generated.push(("texture_samplers.glsl".into(), texture_samplers(textures)));
     // Only views use these two files.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant.generated.push(("view_dispatch.glsl".into(), scale::dispatch_glsl()));
