@@ -66,6 +66,28 @@ struct Written {
     heads: Vec<usize>,
 }
 
+/// The cells of bricks that may still be divided.
+#[derive(Debug)]
+struct Again {
+    cells: usize,
+    /// Number of steps of programs that their cells did not shorten.
+    long_steps: usize,
+}
+
+impl Again {
+    /// Counts the division of a cell. `own` is the cell's program, `parent` the brick's.
+    fn affords(&mut self, own: &Program, parent: &Program) -> bool {
+        let steps = own.steps.len();
+        let is_shortened = steps as f32 <= SHORTENED * parent.steps.len() as f32;
+        if self.cells == 0 || !is_shortened && self.long_steps < steps {
+            return false;
+        }
+        self.cells -= 1;
+        self.long_steps -= if is_shortened { 0 } else { steps };
+        true
+    }
+}
+
 /// A part of a tree: some blocks of the root. Each part may have its own thread.
 #[derive(Debug)]
 pub struct Part<'a> {
@@ -83,10 +105,7 @@ pub struct Part<'a> {
     /// Second words of cells, by the hashes of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
     levels: [Level; 1 + REGION_LEVELS as usize],
-    /// Number of cells of bricks that may still be divided.
-    again: usize,
-    /// Number of steps of programs that may still be run for cells that did not shorten them.
-    long_steps: usize,
+    again: Again,
     gradients: Option<Gradients>,
     stats: RegionStats,
 }
@@ -106,8 +125,7 @@ impl<'a> Part<'a> {
             scratch: Scratch::default(),
             known: HashMap::default(),
             levels: Default::default(),
-            again: AGAIN_MAX / parts,
-            long_steps: LONG_STEPS_MAX / parts,
+            again: Again { cells: AGAIN_MAX / parts, long_steps: LONG_STEPS_MAX / parts },
             gradients: trunk.variant.non_lipschitz.then(|| Gradients::new(trunk.steepest)),
             stats: RegionStats::default(),
         }
@@ -256,7 +274,7 @@ impl<'a> Part<'a> {
                 program_hash = is_of_place(&level.short).then(|| level.short.hash());
             }
             for cell in cells_of(divided) {
-                let is_affordable = depth == 1 || self.affords(&level.short, program);
+                let is_affordable = depth == 1 || self.again.affords(&level.short, program);
                 let inner = block.child(place_in(cell));
                 match is_affordable.then(|| self.brick(&level, program_hash, inner, depth, is_wanted)) {
                     Some(Some(address)) => cells[cell] = [DIVIDED, address, 0, 0],
@@ -306,7 +324,9 @@ impl<'a> Part<'a> {
         let has_shape = || program.steps.iter().any(|step| step.op == Op::Shape);
         let is_long = match depth {
             1 => self.gradients.is_some() || program.steps.len() > UNDIVIDED_MAX || has_shape(),
-            2 => self.gradients.is_none() && program.steps.len() > UNDIVIDED_AGAIN_MAX && self.again > 0,
+            2 => {
+                self.gradients.is_none() && program.steps.len() > UNDIVIDED_AGAIN_MAX && self.again.cells > 0
+            }
             _ => false,
         };
         if !is_long {
@@ -317,18 +337,6 @@ impl<'a> Part<'a> {
         cells_of(cells)
             .filter(|cell| self.is_close(block, *cell, eye))
             .fold(0, |close, cell| close | 1 << cell)
-    }
-
-    /// Counts the division of a cell of a brick. `own` is the cell's program, `parent` the brick's.
-    fn affords(&mut self, own: &Program, parent: &Program) -> bool {
-        let steps = own.steps.len();
-        let is_shortened = steps as f32 <= SHORTENED * parent.steps.len() as f32;
-        if self.again == 0 || !is_shortened && self.long_steps < steps {
-            return false;
-        }
-        self.again -= 1;
-        self.long_steps -= if is_shortened { 0 } else { steps };
-        true
     }
 
     fn address(&self, texels: usize) -> Option<u32> {
