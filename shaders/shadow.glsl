@@ -119,7 +119,12 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             break;
         }
         previous = d;
-        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));
+        // The ball around the point is free of surfaces. Up to `unseen`, it is also wider than the part of the penumbra that
+        // would reduce the light further.
+        float narrow = visible / sharpness;
+        float unseen = (nearest.x - narrow * t) / (1.0 + narrow);
+        float longest = max(SHADOW_STEP_MAX, max(0.5 * nearest.x, unseen));
+        stride = max(min(nearest.x, longest), SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));
         t += stride;
         if (t >= end) break;
     }

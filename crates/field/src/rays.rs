@@ -59,8 +59,8 @@ rays! {
     AHEAD: f32 = 1e-5;
     /// Shortest step of a shadow ray.
     SHADOW_STEP_MIN: f32 = 0.03;
-    /// Longest step of a shadow ray near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a
-    /// step may be half the distance.
+    /// Longest step of a shadow ray through a penumbra. Longer steps would be visible there. Far from surfaces, a step may
+    /// be half the distance; outside of the penumbra, it reaches up to the penumbra.
     SHADOW_STEP_MAX: f32 = 0.6;
     /// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
     SHADOW_START: f32 = 0.02;

@@ -263,7 +263,10 @@ impl RayProbe<'_> {
             }
             previous = d;
             let growth = self.world.shadow_step_growth() * step as f32;
-            stride = bound.min(rays::SHADOW_STEP_MAX.max(0.5 * bound)).max(rays::SHADOW_STEP_MIN + growth);
+            let narrow = visible / sharpness;
+            let unseen = (bound - narrow * t) / (1.0 + narrow);
+            let longest = rays::SHADOW_STEP_MAX.max(0.5 * bound).max(unseen);
+            stride = bound.min(longest).max(rays::SHADOW_STEP_MIN + growth);
             t += stride;
             if t >= end {
                 break;

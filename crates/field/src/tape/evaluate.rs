@@ -3,7 +3,7 @@
 
 use super::Tape;
 use super::clause::{Instruction, Operand};
-use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
+use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point, Properties};
 
 const LANES: usize = 64;
 
@@ -231,6 +231,11 @@ impl Domain for Lanes<'_> {
     }
     #[inline(always)]
     fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value {
+        // A value that is the same at all points often reads the sound's tables many times, as a sum over the history does.
+        let is_same = |lanes: &Self::Value| lanes.iter().all(|lane| lane.to_bits() == lanes[0].to_bits());
+        if op.properties().has(Properties::READS_FRAME) && is_same(a) && is_same(b) {
+            return [op.value(a[0], b[0], self.frame); LANES];
+        }
         let mut kernel = LaneKernel { a, b, result: [0.0; LANES], frame: self.frame };
         op.with_value(&mut kernel);
         kernel.result
