@@ -1,6 +1,6 @@
 //! Texts in the scene language.
 
-use mariana_field::glsl_import::{GlslFile, Problem, scene_around};
+use mariana_field::glsl_import::{GlslFile, Problem, Shown, scene_around};
 use mariana_field::graph::{FrameInputs, Levels, SoundInputs};
 use mariana_field::lang::{self, Diagnostic, Sources};
 use mariana_field::limits::LIMITS;
@@ -46,14 +46,16 @@ pub(crate) fn glsl(data: &[u8]) {
         assert!(place.start <= place.end && place.end as usize <= text.len(), "{problem:?}");
         assert!(!problem.message.is_empty());
     };
-    match scene_around(&text) {
-        Ok(around) => {
-            let compiled =
-                lang::compile("fuzz", &around.text("a.glsl"), &mut |_| Ok(text.clone().into_owned()));
-            assert_eq!(compiled.scene.is_some(), compiled.diagnostics.is_empty());
-            check(&compiled.diagnostics, &compiled.sources);
+    for shown in [Shown::Picture, Shown::Shape] {
+        match scene_around(&text, shown) {
+            Ok(around) => {
+                let compiled =
+                    lang::compile("fuzz", &around.text("a.glsl"), &mut |_| Ok(text.clone().into_owned()));
+                assert_eq!(compiled.scene.is_some(), compiled.diagnostics.is_empty());
+                check(&compiled.diagnostics, &compiled.sources);
+            }
+            Err(problem) => check_place(&problem),
         }
-        Err(problem) => check_place(&problem),
     }
     match GlslFile::parse(&text, &LIMITS) {
         Ok(file) => {

@@ -39,9 +39,7 @@ impl Files {
         let folder = folder.ok_or_else(|| SceneError::Shader(shader.clone()))?;
         let imported = import_shader(shader, &folder)?;
         print_message(&format!("imported as {}", imported.scene.display()));
-        for sentence in imported.left_out {
-            print_message(&format!("left out: {sentence}"));
-        }
+        imported.notes.iter().for_each(|note| print_message(note));
         Ok(Self { scene: Some(imported.scene), ..self })
     }
 

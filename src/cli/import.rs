@@ -12,7 +12,7 @@ use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, print_message};
 use crate::scenes::{ShaderError, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::{left_out, shadertoy};
-use mariana_field::glsl_import::Problem;
+use mariana_field::glsl_import::{Problem, Shown};
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
 
 #[derive(Args)]
@@ -24,6 +24,10 @@ pub(super) struct ImportArguments {
     /// of the GLSL file with the ending .scene]
     #[arg(short, long, value_name = "FILE.scene")]
     output: Option<PathBuf>,
+    /// What to show of a shader that draws a picture and has a distance function: its own picture, or the distance as
+    /// an object in the light of a scene
+    #[arg(long = "as", value_name = "WHAT", default_value = "picture", value_parser = ["picture", "shape"])]
+    shown: String,
 }
 
 #[derive(Args)]
@@ -44,10 +48,11 @@ pub(super) struct ExportArguments {
 
 pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     let shader = &arguments.shader;
-    let text = read_shader(shader)?;
+    let read = read_shader(shader)?;
     let name = shader.file_name().and_then(|name| name.to_str()).unwrap_or("");
-    let around = scene_of_shader(shader, &text).map_err(|error| match &error {
-        ShaderError::NoScene { problem, .. } => underlined(shader, &text, problem),
+    let shown = if arguments.shown == "shape" { Shown::Shape } else { Shown::Picture };
+    let around = scene_of_shader(shader, &read, shown).map_err(|error| match &error {
+        ShaderError::NoScene { problem, .. } => underlined(shader, &read.text, problem),
         _ => error.into(),
     })?;
     let scene = text_around(&around, name);
@@ -58,13 +63,11 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
         if arguments.output.is_none() && output.exists() {
             bail!("{} exists: name another file with -o, or the same one to replace it", output.display());
         }
-        copy_beside(shader, &text, &output, name)?;
+        copy_beside(shader, &read.whole.text, &output, name)?;
         AtomicFile::create(&output)?.write(scene.as_bytes())?;
         print_line(&format!("{}: check it with `mariana check`, show it with `mariana`", output.display()))?;
     }
-    for sentence in around.left_out {
-        print_message(&format!("left out: {sentence}"));
-    }
+    around.notes().iter().for_each(|note| print_message(note));
     Ok(())
 }
 

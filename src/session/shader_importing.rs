@@ -26,12 +26,9 @@ impl Interface {
     /// Shows an imported shader. If the import has failed, reports the reason, and the scene stays.
     pub(super) fn update_shader_import(&mut self, playback: &mut Playback) {
         match self.shader_import.poll() {
-            Some(Ok(Ok(ImportedShader { scene, left_out }))) => {
-                let left_out = match left_out.as_slice() {
-                    [] => String::new(),
-                    parts => format!("; left out: {}", parts.join("; ")),
-                };
-                playback.reports.answer(format!("imported as {}{left_out}", scene.display()));
+            Some(Ok(Ok(ImportedShader { scene, notes }))) => {
+                let words = [vec![format!("imported as {}", scene.display())], notes].concat();
+                playback.reports.answer(words.join("; "));
                 self.show_file(playback, scene);
             }
             Some(Ok(Err(error))) => playback.reports.answer(error.to_string()),

@@ -211,10 +211,16 @@ fn a_shader_becomes_a_scene_and_a_scene_becomes_a_shader() {
                 void mainImage(out vec4 c, in vec2 f) { c = vec4(f, 0.0, 1.0); }\n";
     place.write("ball.glsl", glsl);
     let import = |arguments: &[&str]| {
-        let outcome = place.run(&[&["import"], arguments].concat());
-        assert!(outcome.code == 0 && outcome.stderr.starts_with("mariana: left out: "), "{outcome:?}");
+        let outcome = place.run(&[&["import", "--as", "shape"], arguments].concat());
+        assert!(outcome.code == 0 && outcome.stderr.contains("mariana: left out: camera"), "{outcome:?}");
+        assert!(outcome.stderr.contains("--as picture"), "{outcome:?}");
         outcome.stdout
     };
+    let own = place.run(&["import", "ball.glsl", "-o", "own.scene"]);
+    assert!(own.code == 0 && own.stderr.contains("draws the shader's own picture"), "{own:?}");
+    assert!(own.stderr.contains("--as shape"), "{own:?}");
+    assert!(place.run(&["check", "own.scene"]).done().contains("0 objects"));
+    place.run(&["import", "ball.glsl", "--as", "both"]).refused_arguments("--as", &["picture", "shape"]);
     let printed = import(&["ball.glsl"]);
     assert!(printed.contains("ball.scene"), "{printed}");
     place.run(&["import", "ball.glsl"]).refused(&["ball.scene", "exists"]);
@@ -246,6 +252,20 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     let [red, green, blue] = picture.get_pixel(48, 9).0;
     assert!(red.abs_diff(193) < 2 && green.abs_diff(188) < 2 && blue == 0, "{red} {green} {blue}");
     place.run(&["still", "flat.frag", "-o", "x.png"]).refused(&["flat.frag", "mariana import"]);
+    place.write(
+        "more.frag",
+        "#include \"lib/blue.glsl\"\nvoid main() { gl_FragColor = vec4(0.0, 0.0, blue(), 1.0); }\n",
+    );
+    place
+        .run(&["import", "more.frag"])
+        .refused(&["more.frag:1", "\"lib/blue.glsl\" is not beside this shader"]);
+    std::fs::create_dir_all(place.path("lib")).unwrap();
+    std::fs::create_dir_all(place.path("other")).unwrap();
+    place.write("lib/blue.glsl", "float blue() { return 0.5; }\n");
+    for scene in ["more.scene", "other/more.scene"] {
+        place.run(&["import", "more.frag", "-o", scene]).done();
+        assert!(place.run(&["check", scene]).done().contains("0 objects"), "{scene}");
+    }
     still(&["--ray", "64,0"]).refused(&["64,0", "64x36"]);
     still(&["--ray", "middle"]).refused_arguments("--ray", &["X,Y"]);
     place.run(&["still", "--scene", "speakers", "--size", "640x360", "-o", "plain.png"]).done();

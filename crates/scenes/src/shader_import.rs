@@ -4,7 +4,7 @@ use mariana_files::reading::read_at_most;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use mariana_field::glsl_import::{Problem, SceneAround, scene_around};
+use mariana_field::glsl_import::{Problem, SceneAround, Shown, Whole, scene_around, whole};
 use mariana_field::lang::{Sources, formatted, is_glsl};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
@@ -76,8 +76,17 @@ fn sentence(text: &str, problem: &Problem) -> String {
 pub struct ImportedShader {
     /// The file of the scene.
     pub scene: PathBuf,
-    /// A sentence for each part of the shader that the scene leaves out.
-    pub left_out: Vec<String>,
+    /// What the scene shows of the shader and what it leaves out, each a sentence.
+    pub notes: Vec<String>,
+}
+
+/// The text of a shader.
+#[derive(Debug)]
+pub struct Shader {
+    /// The text of the file.
+    pub text: String,
+    /// The text with those of the files that it includes.
+    pub whole: Whole,
 }
 
 /// True if the path has the ending of a GLSL file.
@@ -85,15 +94,21 @@ pub fn is_shader_file(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(is_glsl)
 }
 
-/// Reads the text of a shader.
+/// Reads the text of a shader, and the files that it includes from its folder.
 ///
 /// # Errors
 /// A path that is not called like a GLSL file, or a file that cannot be read, is too large or is not text.
-pub fn read_shader(path: &Path) -> Result<String, ShaderError> {
-    let max = FIELD_LIMITS.scene_bytes_max;
+pub fn read_shader(path: &Path) -> Result<Shader, ShaderError> {
     if !is_shader_file(path) {
         return Err(ShaderError::NoShader(path.to_owned()));
     }
+    let text = read_text(path)?;
+    let whole = whole(&text, &FIELD_LIMITS, &mut |file| read_text(&path.with_file_name(file)).ok());
+    Ok(Shader { text, whole })
+}
+
+fn read_text(path: &Path) -> Result<String, ShaderError> {
+    let max = FIELD_LIMITS.scene_bytes_max;
     let unreadable = |reason| ShaderError::Unreadable { path: path.to_owned(), reason };
     let bytes = read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShaderError::TooLarge { path: path.to_owned(), max })?;
@@ -107,11 +122,11 @@ pub fn read_shader(path: &Path) -> Result<String, ShaderError> {
 ///
 /// # Errors
 /// A shader that cannot become a scene.
-pub fn scene_of_shader(path: &Path, text: &str) -> Result<SceneAround, ShaderError> {
-    scene_around(text).map_err(|problem| ShaderError::NoScene {
+pub fn scene_of_shader(path: &Path, shader: &Shader, shown: Shown) -> Result<SceneAround, ShaderError> {
+    scene_around(&shader.whole.text, shown).map_err(|problem| ShaderError::NoScene {
         path: path.to_owned(),
-        text: text.to_owned(),
-        problem,
+        text: shader.text.clone(),
+        problem: Problem { place: shader.whole.place(&problem.place), ..problem },
     })
 }
 
@@ -127,19 +142,20 @@ pub fn text_around(around: &SceneAround, include: &str) -> String {
 /// # Errors
 /// A shader that cannot be read or cannot become a scene, or a folder that cannot be written.
 pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, ShaderError> {
-    let text = read_shader(shader)?;
+    let read = read_shader(shader)?;
+    let text = &read.whole.text;
     let stem = plain_name(&shader.file_stem().unwrap_or_default().to_string_lossy(), "shader");
     let ending = shader.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let copy = folder.join(format!("{stem}.{ending}"));
     let there = numbered(&copy).take_while(|copy| copy.exists()).take(SAME_NAMES_MAX);
-    let there = there.into_iter().find(|copy| std::fs::read_to_string(copy).is_ok_and(|own| own == text));
+    let there = there.into_iter().find(|copy| std::fs::read_to_string(copy).is_ok_and(|own| own == *text));
     if let Some(scene) =
         there.as_ref().map(|copy| copy.with_extension(ENDING)).filter(|scene| scene.is_file())
     {
-        return Ok(ImportedShader { scene, left_out: Vec::new() });
+        return Ok(ImportedShader { scene, notes: Vec::new() });
     }
     // Nothing is written for a shader that cannot become a scene.
-    let around = scene_of_shader(shader, &text)?;
+    let around = scene_of_shader(shader, &read, Shown::default())?;
     std::fs::create_dir_all(folder).map_err(|error| Unwritable::new(folder, &error))?;
     let copy = match there {
         Some(copy) => copy,
@@ -148,7 +164,7 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
     let include = copy.file_name().unwrap_or_default().to_string_lossy();
     let scene = text_around(&around, &include);
     let scene = AtomicFile::create(&copy.with_extension(ENDING))?.write_beside(scene.as_bytes())?;
-    Ok(ImportedShader { scene, left_out: around.left_out })
+    Ok(ImportedShader { scene, notes: around.notes() })
 }
 
 #[cfg(test)]
@@ -182,6 +198,19 @@ mod tests {
         assert!(SceneSource::File(second).ready().is_ok());
         assert_eq!(fs::read_to_string(scenes.join("disc_ 1.frag")).unwrap(), DISC);
         assert_eq!(fs::read_dir(&scenes).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn the_copy_of_a_shader_holds_what_it_includes_and_its_scene_draws_its_picture() {
+        let place = tempfile::tempdir().unwrap();
+        let (shader, scenes) = (place.path().join("ball.glsl"), place.path().join("scenes"));
+        fs::write(place.path().join("map.glsl"), "float map(vec3 p) { return length(p) - 1.0; }\n").unwrap();
+        fs::write(&shader, format!("#include \"map.glsl\"\n{DISC}")).unwrap();
+        let imported = import_shader(&shader, &scenes).unwrap();
+        assert!(imported.notes[0].contains("--as shape"), "{:?}", imported.notes);
+        let ready = SceneSource::File(imported.scene).ready().unwrap();
+        assert!(ready.world.scene.objects.is_empty());
+        assert!(fs::read_to_string(scenes.join("ball.glsl")).unwrap().starts_with("float map"));
     }
 
     #[test]

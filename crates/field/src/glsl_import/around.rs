@@ -3,17 +3,31 @@
 use std::fmt::Write as _;
 
 use super::calls::{Budget, Session};
-use super::outside::{candidate, is_distance_for_sure};
+use super::execute::ROUNDS_WITHOUT_COUNT;
+use super::isf::Slider;
+use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use super::problem::{Problem, Result};
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData};
 use crate::limits::LIMITS;
+
+/// What a scene shows of a shader that both draws a picture and has a distance function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shown {
+    /// The picture that the shader draws.
+    #[default]
+    Picture,
+    /// Its distance, as an object in the light of the scene.
+    Shape,
+}
 
 /// A scene for a GLSL file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneAround {
     /// The text of the scene after the line that includes the file.
     body: String,
+    /// For a file of which two scenes can be made: which one this is, and how to get the other one.
+    pub choice: Option<String>,
     /// A sentence for each part of the file that the scene leaves out.
     pub left_out: Vec<String>,
 }
@@ -21,7 +35,17 @@ pub struct SceneAround {
 impl SceneAround {
     /// Returns the text of the scene, which includes the file by the path `include`.
     pub fn text(&self, include: &str) -> String {
-        format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n{}", self.body)
+        let choice = self.choice.as_ref().map_or(String::new(), |choice| format!("# It {choice}.\n"));
+        format!(
+            "# Made by `mariana import` from {include}.\n{choice}\ninclude \"{include}\"\n\n{}",
+            self.body
+        )
+    }
+
+    /// Returns a sentence for the choice and for each part that the scene leaves out.
+    pub fn notes(&self) -> Vec<String> {
+        let choice = self.choice.iter().map(|choice| format!("the scene {choice}"));
+        choice.chain(self.left_out.iter().map(|part| format!("left out: {part}"))).collect()
     }
 }
 
@@ -40,51 +64,78 @@ const COLORS: [&str; 6] = [
     "vec3(0.55, 0.35, 0.6)",
 ];
 
-/// Writes a scene that includes a file: around its distance function or, without one, around the picture that it draws.
+/// Writes a scene that includes a file. Without a picture that a scene can draw, it shows the distance.
 ///
 /// # Errors
 /// A file that neither has a function of a point that returns a distance nor draws a picture, or a mistake in that
 /// function.
-pub fn scene_around(text: &str) -> Result<SceneAround> {
+pub fn scene_around(text: &str, shown: Shown) -> Result<SceneAround> {
     let file = GlslFile::parse(text, &LIMITS)?;
-    let shape = candidate(&file);
-    // A name such as `f` may be anything, if the file also draws a picture.
-    let is_sure = shape.is_some_and(is_distance_for_sure);
-    let text_of = |function: &GlslFunction| scene_of_shape(&file, function);
-    let of_shape = shape.filter(|_| is_sure || file.picture().is_none()).map(text_of);
-    let scene = match (of_shape, file.picture()) {
-        (Some(Ok(scene)), _) => scene,
-        (Some(Err(problem)), None) => return Err(problem),
-        (of_shape, Some(picture)) => {
-            let of_picture = scene_of_picture(&file, picture);
-            let other = of_shape.or_else(|| shape.map(text_of));
-            match (of_picture, other) {
-                (Ok(scene), _) | (Err(_), Some(Ok(scene))) => scene,
-                (Err(_), Some(Err(problem))) | (Err(problem), None) => return Err(problem),
-            }
-        }
-        (None, None) => return Err(nothing_found(&file)),
+    let (shape, picture) = (candidate(&file), file.picture());
+    let of_shape = || match shape {
+        Some(function) => scene_of_shape(&file, function),
+        None => Err(nothing_found(&file)),
     };
-    Ok(SceneAround { body: scene.body, left_out: left_out(&file, text, scene.is_picture) })
+    let of_picture =
+        picture.filter(|_| shown == Shown::Picture).map(|picture| scene_of_picture(&file, picture));
+    let (mut around, problem) = match of_picture {
+        None => (of_shape()?, None),
+        Some(Ok(around)) => (around, None),
+        Some(Err(problem)) => match of_shape() {
+            Ok(around) => (around, Some(problem)),
+            Err(_) => return Err(problem),
+        },
+    };
+    around.left_out.splice(0..0, left_out(&file, around.is_picture));
+    let choice = match (
+        shape.filter(|shape| picture.is_some() && is_distance_for_sure(shape)),
+        around.is_picture,
+    ) {
+        (Some(shape), true) => Some(format!(
+            "draws the shader's own picture; `mariana import --as shape` makes an object of its distance `{}`",
+            shape.name
+        )),
+        (Some(shape), false) if problem.is_none() => Some(format!(
+            "shows the distance `{}` as an object; `mariana import --as picture` draws the shader's own picture",
+            shape.name
+        )),
+        _ => None,
+    };
+    if let Some(problem) = problem {
+        around.left_out.insert(0, format!("the shader's own picture: {}", problem.message));
+    }
+    Ok(SceneAround { body: around.body, choice, left_out: around.left_out })
 }
 
 struct Around {
     body: String,
     is_picture: bool,
+    left_out: Vec<String>,
 }
 
 fn nothing_found(file: &GlslFile) -> Problem {
     let names: Vec<&str> = file.functions().iter().map(|function| function.name.as_str()).take(8).collect();
     let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-    let message = "no function of this file looks like the distance of a scene, and none draws a picture";
-    Problem::unsupported(0..0, message)
+    let draws = if file.picture().is_some() { "" } else { ", and none draws a picture" };
+    Problem::unsupported(0..0, format!("no function of this file looks like the distance of a scene{draws}"))
         .hint(format!("call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"))
 }
 
-/// Lines with values for uniforms without one.
+/// Lines with values for inputs from outside.
 fn uniforms(file: &GlslFile) -> String {
     let mut scene = String::new();
-    for (uniform, len) in file.open_uniforms() {
+    for slider in file.sliders.iter().filter(|slider| !is_taken(&slider.name)) {
+        let Slider { name, values, range: [least, most], is_smooth } = slider;
+        let _ = match values.as_slice() {
+            [value] if *is_smooth => writeln!(scene, "param {name} = {value} in {least} .. {most}"),
+            [value] => writeln!(scene, "let {name} = {value}  # {least} .. {most}"),
+            values => {
+                let values: Vec<String> = values.iter().map(f64::to_string).collect();
+                writeln!(scene, "let {name} = vec{}({})", values.len(), values.join(", "))
+            }
+        };
+    }
+    for (uniform, len) in file.open_uniforms().into_iter().filter(|(name, _)| !is_taken(name)) {
         let _ = match len {
             1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
             len => writeln!(scene, "let {uniform} = vec{len}(0.5)"),
@@ -97,14 +148,65 @@ fn uniforms(file: &GlslFile) -> String {
 fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
-    executed(&mut graph, Session::of_picture(), file, picture, pixel)?;
+    let mut session = Session::of_picture();
+    session.last_frame = Some(0);
+    let colour = executed(&mut graph, &mut session, file, picture, pixel)?;
     let mut scene = uniforms(file);
     let _ = write!(
         scene,
         "\nsky {{ color = srgb({}(pixel).rgb) }}\n\npicture {{ tone_map = none  bloom = 0  grain = 0 }}\n",
         picture.name
     );
-    Ok(Around { body: scene, is_picture: true })
+    let mut left_out = Vec::new();
+    let is_flat = is_flat(&graph, &colour);
+    if !session.pictures.is_empty() {
+        let names: Vec<&str> = session.pictures.iter().map(String::as_str).collect();
+        let names = names.join("`, `");
+        if is_flat {
+            let message = format!("without the pictures of `{names}` this shader draws one colour");
+            return Err(Problem::unsupported(picture.place.clone(), message)
+                .hint("a scene reads an image as `texture(\"photo.jpg\", pixel / resolution)`"));
+        }
+        left_out.push(format!("the pictures of `{names}`: black or a noise stands for them"));
+    }
+    if session.cuts_loops {
+        left_out.push(format!(
+            "rounds of a loop after the first {ROUNDS_WITHOUT_COUNT}: nothing says how many it takes"
+        ));
+    }
+    if is_flat {
+        left_out.push("everything but one colour: the picture is the same at all pixels".to_owned());
+    }
+    Ok(Around { body: scene, is_picture: true, left_out })
+}
+
+/// True for a picture of one colour that never changes.
+fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
+    let colour = colour.get(..3).unwrap_or_default();
+    let Ok(order) = graph.order(colour) else { return false };
+    let table = |values: &[f32]| TableData::row(values.to_vec());
+    let (mut first, size) = (None, [320, 180]);
+    for moment in 0..2_u8 {
+        let sound = SoundInputs::each(|input| 0.4 * input.range().1 * f32::from(moment));
+        let heights = [0.9, 0.5, 0.7, 0.2].map(|height| height * f32::from(moment));
+        let frame = FrameInputs {
+            screen: Screen::of_size(size.into()),
+            time: 3.0 + 1.7 * f32::from(moment),
+            sound,
+            spectrum: table(&heights),
+            waveform: table(&heights.map(|height| height - 0.5)),
+            ..FrameInputs::default()
+        };
+        for index in 0..24 {
+            let [x, y] = [(index % 6) as f32 + 0.5, (index / 6) as f32 + 0.5];
+            let point = Point::at(x * size[0] as f32 / 6.0, y * size[1] as f32 / 4.0, 0.0);
+            let values = graph.evaluate_in(&order, colour, &point, &frame);
+            if *first.get_or_insert_with(|| values.clone()) != values {
+                return false;
+            }
+        }
+    }
+    true
 }
 
 fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {
@@ -135,29 +237,32 @@ fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {
         scene,
         "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
     );
-    Ok(Around { body: scene, is_picture: false })
+    Ok(Around { body: scene, is_picture: false, left_out: Vec::new() })
 }
 
 /// A sentence for each part of the file that the scene leaves out.
-fn left_out(file: &GlslFile, text: &str, is_picture: bool) -> Vec<String> {
+fn left_out(file: &GlslFile, is_picture: bool) -> Vec<String> {
     let mut left_out = Vec::new();
+    let listed = |names: Vec<&str>| format!("`{}`", names.get(..6).unwrap_or(&names).join("`, `"));
     if file.draws() && !is_picture {
         left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
+        if !file.unset.is_empty() {
+            left_out.push(format!(
+                "values of {} that its drawing code computes; they start at 0 or the value of a plain assignment",
+                listed(file.unset.iter().map(String::as_str).collect())
+            ));
+        }
     }
-    let unset = &file.unset;
-    if !unset.is_empty() && file.draws() && !is_picture {
-        let names: Vec<String> = unset.iter().take(6).map(|name| format!("`{name}`")).collect();
-        left_out.push(format!(
-            "values of {} that its drawing code computes; they start at 0 or the value of a plain assignment",
-            names.join(", ")
-        ));
+    let open: Vec<&str> = file.open_uniforms().into_iter().map(|(name, _)| name).collect();
+    if !open.is_empty() {
+        left_out.push(format!("values of {}, which come from outside: set them in the scene", listed(open)));
     }
     for function in file.functions() {
         if let Some(problem) = file.problem_of(function) {
             left_out.push(format!("`{}`: {}", function.name, problem.message));
         }
     }
-    if text.contains("iChannel") || text.contains("sampler2D") {
+    if !is_picture && !file.samplers.is_empty() {
         left_out.push("textures, except tables of noise".to_owned());
     }
     left_out
@@ -212,7 +317,7 @@ impl Sampler {
 /// Executes a function of one vector with the values that the scene gives to uniforms.
 fn executed(
     graph: &mut Graph,
-    mut session: Session,
+    session: &mut Session,
     file: &GlslFile,
     function: &GlslFunction,
     argument: Vec<NodeId>,
@@ -234,7 +339,7 @@ impl Sampled {
     fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self> {
         let mut graph = Graph::new();
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
-        let nodes = executed(&mut graph, Session::default(), file, function, point)?;
+        let nodes = executed(&mut graph, &mut Session::default(), file, function, point)?;
         let too_large = |error: crate::graph::GraphError| {
             Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
         };

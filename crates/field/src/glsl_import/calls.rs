@@ -1,18 +1,17 @@
 //! Sessions of one file in one graph, and calls of functions.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
 
 use naga::{Arena, Expression, Function, Handle, ScalarKind, Statement, Type};
 
 use super::execute::Exits;
-use super::items::Origin;
 use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
-use super::outside;
+use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
 use super::problem::{Problem, ProblemKind, Result};
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, Op};
 
 /// Limits of execution, shared with the scene that calls GLSL.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +31,19 @@ const CALLS_MAX: usize = 48;
 #[derive(Debug, Default)]
 pub struct Session {
     /// True for the formulas of a picture, which know the pixel, the picture's size and the pointer.
-    in_picture: bool,
+    pub(super) in_picture: bool,
+    /// The number of the texture that holds the last frame.
+    pub last_frame: Option<u16>,
+    /// Names of samplers whose pictures are read as black.
+    pub pictures: BTreeSet<String>,
+    /// True if a loop was ended that does not count its rounds.
+    pub cuts_loops: bool,
+    /// True if a sampler was read as a picture before a read told what it is.
+    pub(super) learned: bool,
+    /// What samplers read, by the number of their global variable.
+    pub(super) channels: HashMap<i64, Channel>,
+    /// Whole numbers that stand for those of hashes.
+    pub(super) scrambled: HashSet<NodeId>,
     globals: Option<Vec<Part>>,
     infos: HashMap<Handle<Function>, Rc<[Option<Info>]>>,
 }
@@ -64,6 +75,8 @@ pub(super) enum Argument {
 /// A loop or a switch.
 pub(super) struct Target {
     pub is_loop: bool,
+    /// True if a constant condition decides whether the loop ends: it counts its rounds.
+    pub is_counted: bool,
     pub breaks: Exits,
     pub continues: Exits,
 }
@@ -132,9 +145,11 @@ pub(super) struct Executor<'m, 'g> {
     pub one: NodeId,
     pub frame: Frame<'m>,
     pub budget: &'g mut Budget,
-    pub in_picture: bool,
-    infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
-    open: Vec<Handle<Function>>,
+    pub session: &'g mut Session,
+    /// The condition under which the pixel is not drawn.
+    pub discarded: NodeId,
+    /// The functions that are being executed, each with the conditions under which it was called.
+    pub open: Vec<(Handle<Function>, [NodeId; 2])>,
 }
 
 impl Session {
@@ -162,8 +177,7 @@ impl Session {
         let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
         let known = self.globals.take();
-        let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
-        executor.in_picture = self.in_picture;
+        let mut executor = Executor::new(file, called, graph, budget, self);
         match known {
             Some(globals) => executor.memory.parts = globals,
             None => executor.start(given)?,
@@ -178,9 +192,17 @@ impl Session {
             passed.push(Argument::Parts(parts.collect::<Result<_>>()?));
         }
         let result = executor.call(function.handle, passed, place.clone());
-        let result =
-            result.and_then(|parts| parts.into_iter().map(|part| executor.node(part, &place)).collect());
+        let result = result.and_then(|parts| {
+            let nodes = parts.into_iter().map(|part| {
+                let node = executor.node(part, &place)?;
+                Ok(executor.graph.select(executor.discarded, executor.zero, node))
+            });
+            nodes.collect()
+        });
         self.globals = Some(globals);
+        if std::mem::take(&mut self.learned) && result.is_ok() {
+            return self.call(file, function, arguments, graph, budget, given);
+        }
         result
     }
 }
@@ -191,12 +213,12 @@ impl<'m, 'g> Executor<'m, 'g> {
         function: &'m Function,
         graph: &'g mut Graph,
         budget: &'g mut Budget,
-        infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
+        session: &'g mut Session,
     ) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
         let frame = Frame::new(function, one);
         let (memory, open) = (Memory::default(), Vec::new());
-        Self { file, graph, memory, live: one, zero, one, frame, budget, in_picture: false, infos, open }
+        Self { file, graph, memory, live: one, zero, one, frame, budget, session, discarded: zero, open }
     }
 
     /// Gives the globals their values.
@@ -218,15 +240,23 @@ impl<'m, 'g> Executor<'m, 'g> {
                 given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
             match (own.filter(|_| origin.is_some()), origin, global.init) {
                 (Some((_, nodes)), ..) => {
+                    let kind =
+                        file.module.types.get_handle(global.ty).ok().and_then(|of| of.inner.scalar_kind());
+                    let is_float = kind == Some(ScalarKind::Float);
+                    let round =
+                        |&node: &NodeId| if is_float { node } else { self.graph.unary(Op::Round, node) };
+                    let nodes: Vec<NodeId> = nodes.iter().map(round).collect();
                     self.memory.parts.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
                     kept.push((start, len, self.memory.parts.get(start..).unwrap_or_default().to_vec()));
                 }
                 (None, Some(origin), _) => {
-                    let known = match origin {
-                        Origin::Uniform => outside::known(self.graph, name, len, self.in_picture),
-                        _ => None,
-                    };
-                    let unset = Part::Unset(handle.index() as u32);
+                    let number = handle.index() as u32;
+                    if file.samplers.contains_key(name) {
+                        self.memory.parts.extend(std::iter::repeat_n(Part::Int(number as i32), len));
+                        continue;
+                    }
+                    let known = outside::known(self.graph, name, len, *origin, self.session.in_picture);
+                    let unset = Part::Unset(number);
                     match known {
                         Some(nodes) => self.memory.parts.extend(nodes.into_iter().map(Part::Node)),
                         None => self.memory.parts.extend(std::iter::repeat_n(unset, len)),
@@ -313,7 +343,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             Some(special) => return self.texture(*special, &arguments, &place),
             None => {}
         }
-        if self.open.contains(&handle) {
+        if self.open.iter().any(|(open, _)| *open == handle) {
             let message = format!("`{name}` calls itself");
             return Err(Problem::unsupported(place, message).hint("write a loop instead of the recursion"));
         }
@@ -328,7 +358,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             return Err(Problem::malformed(place, message).hint("add the function to this file"));
         }
         self.step(1, || place.clone())?;
-        let known = self.infos.entry(handle);
+        let known = self.session.infos.entry(handle);
         let infos = known.or_insert_with(|| Rc::from(infos(&file.module, function))).clone();
         let mark = self.memory.mark();
         let frame = Frame {
@@ -341,7 +371,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         };
         let outside = (std::mem::replace(&mut self.frame, frame), self.live);
         self.live = self.one;
-        self.open.push(handle);
+        self.open.push((handle, [outside.0.outer, outside.1]));
         let done = self.run(function, &place);
         self.open.pop();
         let frame = std::mem::replace(&mut self.frame, outside.0);

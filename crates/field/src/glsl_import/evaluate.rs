@@ -216,7 +216,7 @@ impl Executor<'_, '_> {
             Expression::ArrayLength(_) => {
                 return Err(Problem::unsupported(place, "an array needs a known size"));
             }
-            Expression::Derivative { axis, expr, .. } if self.in_picture => {
+            Expression::Derivative { axis, expr, .. } if self.session.in_picture => {
                 let nodes = self.nodes_of(*expr)?;
                 self.derivative(*axis, &nodes, &place)?
             }
@@ -292,7 +292,7 @@ impl Executor<'_, '_> {
         let parts = self.parts_of(of)?.into_iter();
         let converted = parts.map(|part| match converts {
             true => self.convert(from, kind, part, place),
-            false => self.reinterpret(kind, part, place),
+            false => self.reinterpret(from, kind, part, place),
         });
         converted.collect()
     }

@@ -12,6 +12,9 @@ use super::parse::range;
 use super::problem::{Problem, Result};
 use crate::graph::{Node, NodeId, Op};
 
+/// Number of rounds after which a loop of a picture ends whose rounds nothing counts.
+pub(super) const ROUNDS_WITHOUT_COUNT: usize = 256;
+
 /// The paths that left a loop, a switch or a function, merged into one.
 #[derive(Debug)]
 pub(super) struct Exits {
@@ -178,8 +181,15 @@ impl<'m> Executor<'m, '_> {
                     self.put(*result, &parts);
                 }
             }
+            Statement::Kill if self.session.in_picture => {
+                // The rest runs, but the pixel stays black.
+                let called = self.open.iter().flat_map(|(_, conditions)| *conditions);
+                let conditions: Vec<NodeId> = called.chain([self.frame.outer, self.live]).collect();
+                let condition = conditions.into_iter().fold(self.one, |all, one| self.and(all, one));
+                self.discarded = self.or(self.discarded, condition);
+            }
             Statement::Kill => {
-                return Err(Problem::unsupported(place(), "`discard` has no meaning in a formula")
+                return Err(Problem::unsupported(place(), "`discard` has no meaning in a shape")
                     .hint("return a large distance instead"));
             }
             _ => return Err(Problem::unsupported(place(), "this statement has no meaning in a formula")),
@@ -251,14 +261,17 @@ impl<'m> Executor<'m, '_> {
         Ok(result)
     }
 
-    fn branch(&mut self, condition: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
-        let place = self.place(condition);
-        let condition = self.part(condition, 0)?;
+    fn branch(&mut self, of: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
+        let place = self.place(of);
+        let condition = self.part(of, 0)?;
         let condition = self.node(condition, &place)?;
-        match self.graph.as_constant(condition) {
-            Some(0.0) => return self.block(reject),
-            Some(_) => return self.block(accept),
-            None => {}
+        if let Some(value) = self.graph.as_constant(condition) {
+            let breaks = |block: &Block| matches!(block.first(), Some(Statement::Break));
+            let counts = (breaks(accept) || breaks(reject)) && !self.is_literal(of);
+            if let Some(target) = self.frame.targets.last_mut() {
+                target.is_counted |= counts;
+            }
+            return self.block(if value == 0.0 { reject } else { accept });
         }
         let before = self.live;
         let otherwise = self.graph.not(condition);
@@ -301,6 +314,15 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
+    /// True for a condition such as `true`.
+    fn is_literal(&self, of: Handle<Expression>) -> bool {
+        match self.frame.function.expressions.try_get(of) {
+            Ok(Expression::Unary { expr, .. }) => self.is_literal(*expr),
+            Ok(expression) => matches!(expression, Expression::Literal(_)),
+            Err(_) => false,
+        }
+    }
+
     fn repeat(
         &mut self,
         body: &'m Block,
@@ -313,10 +335,21 @@ impl<'m> Executor<'m, '_> {
         self.live = self.one;
         let mark = self.memory.mark();
         let exits = || Exits::new(mark);
-        self.frame.targets.push(Target { is_loop: true, breaks: exits(), continues: exits() });
+        self.frame.targets.push(Target {
+            is_loop: true,
+            is_counted: false,
+            breaks: exits(),
+            continues: exits(),
+        });
         let mut rounds = 0;
         while self.live != self.zero {
             rounds += 1;
+            let is_counted = self.frame.targets.last().is_none_or(|target| target.is_counted);
+            if rounds > ROUNDS_WITHOUT_COUNT && !is_counted && self.session.in_picture {
+                self.session.cuts_loops = true;
+                self.leave_target()?;
+                break;
+            }
             if rounds > self.budget.rounds_max {
                 let max = self.budget.rounds_max;
                 let message = format!("this loop does not end after {max} rounds");
@@ -411,6 +444,7 @@ impl<'m> Executor<'m, '_> {
         }
         self.frame.targets.push(Target {
             is_loop: false,
+            is_counted: false,
             breaks: Exits::new(mark),
             continues: Exits::new(mark),
         });

@@ -47,28 +47,7 @@ pub(super) enum Origin {
 }
 
 /// Words in front of a declaration that do not change its type.
-const QUALIFIERS: [&str; 20] = [
-    "const",
-    "uniform",
-    "in",
-    "out",
-    "inout",
-    "varying",
-    "attribute",
-    "flat",
-    "smooth",
-    "centroid",
-    "highp",
-    "mediump",
-    "lowp",
-    "buffer",
-    "shared",
-    "invariant",
-    "noperspective",
-    "precise",
-    "static",
-    "readonly",
-];
+const QUALIFIERS: &str = "const uniform in out inout varying attribute flat smooth centroid highp mediump lowp buffer shared invariant noperspective precise static readonly writeonly coherent restrict volatile";
 
 pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>> {
     check_nesting(tokens)?;
@@ -138,7 +117,7 @@ fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize> {
             "in" | "varying" | "attribute" => origin = Origin::Varying,
             "out" => origin = Origin::Output,
             "const" => is_const = true,
-            word if QUALIFIERS.contains(&word) => {}
+            word if QUALIFIERS.split(' ').any(|known| known == word) => {}
             _ => break,
         }
         start += 1;

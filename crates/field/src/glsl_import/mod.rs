@@ -14,6 +14,8 @@ mod around;
 mod calls;
 mod evaluate;
 mod execute;
+mod includes;
+mod isf;
 mod items;
 mod layout;
 mod math;
@@ -24,11 +26,14 @@ mod preprocess;
 mod problem;
 mod quiet;
 mod rewrite;
+mod samplers;
 mod tokens;
 
-pub use around::{SceneAround, scene_around};
+pub use around::{SceneAround, Shown, scene_around};
 pub use calls::{Budget, Session};
+pub use includes::{Whole, whole};
 pub use outside::candidate;
+pub(crate) use outside::{Channel, Meaning, meaning};
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
 pub use problem::{Problem, ProblemKind};
 

@@ -7,6 +7,7 @@ use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, U
 use super::calls::Executor;
 use super::layout::Part;
 use super::problem::{Problem, Result};
+use super::samplers::wrapped;
 use crate::graph::{Graph, Node, NodeId, Op, matrices};
 
 impl Executor<'_, '_> {
@@ -130,7 +131,13 @@ impl Executor<'_, '_> {
     }
 
     /// Reads the bits of a number as another kind of number.
-    pub(super) fn reinterpret(&mut self, to: ScalarKind, part: Part, place: &Range<u32>) -> Result<Part> {
+    pub(super) fn reinterpret(
+        &mut self,
+        from: ScalarKind,
+        to: ScalarKind,
+        part: Part,
+        place: &Range<u32>,
+    ) -> Result<Part> {
         let known = match part {
             Part::Int(value) => Some(value as u32),
             Part::Uint(value) => Some(value),
@@ -142,8 +149,21 @@ impl Executor<'_, '_> {
             (Some(bits), ScalarKind::Uint) => Part::Uint(bits),
             (Some(bits), _) => Part::Node(self.graph.constant(f32::from_bits(bits))),
             // A signed number as an unsigned one.
-            (None, ScalarKind::Sint | ScalarKind::Uint) if is_whole_node(self.graph, part) => part,
-            _ => return Err(bits(place)),
+            (None, ScalarKind::Sint | ScalarKind::Uint) if from != ScalarKind::Float => part,
+            // Only hashes read the bits of an unknown number.
+            (None, _) => {
+                let node = self.node(part, place)?;
+                let many = self.graph.constant(65_536.0);
+                let scaled = if from == ScalarKind::Float { self.graph.mul(node, many) } else { node };
+                let random = self.scramble(scaled, many)?;
+                if to != ScalarKind::Float {
+                    return Ok(random);
+                }
+                // Hashes set the exponent of a number in 1..2.
+                let (random, scale) = (self.node(random, place)?, self.graph.constant(RANDOM.recip()));
+                let fraction = self.graph.mul(random, scale);
+                Part::Node(self.graph.add(fraction, self.one))
+            }
         })
     }
 
@@ -188,11 +208,13 @@ impl Executor<'_, '_> {
         }
         let (known_a, known_b) = (self.whole(a), self.whole(b));
         let (x, y) = (self.node(a, place)?, self.node(b, place)?);
+        let is_random = [x, y].iter().any(|node| self.session.scrambled.contains(node));
         let power = |value: Option<i64>| {
-            let value = value.filter(|shift| (0..24).contains(shift))?;
-            Some((1_u32 << value) as f32)
+            let value = value.filter(|shift| (0..32).contains(shift))?;
+            Some((1_u64 << value) as f32)
         };
-        Ok(Part::Node(match op {
+        let overflows = [known_a, known_b].iter().flatten().any(|value| scrambles(value.unsigned_abs()));
+        let node = match op {
             BinaryOperator::Divide => {
                 let quotient = self.graph.div(x, y);
                 self.graph.unary(Op::Trunc, quotient)
@@ -203,25 +225,85 @@ impl Executor<'_, '_> {
                 let multiple = self.graph.mul(whole, y);
                 self.graph.sub(x, multiple)
             }
-            BinaryOperator::ShiftLeft => {
-                let factor = self.graph.constant(power(known_b).ok_or_else(|| bits(place))?);
-                self.graph.mul(x, factor)
+            BinaryOperator::Multiply if is_random || overflows => return self.scramble(x, y),
+            BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr
+                if is_random && known_a != Some(0) && known_b != Some(0) =>
+            {
+                return self.scramble(x, y);
             }
-            BinaryOperator::ShiftRight => {
-                shifted_right(self.graph, x, power(known_b).ok_or_else(|| bits(place))?)
+            BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight => {
+                let factor = match power(known_b) {
+                    Some(factor) => self.graph.constant(factor),
+                    None => self.graph.unary(Op::Exp2, y),
+                };
+                if op == BinaryOperator::ShiftLeft {
+                    self.graph.mul(x, factor)
+                } else {
+                    let quotient = self.graph.div(x, factor);
+                    self.graph.unary(Op::Floor, quotient)
+                }
             }
-            BinaryOperator::And => match (known_a, known_b) {
-                (Some(mask), _) => masked_bits(self.graph, y, mask, place)?,
-                (_, Some(mask)) => masked_bits(self.graph, x, mask, place)?,
-                _ => return Err(bits(place)),
+            BinaryOperator::And => match (known_a.and_then(stretch), known_b.and_then(stretch)) {
+                (Some(bits), _) => masked(self.graph, y, bits),
+                (_, Some(bits)) => masked(self.graph, x, bits),
+                _ => self.common_bits(x, y, place)?,
             },
-            BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr => match (known_a, known_b) {
-                (Some(0), _) => y,
-                (_, Some(0)) => x,
-                _ => return Err(bits(place)),
-            },
+            BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr => {
+                let common = self.common_bits(x, y, place)?;
+                let sum = self.graph.add(x, y);
+                let either = self.graph.sub(sum, common);
+                if op == BinaryOperator::InclusiveOr { either } else { self.graph.sub(either, common) }
+            }
             _ => self.node_binary(op, x, y),
-        }))
+        };
+        let wraps = matches!(op, BinaryOperator::Add | BinaryOperator::Subtract | BinaryOperator::ShiftLeft);
+        if !is_random || !(wraps || matches!(op, BinaryOperator::ShiftRight)) {
+            return Ok(Part::Node(node));
+        }
+        let node = if wraps { wrapped(self.graph, node, RANDOM) } else { node };
+        self.session.scrambled.insert(node);
+        Ok(Part::Node(node))
+    }
+
+    /// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random
+    /// in the original, too, and no formula has their 32 bits.
+    fn scramble(&mut self, a: NodeId, b: NodeId) -> Result<Part> {
+        let [a, b] = [a, b].map(|node| {
+            if self.session.scrambled.contains(&node) {
+                let low = self.graph.constant(256.0);
+                self.graph.div(node, low)
+            } else {
+                wrapped(self.graph, node, RANDOM / 2.0)
+            }
+        });
+        let hash = self.graph.binary(Op::Hash, a, b);
+        let many = self.graph.constant(RANDOM);
+        let random = self.graph.mul(hash, many);
+        self.session.scrambled.insert(random);
+        Ok(Part::Node(random))
+    }
+
+    /// The bits that two numbers have in common, of the lowest [`BITS`] bits and the sign.
+    fn common_bits(&mut self, a: NodeId, b: NodeId, place: &Range<u32>) -> Result<NodeId> {
+        self.step(BITS * 8, || place.clone())?;
+        let (mut sum, two) = (self.zero, self.graph.constant(2.0));
+        for bit in 0..=BITS {
+            let weight = (1_u32 << bit) as f32;
+            let divisor = self.graph.constant(weight);
+            let [x, y] = [a, b].map(|node| {
+                if bit == BITS {
+                    return self.graph.binary(Op::Less, node, self.zero);
+                }
+                let quotient = self.graph.div(node, divisor);
+                let whole = self.graph.unary(Op::Floor, quotient);
+                self.graph.binary(Op::Mod, whole, two)
+            });
+            let both = self.and(x, y);
+            let signed = self.graph.constant(if bit == BITS { -weight } else { weight });
+            let weighted = self.graph.mul(both, signed);
+            sum = self.graph.add(sum, weighted);
+        }
+        Ok(sum)
     }
 
     pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: &Range<u32>) -> Result<NodeId> {
@@ -254,14 +336,9 @@ fn difference(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     graph.sub(a, b)
 }
 
-fn is_whole_node(graph: &Graph, part: Part) -> bool {
-    matches!(part, Part::Node(node)
-        if matches!(graph.node(node), Node::Unary(Op::Trunc | Op::Floor, _)))
-}
-
 // Whole numbers: constant ones have 32 bits, others are floats without a fraction.
 
-/// The error of an operation on the bits of a number that is not constant.
+/// The error of a function of the bits of a number that is not constant.
 pub(super) fn bits(place: &Range<u32>) -> Problem {
     let message = "this works on the bits of a whole number that is not constant";
     Problem::unsupported(place.clone(), message)
@@ -303,32 +380,35 @@ fn truth(graph: &mut Graph, holds: bool) -> Part {
     Part::Node(graph.constant(if holds { 1.0 } else { 0.0 }))
 }
 
-fn shifted_right(graph: &mut Graph, a: NodeId, divisor: f32) -> NodeId {
-    let divisor = graph.constant(divisor);
-    let quotient = graph.div(a, divisor);
-    graph.unary(Op::Floor, quotient)
+/// Number of different values of 32 bits.
+const RANDOM: f32 = 4_294_967_296.0;
+/// Bits that operations on two unknown numbers see.
+const BITS: usize = 16;
+
+/// True for the factor of a hash, whose products overflow.
+fn scrambles(factor: u64) -> bool {
+    factor >= 10_000 && !factor.is_power_of_two()
 }
 
-/// The bits of `a` that a constant selects: the lowest ones, or a single one.
-fn masked_bits(graph: &mut Graph, a: NodeId, mask: i64, place: &Range<u32>) -> Result<NodeId> {
+/// First bit and the bit after the last one of a mask whose bits are neighbours.
+fn stretch(mask: i64) -> Option<[u32; 2]> {
     let mask = mask as u32;
-    if mask == u32::MAX {
-        return Ok(a);
+    let low = mask.checked_shr(mask.trailing_zeros()).unwrap_or(0);
+    (low & low.wrapping_add(1) == 0).then(|| [mask.trailing_zeros().min(32), 32 - mask.leading_zeros()])
+}
+
+/// The bits of `a` between two places.
+fn masked(graph: &mut Graph, a: NodeId, [low, high]: [u32; 2]) -> NodeId {
+    let mut below = |bit: u32| wrapped(graph, a, (1_u64 << bit) as f32);
+    match (low, high) {
+        (0, 32) => a,
+        (0, high) => below(high),
+        (low, high) if low >= high => graph.constant(0.0),
+        (low, high) => {
+            let (upper, lower) = (below(high), below(low));
+            graph.sub(upper, lower)
+        }
     }
-    if mask >= 1 << 24 {
-        return Err(bits(place));
-    }
-    if mask & (mask + 1) == 0 {
-        let count = graph.constant((mask + 1) as f32);
-        return Ok(graph.binary(Op::Mod, a, count));
-    }
-    if mask.is_power_of_two() {
-        let shifted = shifted_right(graph, a, mask as f32);
-        let (two, factor) = (graph.constant(2.0), graph.constant(mask as f32));
-        let bit = graph.binary(Op::Mod, shifted, two);
-        return Ok(graph.mul(bit, factor));
-    }
-    Err(bits(place))
 }
 
 fn compared<T: PartialOrd>(op: BinaryOperator, a: &T, b: &T) -> bool {

@@ -1,16 +1,159 @@
-//! Values of the uniforms that viewers of shaders define.
+//! The names that viewers of shaders define, and what they mean in a scene.
 
+use super::items::Origin;
 use super::parse::{GlslFile, GlslFunction, GlslType};
-use crate::graph::{Graph, Input, NodeId, Op, ScreenInput};
+use crate::graph::{Graph, Input, NodeId, Op, ScreenInput, SoundInput};
 
 /// Width and height in pixels that shapes see as the resolution. A formula of the picture sees the actual size.
 const RESOLUTION: [f32; 2] = [1280.0, 720.0];
 const FRAMES_PER_SECOND: f32 = 60.0;
 
-/// Returns `len` components of a known uniform; `None` for an unknown one. `in_picture` is true for a formula of the
-/// picture, which knows the pixel, the picture's size and the pointer.
-pub(super) fn known(graph: &mut Graph, name: &str, len: usize, in_picture: bool) -> Option<Vec<NodeId>> {
-    if in_picture && let Some(mut nodes) = of_picture(graph, name) {
+/// What a name of a viewer means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Meaning {
+    Time,
+    Frame,
+    TimeStep,
+    FrameRate,
+    SampleRate,
+    /// Width and height in pixels, and 1.
+    Size,
+    /// Shadertoy's pointer: its pixel while the button is held, else 0.
+    HeldPointer,
+    /// The pixel under the pointer.
+    Pointer,
+    /// The pointer as fractions of the size.
+    PointerShare,
+    Pixel,
+    /// The pixel as fractions of the size.
+    Share,
+    /// The input of KodeLife's shaders: position, normal and fractions of the size.
+    Vertex,
+    /// The pixel from the centre, in heights of the picture.
+    Surface,
+    SurfaceSize,
+    /// The level of the sound, 0..255.
+    Volume,
+    Zero,
+    Channel(Channel),
+}
+
+/// What a sampler reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Channel {
+    /// A picture, or what the reads tell.
+    Unknown,
+    Picture,
+    /// A table of random numbers.
+    Noise,
+    /// Shadertoy's texture of the sound: a row of the spectrum and one of the waveform.
+    Rows,
+    /// The spectrum, linear in decibels. As a vector: bass, mid and treble.
+    Spectrum,
+    /// The spectrum, linear in amplitude.
+    Amplitudes,
+    /// Amplitudes that are added up over time.
+    Sums,
+    Waveform,
+    LastFrame,
+}
+
+use Meaning::{
+    Channel as Sampler, Frame, FrameRate, HeldPointer, Pixel, Pointer, PointerShare, SampleRate, Share, Size,
+    Surface, SurfaceSize, Time, TimeStep, Vertex, Volume, Zero,
+};
+
+/// Names with the type by which a viewer declares them unasked, and their meaning. Names without a type have a meaning
+/// only where the shader declares them. A name of several words stands for all of them.
+const NAMES: [(&str, &str, Meaning); 34] = [
+    ("iTime iGlobalTime time u_time uTime fGlobalTime TIME", "float", Time),
+    ("Time globalTime u_Time utime", "", Time),
+    ("iFrame FRAMEINDEX u_frame", "int", Frame),
+    ("iTimeDelta TIMEDELTA fFrameTime u_delta", "float", TimeStep),
+    ("iFrameRate", "float", FrameRate),
+    ("iSampleRate", "float", SampleRate),
+    ("iResolution", "vec3", Size),
+    ("resolution u_resolution uResolution v2Resolution RENDERSIZE", "vec2", Size),
+    ("Resolution iRes uRes u_res uRESOLUTION screenSize u_screenSize canvasSize", "", Size),
+    ("iChannelResolution", "vec3[4]", Size),
+    ("iMouse", "vec4", HeldPointer),
+    ("u_mouse uMouse", "vec2", Pointer),
+    ("mouse", "vec2", PointerShare),
+    ("gl_FragCoord", "vec4", Pixel),
+    ("fragCoord", "vec2", Pixel),
+    ("isf_FragNormCoord vv_FragNormCoord", "vec2", Share),
+    ("vertTexCoord vUV", "", Share),
+    ("inData", "", Vertex),
+    ("surfacePosition", "vec2", Surface),
+    ("surfaceSize", "vec2", SurfaceSize),
+    ("volume", "float", Volume),
+    ("iDate DATE u_date date", "vec4", Zero),
+    ("iChannelTime", "float[4]", Time),
+    ("gl_FragColor fragColor", "vec4", Zero),
+    ("gl_FragDepth", "float", Zero),
+    ("mouseButtons", "", Zero),
+    ("PASSINDEX pass", "int", Zero),
+    ("iChannel0 iChannel1 iChannel2 iChannel3", "sampler2D", Sampler(Channel::Unknown)),
+    ("texNoise", "sampler2D", Sampler(Channel::Noise)),
+    ("spectrum", "sampler2D", Sampler(Channel::Spectrum)),
+    ("samples", "sampler2D", Sampler(Channel::Waveform)),
+    ("texFFT texFFTSmoothed", "sampler1D", Sampler(Channel::Amplitudes)),
+    ("texFFTIntegrated", "sampler1D", Sampler(Channel::Sums)),
+    (
+        "backbuffer texPreviousFrame prevFrame PrevFrame u_backbuffer u_doubleBuffer0",
+        "sampler2D",
+        Sampler(Channel::LastFrame),
+    ),
+];
+
+/// Returns what a name of a viewer means.
+pub(crate) fn meaning(name: &str) -> Option<Meaning> {
+    let known = NAMES.iter().find(|(names, ..)| names.split(' ').any(|known| known == name));
+    known.map(|(.., meaning)| *meaning)
+}
+
+/// True for a name that a scene cannot give to a value of its own.
+pub(super) fn is_taken(name: &str) -> bool {
+    let hidden = SoundInput::named(name).is_some_and(|input| !input.may_be_hidden());
+    hidden || ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume"].contains(&name)
+}
+
+/// Returns what a sampler of that name reads.
+pub(super) fn channel(name: &str) -> Channel {
+    match meaning(name) {
+        Some(Sampler(channel)) => channel,
+        _ => Channel::Unknown,
+    }
+}
+
+/// True for a name that depends on the pixel.
+pub(super) fn is_of_pixel(name: &str) -> bool {
+    matches!(meaning(name), Some(Pixel | Share | Surface | Vertex))
+}
+
+/// The names that viewers declare unasked, each with its type.
+pub(super) fn given() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let declared = NAMES.iter().filter(|(_, of, _)| !of.is_empty());
+    declared.flat_map(|(names, of, _)| names.split(' ').map(move |name| (name, *of)))
+}
+
+/// Returns `len` components of a known value from outside; `None` for an unknown one. `in_picture` is true for a
+/// formula of the picture, which knows the pixel, the picture's size and the pointer.
+pub(super) fn known(
+    graph: &mut Graph,
+    name: &str,
+    len: usize,
+    origin: Origin,
+    in_picture: bool,
+) -> Option<Vec<NodeId>> {
+    // Two numbers from an earlier stage of a shader that fills the picture are the place in it.
+    let place = (origin == Origin::Varying && len == 2).then_some(Share);
+    let Some(meaning) = meaning(name).or(place) else {
+        // Many name a level of the sound as scenes do.
+        let level = SoundInput::named(name).filter(|input| len == 1 && !input.may_be_hidden())?;
+        return Some(vec![graph.input(Input::Sound(level))]);
+    };
+    if in_picture && let Some(mut nodes) = of_picture(graph, meaning) {
         let zero = graph.constant(0.0);
         nodes.resize(len, zero);
         return Some(nodes);
@@ -18,90 +161,94 @@ pub(super) fn known(graph: &mut Graph, name: &str, len: usize, in_picture: bool)
     let mut constants = |values: &[f32]| -> Vec<NodeId> {
         (0..len).map(|index| graph.constant(values.get(index).copied().unwrap_or(0.0))).collect()
     };
-    Some(match name {
-        "iTime" | "iGlobalTime" | "time" | "u_time" | "uTime" | "Time" | "globalTime" | "u_Time" | "TIME"
-        | "utime" => vec![graph.input(Input::T); len],
-        "iFrame" | "FRAMEINDEX" => {
+    Some(match meaning {
+        Time => vec![graph.input(Input::T); len],
+        Frame => {
             let (time, rate) = (graph.input(Input::T), graph.constant(FRAMES_PER_SECOND));
             let frames = graph.mul(time, rate);
             vec![graph.unary(Op::Floor, frames); len]
         }
-        "iResolution" | "resolution" | "u_resolution" | "uResolution" | "RENDERSIZE"
-        | "iChannelResolution" => constants(&[RESOLUTION[0], RESOLUTION[1], 1.0]),
-        "iTimeDelta" => constants(&[1.0 / FRAMES_PER_SECOND]),
-        "iFrameRate" => constants(&[FRAMES_PER_SECOND]),
-        "iSampleRate" => constants(&[44_100.0]),
-        "iMouse" | "mouse" | "u_mouse" | "uMouse" | "iDate" | "date" | "iChannelTime" => constants(&[]),
-        _ if name.starts_with("iChannel") || name.starts_with("gl_FragColor") || name == "fragColor" => {
-            constants(&[])
+        Size => constants(&[RESOLUTION[0], RESOLUTION[1], 1.0]),
+        TimeStep => constants(&[1.0 / FRAMES_PER_SECOND]),
+        FrameRate => constants(&[FRAMES_PER_SECOND]),
+        SampleRate => constants(&[44_100.0]),
+        HeldPointer | Pointer | PointerShare | Zero => constants(&[]),
+        Volume => {
+            let (sum, scale) = (levels(graph), graph.constant(255.0 / 3.0));
+            let sum = sum.into_iter().reduce(|a, b| graph.add(a, b)).unwrap_or(scale);
+            vec![graph.mul(sum, scale); len]
         }
+        Sampler(Channel::Spectrum) if len == 3 => levels(graph),
         _ => return None,
     })
 }
 
-/// Returns the components of a uniform that depends on the picture.
-fn of_picture(graph: &mut Graph, name: &str) -> Option<Vec<NodeId>> {
+fn levels(graph: &mut Graph) -> Vec<NodeId> {
+    let inputs = [SoundInput::Bass, SoundInput::Mid, SoundInput::Treble];
+    inputs.map(|input| graph.input(Input::Sound(input))).to_vec()
+}
+
+/// Returns the components of a value that depends on the picture.
+fn of_picture(graph: &mut Graph, meaning: Meaning) -> Option<Vec<NodeId>> {
     let screen = |graph: &mut Graph, input| graph.input(Input::Screen(input));
-    let (width, height) = (screen(graph, ScreenInput::Width), screen(graph, ScreenInput::Height));
-    let (x, y) = (screen(graph, ScreenInput::MouseX), screen(graph, ScreenInput::MouseY));
-    Some(match name {
-        "iResolution" | "resolution" | "u_resolution" | "uResolution" | "RENDERSIZE" => {
-            vec![width, height, graph.constant(1.0)]
-        }
-        "iMouse" | "u_mouse" | "uMouse" => {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let size = [ScreenInput::Width, ScreenInput::Height].map(|input| screen(graph, input));
+    let pointer = [ScreenInput::MouseX, ScreenInput::MouseY].map(|input| screen(graph, input));
+    let pixel = [Input::X, Input::Y].map(|input| graph.input(input));
+    let of = |graph: &mut Graph, values: [NodeId; 2]| {
+        [0, 1].map(|axis| graph.div(values[axis], size[axis])).to_vec()
+    };
+    Some(match meaning {
+        Size => vec![size[0], size[1], one],
+        HeldPointer => {
             let pressed = screen(graph, ScreenInput::MousePressed);
-            vec![x, y, graph.mul(pressed, x), graph.mul(pressed, y)]
+            let held = pointer.map(|at| graph.mul(pressed, at));
+            [held, held].concat()
         }
-        // Viewers that call it so give fractions of the size.
-        "mouse" => vec![graph.div(x, width), graph.div(y, height)],
-        "gl_FragCoord" | "fragCoord" => {
-            vec![graph.input(Input::X), graph.input(Input::Y), graph.constant(0.0), graph.constant(1.0)]
+        Pointer => pointer.to_vec(),
+        PointerShare => of(graph, pointer),
+        Pixel => vec![pixel[0], pixel[1], zero, one],
+        Share => of(graph, pixel),
+        Vertex => {
+            let share = of(graph, pixel);
+            let minus = graph.constant(-1.0);
+            let mut position: Vec<NodeId> = Vec::new();
+            for &share in &share {
+                let twice = graph.add(share, share);
+                position.push(graph.add(twice, minus));
+            }
+            [position, vec![zero, one, zero, zero, one], share].concat()
         }
+        Surface => {
+            let half = graph.constant(0.5);
+            let centred = [0, 1].map(|axis| {
+                let centre = graph.mul(size[axis], half);
+                graph.sub(pixel[axis], centre)
+            });
+            centred.map(|at| graph.div(at, size[1])).to_vec()
+        }
+        SurfaceSize => vec![graph.div(size[0], size[1]), one],
         _ => return None,
     })
-}
-
-/// True for a uniform whose value a scene must give.
-pub(super) fn is_unknown(name: &str) -> bool {
-    known(&mut Graph::new(), name, 1, true).is_none()
 }
 
 // Finds the function of a file that is a scene's distance.
 
-/// Names of distance functions, the most common first.
-const NAMES: [&str; 24] = [
-    "map",
-    "scene",
-    "de",
-    "sdf",
-    "getdist",
-    "getsdf",
-    "distancefield",
-    "world",
-    "scenesdf",
-    "dist",
-    "df",
-    "field",
-    "mapscene",
-    "sdscene",
-    "distance_field",
-    "sceneDist",
-    "sdfscene",
-    "estimate",
-    "distanceestimator",
-    "sd",
-    "f",
-    "distfunc",
-    "dstf",
-    "d",
-];
+/// Names of distance functions in lower case, the most common first.
+const DISTANCES: &str = "map scene de sdf getdist getsdf distancefield world scenesdf dist df field mapscene sdscene \
+    distance_field scenedist sdfscene estimate distanceestimator sd f distfunc dstf d";
 
-/// Number of names at the start of [`NAMES`] that no helper function has.
-const SURE_NAMES: usize = 9;
+/// Number of names at the start of [`DISTANCES`] that no helper function has.
+const SURE: usize = 9;
+
+fn rank(function: &GlslFunction) -> Option<usize> {
+    let name = function.name.to_lowercase();
+    DISTANCES.split_ascii_whitespace().position(|known| known == name)
+}
 
 /// True if the function's name says that it is the distance to a scene.
 pub(super) fn is_distance_for_sure(function: &GlslFunction) -> bool {
-    NAMES.iter().take(SURE_NAMES).any(|known| known.eq_ignore_ascii_case(&function.name))
+    rank(function).is_some_and(|rank| rank < SURE)
 }
 
 /// Returns the function of a point in space that most likely gives the distance to the scene.
@@ -111,11 +258,6 @@ pub fn candidate(file: &GlslFile) -> Option<&GlslFunction> {
             matches!(function.parameters.as_slice(), [one] if one.of == Some(GlslType::Vector(3)));
         takes_point && matches!(function.result, Some(GlslType::Float | GlslType::Vector(_)))
     };
-    let rank = |function: &&GlslFunction| {
-        let name = function.name.to_lowercase();
-        NAMES.iter().position(|known| known.eq_ignore_ascii_case(&name))
-    };
-    let named =
-        file.functions().iter().filter(fits).filter_map(|function| Some((rank(&function)?, function)));
+    let named = file.functions().iter().filter(fits).filter_map(|function| Some((rank(function)?, function)));
     named.min_by_key(|(rank, _)| *rank).map(|(_, function)| function)
 }

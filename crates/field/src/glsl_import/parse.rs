@@ -7,8 +7,10 @@ use std::ops::Range;
 use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
 use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
 
+use super::isf::{Inputs, Slider};
 use super::items::{self, Origin, shortened};
-use super::preprocess::preprocess;
+use super::outside::{self, Channel};
+use super::preprocess::{PRELUDE, preprocess};
 use super::problem::{Problem, Result};
 use super::quiet::catch_quietly;
 use super::rewrite::{BROKEN, DRAWING, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
@@ -96,6 +98,10 @@ pub struct GlslFile {
     pub(super) written: Written,
     pub(super) problems: Vec<Problem>,
     pub(super) outside: HashMap<String, Origin>,
+    /// Globals that read textures, and what they read.
+    pub(super) samplers: BTreeMap<String, Channel>,
+    /// The inputs of an ISF shader that a user sets.
+    pub(super) sliders: Vec<Slider>,
     /// Functions that give globals their values, in the order of the text.
     pub(super) starts: Vec<Handle<Function>>,
     pub(super) special: HashMap<Handle<Function>, Special>,
@@ -116,9 +122,13 @@ impl GlslFile {
             let message = format!("the GLSL is larger than {max} bytes");
             return Err(Problem::over_limit(0..0, message).hint("split it into several files"));
         }
-        let tokens = tokenize(text, limits.scene_tokens_max)?;
+        let inputs = Inputs::of(text)?;
+        let before = format!("{PRELUDE}{}", inputs.declarations);
+        let mut tokens = tokenize(&before, limits.scene_tokens_max)?;
+        tokens.iter_mut().for_each(|token| (token.start, token.end) = (0, 0));
+        tokens.extend(tokenize(text, limits.scene_tokens_max)?);
         let expanded = preprocess(&tokens, limits.scene_tokens_max)?;
-        let program = Program::new(items::split(&expanded)?);
+        let program = Program::new(items::split(&expanded)?, inputs);
         let (mut broken, mut problems) = (BTreeMap::new(), Vec::new());
         let mut bytes = 0;
         for _ in 0..ROUNDS_MAX {
@@ -199,9 +209,21 @@ impl GlslFile {
                 }
             }
         }
-        let (outside, has_drawing) = (program.outside, program.has_drawing);
-        let unset = program.unset.into_iter().collect();
-        Ok(Self { module, written, problems, outside, starts, special, functions, unset, has_drawing })
+        let Program { outside, samplers, sliders, has_drawing, unset, .. } = program;
+        let unset = unset.into_iter().collect();
+        Ok(Self {
+            module,
+            written,
+            problems,
+            outside,
+            samplers,
+            sliders,
+            starts,
+            special,
+            functions,
+            unset,
+            has_drawing,
+        })
     }
 
     /// Returns the functions of the file. A function that draws is there as a function of the pixel that returns its
@@ -238,7 +260,9 @@ impl GlslFile {
                 _ => 1,
             };
             let is_open = self.outside.get(name) == Some(&Origin::Uniform)
-                && super::outside::is_unknown(name)
+                && outside::meaning(name).is_none()
+                && !outside::is_taken(name)
+                && !self.samplers.contains_key(name)
                 && !with_values.contains(name);
             is_open.then_some((name, len))
         });
@@ -255,9 +279,16 @@ impl GlslFile {
         self.functions.iter().find(|function| function.is_picture)
     }
 
-    /// True if a formula with this session reads the pixel, because the file reads `gl_FragCoord`.
+    /// True if functions of the file may read the pixel without being given it.
     pub fn reads_pixel(&self) -> bool {
-        ["gl_FragCoord", "fragCoord"].iter().any(|name| self.outside.contains_key(*name))
+        let reads =
+            |(name, origin): (&String, &Origin)| *origin == Origin::Varying || outside::is_of_pixel(name);
+        self.outside.iter().any(reads)
+    }
+
+    /// True if functions of the file may read the last frame.
+    pub fn reads_last_frame(&self) -> bool {
+        self.samplers.values().any(|channel| *channel == Channel::LastFrame)
     }
 
     /// True if the file has a function that draws a picture, such as `mainImage`.
@@ -316,6 +347,10 @@ fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Probl
             if item.and_then(|item| program.name_of(item)) == Some(name) {
                 Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
                     .hint("write a loop instead of the recursion")
+            } else if name.starts_with("image") {
+                let message = format!("`{}` uses an image to which the shader writes", shortened(name));
+                Problem::unsupported(place, message)
+                    .hint("a scene keeps the last frame alone: read `backbuffer`")
             } else {
                 let message = format!("there is no function `{}` for these arguments", shortened(name));
                 Problem::malformed(place, message).hint("declare it in this file, before its use")

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::items::shortened;
 use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
 use crate::limits::GLSL_MACRO_PARAMETERS_MAX;
@@ -16,14 +17,20 @@ struct Macro<'a> {
     body: Rc<[Token<'a>]>,
 }
 
-/// Names that are defined before the text begins, with their values.
-const DEFINED: [(&str, &str); 5] = [
-    ("GL_ES", "1"),
-    ("__VERSION__", "300"),
-    ("GL_FRAGMENT_PRECISION_HIGH", "1"),
-    ("HW_PERFORMANCE", "1"),
-    ("GL_OES_standard_derivatives", "1"),
-];
+/// What is defined before the text begins, such as the functions of ISF.
+pub(super) const PRELUDE: &str = "\
+#define GL_ES 1
+#define __VERSION__ 300
+#define GL_FRAGMENT_PRECISION_HIGH 1
+#define HW_PERFORMANCE 1
+#define GL_OES_standard_derivatives 1
+#define IMG_NORM_PIXEL(image, at) texture(image, at)
+#define IMG_PIXEL(image, at) texture(image, (at) / RENDERSIZE)
+#define IMG_THIS_PIXEL(image) texture(image, isf_FragNormCoord)
+#define IMG_THIS_NORM_PIXEL(image) texture(image, isf_FragNormCoord)
+#define IMG_NORM_THIS_PIXEL(image) texture(image, isf_FragNormCoord)
+#define IMG_SIZE(image) RENDERSIZE
+";
 
 /// Maximum nesting of macro calls in arguments, of parentheses in `#if`, and of `#if` itself.
 const NESTING_MAX: usize = 48;
@@ -45,12 +52,7 @@ struct Condition<'a> {
 
 /// Executes the directives of a text and expands its macros. At most `steps_max` tokens are read and written.
 pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<Vec<Token<'a>>> {
-    let mut macros = HashMap::new();
-    for (name, value) in DEFINED {
-        let body = Rc::from([Token { text: value, ..Token::default() }]);
-        macros.insert(name, Macro { parameters: None, body });
-    }
-    let mut this = Preprocessor { macros, out: Vec::new(), steps: 0, steps_max };
+    let mut this = Preprocessor { macros: HashMap::new(), out: Vec::new(), steps: 0, steps_max };
     let mut conditions: Vec<Condition<'a>> = Vec::new();
     let mut at = 0;
     while let Some(token) = tokens.get(at) {
@@ -61,7 +63,7 @@ pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<V
             let rest = tokens.get(at + 1..).unwrap_or_default();
             let length = rest.iter().take_while(|token| !token.begins_line).count();
             let line = rest.get(..length).unwrap_or_default();
-            this.directive(*token, line, &mut conditions)?;
+            this.directive(line, &mut conditions)?;
             at += 1 + length;
             continue;
         }
@@ -95,12 +97,7 @@ impl<'a> Preprocessor<'a> {
         Ok(())
     }
 
-    fn directive(
-        &mut self,
-        hash: Token<'a>,
-        line: &[Token<'a>],
-        conditions: &mut Vec<Condition<'a>>,
-    ) -> Result<()> {
+    fn directive(&mut self, line: &[Token<'a>], conditions: &mut Vec<Condition<'a>>) -> Result<()> {
         let Some((name, rest)) = line.split_first() else { return Ok(()) };
         let active = conditions.last().is_none_or(|condition| condition.taken);
         match name.text {
@@ -146,13 +143,14 @@ impl<'a> Preprocessor<'a> {
                 .hint("define what it asks for, or remove the line"));
             }
             "include" => {
-                return Err(Problem::unsupported(name.place(), "a GLSL file cannot include another one")
-                    .hint("paste the other file here, or include both from the scene"));
+                let file: String = rest.iter().map(|token| token.text).collect();
+                let message = format!("the file {} is not beside this shader", shortened(&file));
+                return Err(Problem::unsupported(name.place(), message)
+                    .hint("put the file there, or paste its text in place of this line"));
             }
             // Versions, extensions and the directives of viewers change nothing here.
             _ => {}
         }
-        let _ = hash;
         Ok(())
     }
 

@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
+use super::isf::{Inputs, Slider};
 use super::items::{Global, Item, Origin, brackets_length, closing, matching};
+use super::outside::{self, Channel};
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
 
@@ -53,11 +55,13 @@ impl Written {
 /// The functions that read textures, under the names that naga sees.
 const TEXTURES: &str = "\
 vec4 glsl_texture(int s, float p) { return vec4(0.0); }
+vec4 glsl_texture(int s, float p, float b) { return vec4(0.0); }
 vec4 glsl_texture(int s, vec2 p) { return vec4(0.0); }
 vec4 glsl_texture(int s, vec2 p, float b) { return vec4(0.0); }
 vec4 glsl_texture(int s, vec3 p) { return vec4(0.0); }
 vec4 glsl_texture(int s, vec3 p, float b) { return vec4(0.0); }
 vec4 glsl_texture(int s, vec2 p, vec2 dx, vec2 dy) { return vec4(0.0); }
+vec4 glsl_texel(int s, int p, int l) { return vec4(0.0); }
 vec4 glsl_texel(int s, ivec2 p, int l) { return vec4(0.0); }
 vec4 glsl_texel(int s, ivec3 p, int l) { return vec4(0.0); }
 ivec2 glsl_texture_size(int s, int l) { return ivec2(256); }
@@ -81,30 +85,6 @@ pub(super) const BROKEN: &str = "glsl_broken_";
 /// A function that gives globals their values.
 pub(super) const START: &str = "glsl_start_";
 
-/// Inputs that viewers of shaders declare without being asked.
-const GIVEN: [(&str, &str); 20] = [
-    ("iTime", "float iTime;"),
-    ("iGlobalTime", "float iGlobalTime;"),
-    ("iTimeDelta", "float iTimeDelta;"),
-    ("iFrameRate", "float iFrameRate;"),
-    ("iFrame", "int iFrame;"),
-    ("iResolution", "vec3 iResolution;"),
-    ("iMouse", "vec4 iMouse;"),
-    ("iDate", "vec4 iDate;"),
-    ("iSampleRate", "float iSampleRate;"),
-    ("iChannelTime", "float iChannelTime[4];"),
-    ("iChannelResolution", "vec3 iChannelResolution[4];"),
-    ("iChannel0", "int iChannel0;"),
-    ("iChannel1", "int iChannel1;"),
-    ("iChannel2", "int iChannel2;"),
-    ("iChannel3", "int iChannel3;"),
-    ("gl_FragColor", "vec4 gl_FragColor;"),
-    ("gl_FragCoord", "vec4 gl_FragCoord;"),
-    ("gl_FragDepth", "float gl_FragDepth;"),
-    ("fragColor", "vec4 fragColor;"),
-    ("fragCoord", "vec2 fragCoord;"),
-];
-
 /// A function that returns the colour of a pixel. Scenes call it by the name [`IMAGE_IN_SCENES`].
 pub(super) const IMAGE: &str = "glsl_image";
 /// The name of the function that draws, in scenes.
@@ -122,21 +102,27 @@ pub(super) struct Program<'a> {
     pub unset: BTreeSet<String>,
     /// Statements of drawing functions that may set globals.
     sets: Vec<Vec<Token<'a>>>,
-    given: Vec<&'static str>,
+    /// Globals that read textures, and what they read.
+    pub samplers: BTreeMap<String, Channel>,
+    pub sliders: Vec<Slider>,
+    given: Vec<String>,
     pub has_drawing: bool,
     /// The function that returns the colour of a pixel, and the index of the function that it calls.
     image: Option<(String, usize)>,
 }
 
 impl<'a> Program<'a> {
-    pub(super) fn new(items: Vec<Item<'a>>) -> Self {
-        let (mut outside, mut unset) = (HashMap::new(), BTreeSet::new());
+    pub(super) fn new(items: Vec<Item<'a>>, inputs: Inputs) -> Self {
+        let (mut origins, mut unset, mut samplers) = (HashMap::new(), BTreeSet::new(), BTreeMap::new());
         let mut declared = BTreeSet::new();
         for item in &items {
             if let Item::Global(global) = item {
                 declared.insert(global.name.text);
+                if is_sampler(global.of.text) {
+                    samplers.insert(global.name.text.to_owned(), outside::channel(global.name.text));
+                }
                 if matches!(global.origin, Origin::Uniform | Origin::Varying) {
-                    outside.insert(global.name.text.to_owned(), global.origin);
+                    origins.insert(global.name.text.to_owned(), global.origin);
                 } else if global.value.is_empty() {
                     unset.insert(global.name.text.to_owned());
                 }
@@ -170,14 +156,20 @@ impl<'a> Program<'a> {
             items.iter().any(|item| matches!(item, Item::Function { name: own, .. } if own.is(name)))
         };
         let missing = MISSING.iter().filter(|(name, _)| used.contains(name) && !defines(name));
-        let mut given: Vec<&'static str> = missing.map(|(_, text)| *text).collect();
-        for (name, declaration) in GIVEN {
-            if used.contains(name) && !declared.contains(name) {
-                given.push(declaration);
-                outside.insert(name.to_owned(), Origin::Uniform);
+        let mut given: Vec<String> = missing.map(|(_, text)| (*text).to_owned()).collect();
+        for (name, of) in outside::given() {
+            if used.contains(name) && !declared.contains(name) && !defines(name) {
+                let (of, array) = of.split_at(of.find('[').unwrap_or(of.len()));
+                given.push(format!("{} {name}{array};\n", renamed(of, false)));
+                origins.insert(name.to_owned(), Origin::Uniform);
+                if is_sampler(of) {
+                    samplers.insert(name.to_owned(), outside::channel(name));
+                }
             }
         }
-        Self { items, outside, unset, sets, given, has_drawing, image }
+        samplers.extend(inputs.channels);
+        let sliders = inputs.sliders;
+        Self { items, outside: origins, unset, samplers, sliders, sets, given, has_drawing, image }
     }
 
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells
@@ -187,7 +179,6 @@ impl<'a> Program<'a> {
         out.text.push_str(TEXTURES);
         for declaration in &self.given {
             out.text.push_str(declaration);
-            out.text.push('\n');
         }
         for index in 0..problems.len() {
             out.text.push_str(&format!("void {BROKEN}{index}() {{ }}\n"));
@@ -297,28 +288,28 @@ fn image(items: &[Item<'_>]) -> Option<(String, usize)> {
 fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bool) {
     let is_whole = matches!(global.of.text, "int" | "uint" | "bool");
     let array = sizes(&global.array, &global.value);
-    if global.is_const && is_whole && array.is_empty() && !global.value.is_empty() && !broken {
-        out.push(&global.of.made("const", Kind::Word), index);
-        out.extend(&in_shape(&[global.of, global.name]), index);
-        out.push(&global.name.made("=", Kind::Sign), index);
+    let semicolon = global.name.made(";", Kind::Sign);
+    let declare = |out: &mut Written, name: Token<'_>| {
+        out.extend(&in_shape(&[global.of, name]), index);
+        out.extend(&array, index);
+        out.push(&name.made("=", Kind::Sign), index);
         out.extend(&in_shape(&global.value), index);
-        out.push(&global.name.made(";", Kind::Sign), index);
-        return;
+        out.push(&semicolon, index);
+    };
+    let is_set = !global.value.is_empty() && !broken;
+    if global.is_const && is_whole && array.is_empty() && is_set {
+        out.push(&global.of.made("const", Kind::Word), index);
+        return declare(out, global.name);
     }
     out.extend(&in_shape(&[global.of, global.name]), index);
     out.extend(&array, index);
-    out.push(&global.name.made(";", Kind::Sign), index);
-    if global.value.is_empty() || broken {
-        return;
+    out.push(&semicolon, index);
+    if is_set {
+        out.text.push_str(&format!("void {START}{index}() {{ "));
+        declare(out, global.name.made("glsl_value", Kind::Word));
+        out.extend(&in_shape(&[global.name]), index);
+        out.text.push_str("= glsl_value; }\n");
     }
-    out.text.push_str(&format!("void {START}{index}() {{ "));
-    out.extend(&in_shape(&[global.of, global.name.made("glsl_value", Kind::Word)]), index);
-    out.extend(&array, index);
-    out.push(&global.name.made("=", Kind::Sign), index);
-    out.extend(&in_shape(&global.value), index);
-    out.push(&global.name.made(";", Kind::Sign), index);
-    out.extend(&in_shape(&[global.name]), index);
-    out.text.push_str("= glsl_value; }\n");
 }
 
 /// Sizes of arrays as text, for arrays without a written size.
@@ -441,6 +432,33 @@ fn sizes<'a>(brackets: &[Token<'a>], value: &[Token<'a>]) -> Vec<Token<'a>> {
     groups.into_iter().rev().flatten().collect()
 }
 
+/// Names that naga reserves, with the sign that makes them free.
+const RESERVED: [&str; 13] = [
+    "sample_",
+    "buffer_",
+    "shared_",
+    "smooth_",
+    "flat_",
+    "centroid_",
+    "restrict_",
+    "readonly_",
+    "writeonly_",
+    "sampler_",
+    "invariant_",
+    "texture_",
+    "main_",
+];
+
+/// True for a type of textures.
+pub(super) fn is_sampler(of: &str) -> bool {
+    let kind = |sign: &&str| {
+        let of = of.strip_prefix(sign)?;
+        of.strip_prefix("sampler").or_else(|| of.strip_prefix("image"))
+    };
+    let kind = ["", "i", "u"].iter().find_map(kind);
+    kind.is_some_and(|kind| matches!(kind, "1D" | "2D" | "3D" | "Cube" | "2DRect" | "2DArray" | "Buffer"))
+}
+
 fn renamed(name: &str, called: bool) -> &str {
     match name {
         "texture" | "texture2D" | "texture2DLod" | "texture2DLodEXT" | "textureLod" | "textureLodEXT"
@@ -452,22 +470,8 @@ fn renamed(name: &str, called: bool) -> &str {
         }
         "texelFetch" if called => "glsl_texel",
         "textureSize" if called => "glsl_texture_size",
-        "sampler2D" | "samplerCube" | "sampler3D" | "sampler1D" | "isampler2D" | "usampler2D"
-        | "sampler2DRect" => "int",
-        "sample" => "sample_",
-        "buffer" => "buffer_",
-        "shared" => "shared_",
-        "smooth" => "smooth_",
-        "flat" => "flat_",
-        "centroid" => "centroid_",
-        "restrict" => "restrict_",
-        "readonly" => "readonly_",
-        "writeonly" => "writeonly_",
-        "sampler" => "sampler_",
-        "invariant" => "invariant_",
-        "texture" => "texture_",
-        "main" => "main_",
-        name => name,
+        of if is_sampler(of) => "int",
+        name => RESERVED.iter().find(|word| word.strip_suffix('_') == Some(name)).copied().unwrap_or(name),
     }
 }
 

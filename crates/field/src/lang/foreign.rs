@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::diagnostic::{Diagnostic, Fault};
 use super::source::Span;
-use crate::glsl_import::{GlslFile, GlslFunction, Problem, ProblemKind};
+use crate::glsl_import::{GlslFile, Problem, ProblemKind, Whole};
 
 /// Endings of the names of GLSL files.
 const ENDINGS: [&str; 6] = [".glsl", ".frag", ".fs", ".fsh", ".glslf", ".shadertoy"];
@@ -15,24 +15,20 @@ pub fn is_glsl(name: &str) -> bool {
     ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
-/// A parsed GLSL file, and the offset of its text in the sources.
+/// A parsed GLSL file with all that it includes, and the offset of its own text in the sources.
 pub(super) struct ForeignFile {
     pub file: GlslFile,
+    pub whole: Whole,
     pub base: u32,
 }
 
 impl ForeignFile {
     pub(super) fn span(&self, place: &Range<u32>) -> Span {
-        span(self.base, place)
+        span(self.base, &self.whole.place(place))
     }
 
     pub(super) fn diagnostic(&self, problem: &Problem, otherwise: Span) -> Diagnostic {
-        diagnostic(self.base, problem, otherwise)
-    }
-
-    /// Returns a function's parameters as the scene language writes them.
-    pub(super) fn signature(&self, function: &GlslFunction) -> String {
-        function.to_string()
+        diagnostic(self.base, &self.whole, problem, otherwise)
     }
 }
 
@@ -41,8 +37,8 @@ fn span(base: u32, place: &Range<u32>) -> Span {
 }
 
 /// Returns a problem as a diagnostic in the file at `base`. A problem without a place is reported at `otherwise`.
-pub(super) fn diagnostic(base: u32, problem: &Problem, otherwise: Span) -> Diagnostic {
-    let span = if problem.place.is_empty() { otherwise } else { span(base, &problem.place) };
+pub(super) fn diagnostic(base: u32, whole: &Whole, problem: &Problem, otherwise: Span) -> Diagnostic {
+    let span = if problem.place.is_empty() { otherwise } else { span(base, &whole.place(&problem.place)) };
     let fault = match problem.kind {
         ProblemKind::Malformed => Fault::Malformed,
         ProblemKind::Unsupported => Fault::Unsupported,

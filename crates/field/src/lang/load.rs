@@ -6,7 +6,7 @@ use super::foreign::{self, ForeignFile, is_glsl};
 use super::source::{Sources, Span};
 use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
-use crate::glsl_import::GlslFile;
+use crate::glsl_import::{GlslFile, whole};
 use crate::limits::Limits;
 
 #[derive(Default)]
@@ -105,16 +105,22 @@ impl Loader<'_, '_> {
             self.loaded.foreign_broken = true;
             return;
         };
-        match GlslFile::parse(text, self.limits) {
+        let folder = name.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
+        let resolve = &mut *self.resolve;
+        let whole = whole(text, self.limits, &mut |name| {
+            path::checked(&format!("{folder}{name}")).ok().and_then(|path| resolve(&path).ok())
+        });
+        self.loaded.includes.extend(whole.files.iter().map(|file| format!("{folder}{file}")));
+        match GlslFile::parse(&whole.text, self.limits) {
             Ok(file) => {
                 for function in file.functions() {
                     self.loaded.names.intern(&function.name);
                 }
-                self.loaded.foreign.push(ForeignFile { file, base });
+                self.loaded.foreign.push(ForeignFile { file, whole, base });
             }
             Err(problem) => {
                 self.loaded.foreign_broken = true;
-                self.diagnostics.push(foreign::diagnostic(base, &problem, included));
+                self.diagnostics.push(foreign::diagnostic(base, &whole, &problem, included));
             }
         }
     }

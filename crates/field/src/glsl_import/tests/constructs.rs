@@ -151,13 +151,57 @@ fn unsupported_constructs_have_their_own_messages() {
         ("float f(vec3 p) { return f(p) + 1.0; }", "calls itself"),
         ("float f(vec3 p) { return dFdx(p.x); }", "compare pixels"),
         ("float f(vec3 p) { if (p.x > 0.0) discard; return 1.0; }", "`discard`"),
-        ("float f(vec3 p) { int n = int(p.x); n = n ^ 61; return float(n); }", "the bits of a whole number"),
+        ("float f(vec3 p) { return float(bitCount(int(p.x))); }", "the bits of a whole number"),
         ("float g(vec3 p); float f(vec3 p) { return g(p); }", "has no body"),
     ];
     for (text, expected) in cases {
         let (kind, message, _) = problem(text, "f");
         assert!(message.contains(expected), "{text}: {message}");
         assert!(kind != ProblemKind::OverLimit, "{text}");
+    }
+}
+
+#[test]
+fn bits_of_whole_numbers_that_depend_on_the_point_were_refused() {
+    for (expression, of) in [
+        ("a ^ b", (|a, b| a ^ b) as fn(i32, i32) -> i32),
+        ("a & b", |a, b| a & b),
+        ("a | b", |a, b| a | b),
+        ("a & 0x3f0", |a, _| a & 0x3f0),
+        ("(a >> (b & 7)) & 5", |a, b| (a >> (b & 7)) & 5),
+        ("(a << 3) ^ a", |a, _| (a << 3) ^ a),
+        ("b | (a & 15) << 4", |a, b| b | (a & 15) << 4),
+    ] {
+        let text =
+            format!("float f(vec3 p) {{ int a = int(p.x), b = int(p.y); return float({expression}); }}");
+        for (a, b) in [(0, 0), (12, 10), (1023, 511), (40_000, 21_845), (-5, 3), (-7, -12), (6, -1)] {
+            assert_eq!(
+                value(&text, "f", [a as f32, b as f32, 0.0]),
+                [of(a, b) as f32],
+                "{expression} of {a}, {b}"
+            );
+        }
+    }
+}
+
+/// Products of 32 bits are no numbers of a formula; what a hash makes of them is random in any case.
+#[test]
+fn hashes_of_whole_numbers_become_other_random_numbers() {
+    for hash in [
+        "int n = int(p.x) + int(p.y) * 57; n = (n << 13) ^ n;
+         return float((n * (n * n * 15731 + 789221) + 1376312589) & 0x7fffffff) / 2147483648.0;",
+        "uint n = uint(p.x) * 747796405u + uint(p.y) * 2891336453u; n = ((n >> 16u) ^ n) * 277803737u;
+         return float((n >> 22u) ^ n) / 4294967295.0;",
+        "uvec2 q = floatBitsToUint(p.xy); uint h = q.x * 1664525u + q.y; h ^= h >> 16u;
+         return uintBitsToFloat((h >> 9u) | 0x3f800000u) - 1.0;",
+    ] {
+        let text = format!("float f(vec3 p) {{ {hash} }}");
+        let values: Vec<f32> =
+            (0..400).map(|at| value(&text, "f", [(at % 20) as f32, (at / 20) as f32, 0.0])[0]).collect();
+        assert!(values.iter().all(|value| (0.0..=1.0).contains(value)), "{hash}");
+        let mean = values.iter().sum::<f32>() / 400.0;
+        let near = values.windows(2).filter(|pair| (pair[0] - pair[1]).abs() < 0.1).count();
+        assert!((mean - 0.5).abs() < 0.06 && (30..130).contains(&near), "{hash}: mean {mean}, {near} near");
     }
 }
 

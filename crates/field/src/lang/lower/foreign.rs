@@ -10,6 +10,7 @@ use super::super::symbol::{Interner, Symbol};
 use super::super::value::{Value, Vector};
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
+use super::reads::TextureRead;
 use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session};
 use crate::graph::{Input, NodeId};
 
@@ -105,12 +106,16 @@ impl ForeignCall<'_, '_> {
                 _ => Vec::new(),
             });
         }
-        let in_picture = self.is_in_picture(function);
+        let (span, in_picture) = (self.span, self.is_in_picture(function));
         let kept = |this: &mut Self, session: Session| {
             let sessions = this.outer.declared.foreign.sessions.get_mut(index)?;
             Some(std::mem::replace(&mut sessions[usize::from(in_picture)], session))
         };
         let Some(mut session) = kept(self, Session::default()) else { return Value::Unknown };
+        if in_picture && session.last_frame.is_none() && foreign.file.reads_last_frame() {
+            let mut read = TextureRead { outer: self.outer, mark: self.mark, first: 0, span };
+            session.last_frame = read.last_frame_number();
+        }
         let mut budget = Budget {
             steps: self.outer.budget.left(self.outer.limits),
             rounds_max: self.outer.limits.scene_loop_max,
@@ -207,9 +212,9 @@ impl ForeignCall<'_, '_> {
         };
         let mut is_callable = false;
         let mut signatures = Vec::new();
-        for (_, foreign, function) in self.outer.declared.foreign.all(name) {
+        for (_, _, function) in self.outer.declared.foreign.all(name) {
             is_callable |= function.is_callable();
-            signatures.push(foreign.signature(function));
+            signatures.push(function.to_string());
         }
         if !is_callable {
             diagnostic.fault = Fault::Unsupported;

@@ -50,11 +50,10 @@ impl TextureRead<'_, '_> {
     /// Returns the light of the last frame. Its texture holds fractions of [`LAST_LIGHT_MAX`], because bounds of
     /// textures are 0..1.
     pub(super) fn last_frame(&mut self) -> Value {
-        self.use_textures("previous");
+        let number = self.last_frame_number();
         let hint = "`pixel / resolution` is the place of the pixel that is drawn";
         let Some((u, v)) = self.place(0, "previous", hint) else { return Value::Unknown };
-        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
-        let Some(number) = self.numbered(TextureRef::last_frame(place)) else { return Value::Unknown };
+        let Some(number) = number else { return Value::Unknown };
         let most = self.outer.constant(LAST_LIGHT_MAX);
         let graph = &mut self.outer.graph;
         let parts = [0, 1, 2].map(|channel| {
@@ -62,6 +61,13 @@ impl TextureRead<'_, '_> {
             graph.mul(fraction, most)
         });
         Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+    }
+
+    /// Returns the number of the texture that holds the last frame.
+    pub(super) fn last_frame_number(&mut self) -> Option<u16> {
+        self.use_textures("previous");
+        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
+        self.numbered(TextureRef::last_frame(place))
     }
 
     fn use_textures(&mut self, name: &str) {

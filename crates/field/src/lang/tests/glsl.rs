@@ -2,7 +2,7 @@
 
 use super::super::{Compiled, Fault, compile};
 use super::distance;
-use crate::glsl_import::scene_around;
+use crate::glsl_import::{Shown, scene_around};
 
 fn with_glsl(scene: &str, glsl: &str) -> Compiled {
     compile("test.scene", scene, &mut |name| match name {
@@ -123,7 +123,7 @@ fn an_imported_shader_is_a_scene_without_mistakes() {
         vec2 map(vec3 p) { glow += 1.0; vec2 r = near(vec2(p.y + 1.0, 1.0), vec2(length(p) - strength, 2.0));
             return near(r, vec2(length(p - vec3(2.0, 0.0, levels.x)) - 0.5, 3.5)); }
         void mainImage(out vec4 c, in vec2 f) { glow = 0.0; c = texture(iChannel0, f); }";
-    let around = scene_around(glsl).unwrap();
+    let around = scene_around(glsl, Shown::Shape).unwrap();
     let compiled = with_glsl(&around.text("a.glsl"), glsl);
     let scene = compiled
         .scene
@@ -138,6 +138,6 @@ fn an_imported_shader_is_a_scene_without_mistakes() {
     assert!(distance(scene, [x, y, z]) > 0.5, "the camera is in a shape: {}", around.text("a.glsl"));
     let left_out = around.left_out.join("\n");
     assert!(left_out.contains("mainImage") && left_out.contains("`glow`"), "{left_out}");
-    let none = scene_around("float noise(vec2 p) { return p.x; }").unwrap_err();
+    let none = scene_around("float noise(vec2 p) { return p.x; }", Shown::Picture).unwrap_err();
     assert!(none.hint.contains("noise"), "{none:?}");
 }

@@ -6,6 +6,8 @@ mod bad_input;
 #[cfg(test)]
 mod cameras;
 #[cfg(test)]
+mod dialects;
+#[cfg(test)]
 mod fuzz;
 #[cfg(test)]
 mod glsl;

@@ -2,25 +2,25 @@
 
 use super::super::{Scene, compile};
 use super::scene;
-use crate::glsl_import::{Problem, scene_around};
+use crate::glsl_import::{Problem, Shown, scene_around};
 use crate::graph::{FrameInputs, Point, Screen};
 use crate::world::World;
 
-const SCREEN: Screen = Screen { size: [200.0, 100.0], pointer: [0.25, 0.75], pressed: true };
+pub(super) const SCREEN: Screen = Screen { size: [200.0, 100.0], pointer: [0.25, 0.75], pressed: true };
 
-fn color_on(scene: &Scene, [x, y]: [f32; 2], screen: Screen) -> Vec<f32> {
+pub(super) fn color_on(scene: &Scene, [x, y]: [f32; 2], screen: Screen) -> Vec<f32> {
     let frame = FrameInputs { screen, time: 2.0, ..FrameInputs::default() };
     scene.graph.evaluate(&scene.sky.color, &Point::at(x, y, 0.0), &frame).unwrap()
 }
 
-fn with_glsl(text: &str, glsl: &str) -> Scene {
+pub(super) fn with_glsl(text: &str, glsl: &str) -> Scene {
     let compiled = compile("test.scene", text, &mut |_| Ok(glsl.to_owned()));
     let report = compiled.render(false);
     compiled.scene.unwrap_or_else(|| panic!("{report}"))
 }
 
 /// The colour of a pixel of the sky `color`, with the functions of a GLSL file.
-fn drawn(color: &str, glsl: &str, at: [f32; 2]) -> Vec<f32> {
+pub(super) fn drawn(color: &str, glsl: &str, at: [f32; 2]) -> Vec<f32> {
     color_on(&with_glsl(&format!("include \"a.glsl\"\nsky {{ color = {color} }}"), glsl), at, SCREEN)
 }
 
@@ -88,19 +88,19 @@ fn differences_between_pixels_are_those_of_the_formula() {
 }
 
 #[test]
-fn the_pointer_of_a_shader_has_the_signs_of_a_held_button() {
+fn the_pointer_of_a_shader_is_at_0_until_its_button_is_held() {
     let glsl = "void mainImage(out vec4 c, in vec2 f) { c = vec4(iMouse.xy, iMouse.z, 1.0); }";
     assert_eq!(drawn("mainImage(pixel).rgb", glsl, [0.0; 2]), [50.0, 75.0, 50.0]);
     let text = "include \"a.glsl\"\nsky { color = mainImage(pixel).rgb }";
     let released = color_on(&with_glsl(text, glsl), [0.0; 2], Screen { pressed: false, ..SCREEN });
-    assert_eq!(released, [50.0, 75.0, 0.0]);
+    assert_eq!(released, [0.0; 3], "at rest");
 }
 
 #[test]
 fn a_shader_that_draws_and_has_no_distance_becomes_a_scene_of_sky() {
     let glsl = "float f(vec3 x) { return fract(sin(x.x) * 9.0); }
         void mainImage(out vec4 c, in vec2 p) { c = vec4(vec3(f(vec3(p, 0.0))), 1.0); }";
-    let around = scene_around(glsl).unwrap();
+    let around = scene_around(glsl, Shown::Picture).unwrap();
     assert!(
         around.text("a.glsl").contains("sky { color = srgb(mainImage(pixel).rgb) }"),
         "{}",
@@ -108,11 +108,8 @@ fn a_shader_that_draws_and_has_no_distance_becomes_a_scene_of_sky() {
     );
     assert!(around.left_out.is_empty(), "{:?}", around.left_out);
     assert!(with_glsl(&around.text("a.glsl"), glsl).objects.is_empty());
-    let traced = "float map(vec3 p) { return length(p) - 1.0; }
-        void mainImage(out vec4 c, in vec2 f) { c = vec4(map(vec3(f, 0.0))); }";
-    assert!(scene_around(traced).unwrap().text("a.glsl").contains("shape = map(p)"));
-    let Problem { message, .. } =
-        scene_around("void mainImage(out vec4 c, in vec2 f) { c = vec4(a); }").unwrap_err();
+    let broken = "void mainImage(out vec4 c, in vec2 f) { c = vec4(a); }";
+    let Problem { message, .. } = scene_around(broken, Shown::Picture).unwrap_err();
     assert_eq!(message, "there is no `a` here");
 }
 

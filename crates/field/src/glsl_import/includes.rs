@@ -1,0 +1,124 @@
+//! Puts the texts of `#include` in their places.
+
+use std::ops::Range;
+
+use crate::limits::Limits;
+
+/// A text with all that it includes.
+#[derive(Debug, Default)]
+pub struct Whole {
+    /// The text.
+    pub text: String,
+    /// Paths of the included files, relative to the folder of the text.
+    pub files: Vec<String>,
+    /// Where stretches of the text come from.
+    stretches: Vec<Stretch>,
+}
+
+/// A stretch of a [`Whole`] and its place in the text that includes.
+#[derive(Debug)]
+struct Stretch {
+    start: u32,
+    place: Range<u32>,
+    /// True for an included text; its place is the line that includes it.
+    is_included: bool,
+}
+
+/// Puts the texts of `#include` in their places. `read` returns the text of a file by its path relative to the folder
+/// of `text`. A line whose file cannot be read stays, and each file is included once.
+pub fn whole(text: &str, limits: &Limits, read: &mut dyn FnMut(&str) -> Option<String>) -> Whole {
+    let mut whole = Whole::default();
+    whole.paste(text, "", None, limits, read, 0);
+    whole
+}
+
+impl Whole {
+    fn paste(
+        &mut self,
+        text: &str,
+        folder: &str,
+        included: Option<&Range<u32>>,
+        limits: &Limits,
+        read: &mut dyn FnMut(&str) -> Option<String>,
+        depth: usize,
+    ) {
+        let (mut at, mut goes_on) = (0, false);
+        for line in text.split_inclusive('\n') {
+            let place = included.cloned().unwrap_or(at as u32..(at + line.trim_end().len()) as u32);
+            at += line.len();
+            let is_free = depth < limits.include_depth_max && self.files.len() < limits.scene_includes_max;
+            let path = named(line).and_then(|name| joined(folder, name)).filter(|_| is_free);
+            if let Some(path) = path {
+                if self.files.contains(&path) {
+                    self.text.push('\n');
+                    goes_on = false;
+                    continue;
+                }
+                let left = limits.scene_bytes_max.saturating_sub(self.text.len());
+                if let Some(other) = read(&path).filter(|other| other.len() <= left) {
+                    let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+                    self.files.push(path);
+                    self.paste(&other, &folder, Some(&place), limits, read, depth + 1);
+                    self.text.push('\n');
+                    goes_on = false;
+                    continue;
+                }
+            }
+            if !goes_on {
+                let (start, is_included) = (self.text.len() as u32, included.is_some());
+                self.stretches.push(Stretch { start, place, is_included });
+            }
+            goes_on = true;
+            self.text.push_str(line);
+        }
+    }
+
+    /// Returns the place of a range of the whole text in the text that includes.
+    pub fn place(&self, range: &Range<u32>) -> Range<u32> {
+        let of = |offset: u32| {
+            let after = self.stretches.partition_point(|stretch| stretch.start <= offset);
+            let stretch = after.checked_sub(1).and_then(|index| self.stretches.get(index));
+            stretch.map_or(offset..offset, |stretch| match stretch.is_included {
+                true => stretch.place.clone(),
+                false => {
+                    let at = stretch.place.start + (offset - stretch.start);
+                    at..at
+                }
+            })
+        };
+        of(range.start).start..of(range.end).end
+    }
+}
+
+/// The file that a line includes.
+fn named(line: &str) -> Option<&str> {
+    let line = line.trim_start().strip_prefix('#')?.trim_start();
+    let rest = line.strip_prefix("include").or_else(|| {
+        let pragma = line.strip_prefix("pragma")?.trim_start();
+        pragma
+            .strip_prefix("include")
+            .or_else(|| pragma.strip_prefix("glslify:")?.trim_start().strip_prefix("import"))
+    })?;
+    let rest = rest.trim_start_matches([' ', '\t', '(']);
+    let close = match rest.chars().next()? {
+        '<' => '>',
+        quote @ ('"' | '\'') => quote,
+        _ => return None,
+    };
+    rest.get(1..)?.split_once(close).map(|(name, _)| name)
+}
+
+/// A path from a folder. `None` if it leaves the outermost folder. A name without an ending means a `.glsl` file.
+fn joined(folder: &str, name: &str) -> Option<String> {
+    let mut parts: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    for part in name.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()?),
+            part => parts.push(part),
+        }
+    }
+    let path = parts.join("/");
+    let file = parts.last()?;
+    Some(if file.contains('.') { path } else { path + ".glsl" })
+}

@@ -1,0 +1,138 @@
+//! The header of an ISF shader: a comment with JSON, which lists its inputs.
+//!
+//! The inputs become uniforms with values, so that the rest of the import needs to know nothing of ISF.
+
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::outside::Channel;
+use super::problem::{Problem, Result};
+
+/// An input that a user sets: its default, of one number or several, and its range.
+#[derive(Debug)]
+pub(super) struct Slider {
+    pub name: String,
+    pub values: Vec<f64>,
+    pub range: [f64; 2],
+    /// True for a number without steps.
+    pub is_smooth: bool,
+}
+
+#[derive(Deserialize, Default)]
+struct Header {
+    #[serde(default, rename = "INPUTS")]
+    inputs: Vec<Input>,
+    #[serde(default, rename = "IMPORTED")]
+    imported: Value,
+    #[serde(default, rename = "PASSES")]
+    passes: Vec<Pass>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+struct Input {
+    name: String,
+    r#type: String,
+    #[serde(default)]
+    default: Value,
+    #[serde(default)]
+    min: Value,
+    #[serde(default)]
+    max: Value,
+    #[serde(default)]
+    values: Vec<Value>,
+}
+
+#[derive(Deserialize)]
+struct Pass {
+    #[serde(default, rename = "TARGET")]
+    target: Option<String>,
+}
+
+/// What a header declares.
+#[derive(Debug, Default)]
+pub(super) struct Inputs {
+    /// Uniforms, as GLSL.
+    pub declarations: String,
+    pub sliders: Vec<Slider>,
+    pub channels: Vec<(String, Channel)>,
+}
+
+impl Inputs {
+    /// Reads the header of a text; empty for a text that does not begin with one.
+    pub(super) fn of(text: &str) -> Result<Self> {
+        let mut inputs = Self::default();
+        let Some(json) = text.trim_start_matches('\u{feff}').trim_start().strip_prefix("/*") else {
+            return Ok(inputs);
+        };
+        let json = json.split_once("*/").map_or(json, |(json, _)| json).trim();
+        if !json.starts_with('{') || !json.contains("\"INPUTS\"") && !json.contains("\"ISFVSN\"") {
+            return Ok(inputs);
+        }
+        let header: Header = serde_json::from_str(json).map_err(|error| {
+            Problem::malformed(
+                0..2,
+                format!("the JSON at the start of this ISF shader has a mistake: {error}"),
+            )
+            .hint("mend the JSON between `/*{` and `}*/`")
+        })?;
+        header.inputs.iter().for_each(|input| inputs.declare(input));
+        let imported = header.imported.as_object().into_iter().flatten().map(|(name, _)| name.as_str());
+        imported.for_each(|name| inputs.sampler(name, Channel::Picture));
+        let targets = header.passes.iter().filter_map(|pass| pass.target.as_deref());
+        targets.for_each(|name| inputs.sampler(name, Channel::LastFrame));
+        if let Some(last) = header.passes.len().checked_sub(1) {
+            // The last pass draws the picture.
+            let _ = writeln!(inputs.declarations, "const int PASSINDEX = {last};");
+        }
+        Ok(inputs)
+    }
+
+    fn declare(&mut self, input: &Input) {
+        let name = input.name.as_str();
+        let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(f64::from));
+        let numbers = input.values.iter().filter_map(number);
+        let least = number(&input.min).or_else(|| numbers.clone().reduce(f64::min)).unwrap_or(0.0);
+        let most = number(&input.max).or_else(|| numbers.reduce(f64::max)).unwrap_or(least + 1.0);
+        let of = match input.r#type.as_str() {
+            "audio" => return self.sampler(name, Channel::Waveform),
+            "audioFFT" => return self.sampler(name, Channel::Spectrum),
+            "float" => "float",
+            "long" => "int",
+            "bool" | "event" => "bool",
+            "point2D" => "vec2",
+            "color" => "vec4",
+            _ => return self.sampler(name, Channel::Picture),
+        };
+        if !is_name(name) {
+            return;
+        }
+        let components = match of {
+            "vec2" => 2,
+            "vec4" => 4,
+            _ => 1,
+        };
+        let list = input.default.as_array().map_or(std::slice::from_ref(&input.default), Vec::as_slice);
+        let values = (0..components).map(|index| list.get(index).and_then(number).unwrap_or(least));
+        let values: Vec<f64> = values.map(|value| if value.is_finite() { value } else { 0.0 }).collect();
+        let written: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        let _ = writeln!(self.declarations, "uniform {of} {name} = {of}({});", written.join(", "));
+        let range = [least, most.max(least + 1e-3)];
+        self.sliders.push(Slider { name: name.to_owned(), values, range, is_smooth: of == "float" });
+    }
+
+    fn sampler(&mut self, name: &str, channel: Channel) {
+        if is_name(name) && !self.channels.iter().any(|(known, _)| known == name) {
+            let _ = writeln!(self.declarations, "uniform sampler2D {name};");
+            self.channels.push((name.to_owned(), channel));
+        }
+    }
+}
+
+/// True for a name that GLSL can declare.
+fn is_name(name: &str) -> bool {
+    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}

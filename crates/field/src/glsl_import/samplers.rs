@@ -1,0 +1,346 @@
+//! Reads of textures: the sound, the last frame, and tables of random numbers. Pictures are black.
+//!
+//! The value of a sampler is the number of its global variable.
+
+use std::ops::Range;
+
+use super::calls::{Argument, Executor};
+use super::layout::Part;
+use super::outside::Channel;
+use super::parse::Special;
+use super::problem::{Problem, Result};
+use crate::graph::{Graph, Input, Node, NodeId, Op, ScreenInput, SoundInput};
+use crate::limits::LAST_LIGHT_MAX;
+
+/// Texels in a row of Shadertoy's texture of the sound.
+const ROW: f32 = 512.0;
+/// The highest frequency of a row of Shadertoy, and of the spectra of other viewers, in Hz.
+const ROW_HZ: f32 = 11_025.0;
+const NYQUIST_HZ: f32 = 22_050.0;
+/// The ends of the language's `spectrum`, in Hz.
+const SPECTRUM_HZ: [f32; 2] = [30.0, 16_000.0];
+/// Range and least value of the language's `spectrum` in decibels.
+const SPECTRUM_DB: [f32; 2] = [72.0, -84.0];
+/// Part of the language's `waveform` that a viewer shows: 512 of 44,100 samples, in its middle.
+const WAVE: [f32; 2] = [0.27, 0.365];
+
+/// Operations that compute a position near the pixel, at most.
+const NEAR_PIXEL_MAX: usize = 32;
+/// Texels of the noise that stands for the surface of a thing, coarse and fine.
+const GRAIN: [f32; 2] = [8.0, 64.0];
+
+impl<'m> Executor<'m, '_> {
+    pub(super) fn texture(
+        &mut self,
+        special: Special,
+        arguments: &[Argument],
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>> {
+        self.step(64, || place.clone())?;
+        let [Argument::Parts(sampler), Argument::Parts(at), ..] = arguments else { return Ok(Vec::new()) };
+        let number = sampler.first().and_then(|part| self.whole(*part)).unwrap_or(-1);
+        let at = at.iter().map(|part| self.node(*part, place)).collect::<Result<Vec<_>>>()?;
+        if let Special::TextureSize = special {
+            let size = self.graph.constant(FLAT);
+            return Ok(vec![Part::Node(size); 2]);
+        }
+        let is_texel = matches!(special, Special::Texel);
+        let channel = self.channel(number, &at, is_texel);
+        let colour = match (channel, at.as_slice()) {
+            (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.graph, x, y),
+            (Channel::Noise, &[u, v]) => {
+                let [x, y] = [u, v].map(|node| in_texels(self.graph, node, FLAT));
+                flat_noise(self.graph, x, y)
+            }
+            (Channel::Noise, &[u, v, w]) => {
+                let cells = [u, v, w].map(|node| in_texels(self.graph, node, SOLID));
+                [solid_noise(self.graph, cells); 4]
+            }
+            (Channel::Unknown | Channel::Picture, at) => self.picture(number, at, place)?,
+            (Channel::LastFrame, &[u, v, ..]) => self.last_frame(u, v, is_texel),
+            (channel, at) => {
+                let mut at = at.to_vec();
+                if is_texel && let Some(x) = at.first_mut() {
+                    let (half, row) = (self.graph.constant(0.5), self.graph.constant(ROW));
+                    let middle = self.graph.add(*x, half);
+                    *x = self.graph.div(middle, row);
+                }
+                self.sound(channel, &at)
+            }
+        };
+        Ok(colour.map(Part::Node).to_vec())
+    }
+
+    /// What a sampler reads. A read of an unknown one tells: the row of the sound's texture is constant, and a position
+    /// in a table of noise is divided by its size.
+    fn channel(&mut self, number: i64, at: &[NodeId], is_texel: bool) -> Channel {
+        if let Some(&known) = self.session.channels.get(&number) {
+            return known;
+        }
+        let by_name = self.file.samplers.get(self.global_name(number)).copied().unwrap_or(Channel::Unknown);
+        let of_size = |size| at.iter().any(|&node| unscaled(self.graph, node, size).is_some());
+        let told = match *at {
+            _ if by_name != Channel::Unknown => by_name,
+            [u, _] if !is_texel && (of_size(FLAT) || is_cell(self.graph, u)) => Channel::Noise,
+            [_, _, _] if !is_texel && of_size(SOLID) => Channel::Noise,
+            [x, row] if self.session.in_picture => match self.graph.as_constant(row) {
+                Some(row) if is_texel && (row == 0.0 || row == 1.0) => Channel::Rows,
+                Some(row) if !is_texel && (row * FLAT).fract() == 0.5 => Channel::Noise,
+                Some(row) if !is_texel && is_row(row) && self.moves(&[x]) != Some(true) => Channel::Rows,
+                _ if is_texel => return Channel::Noise,
+                _ => return Channel::Unknown,
+            },
+            _ if is_texel => return Channel::Noise,
+            _ => return Channel::Unknown,
+        };
+        self.session.channels.insert(number, told);
+        // What was read before was read as a picture.
+        self.session.learned |= self.session.pictures.remove(self.global_name(number));
+        told
+    }
+
+    /// True if a position moves with the time; `None` for one that takes many operations.
+    fn moves(&self, at: &[NodeId]) -> Option<bool> {
+        let (mut open, mut moves) = (at.to_vec(), false);
+        for _ in 0..NEAR_PIXEL_MAX {
+            let Some(node) = open.pop() else { return Some(moves) };
+            moves |= self.graph.node(node) == Node::Input(Input::T);
+            open.extend(self.graph.node(node).operands());
+        }
+        None
+    }
+
+    fn global_name(&self, number: i64) -> &'m str {
+        let file = self.file;
+        let mut globals = file.module.global_variables.iter();
+        let global = usize::try_from(number).ok().and_then(|number| globals.nth(number));
+        global.and_then(|(_, global)| global.name.as_deref()).unwrap_or("")
+    }
+
+    /// A picture is a mistake in shapes. In pictures a plain sky stands for the surroundings, a noise for the surface of a
+    /// thing, and black for what is read near the pixel.
+    fn picture(&mut self, number: i64, at: &[NodeId], place: &Range<u32>) -> Result<[NodeId; 4]> {
+        if !self.session.in_picture {
+            return Err(Problem::unsupported(place.clone(), "a shape cannot read a picture").hint(
+                "a read of noise scales the position by 1/256; otherwise use `noise`, or return a number instead",
+            ));
+        }
+        let name = self.global_name(number);
+        let is_unnamed = name.starts_with("iChannel");
+        self.session.pictures.insert(if name.is_empty() { "a texture".to_owned() } else { name.to_owned() });
+        let up = match *at {
+            [u, v] if is_unnamed && self.moves(at).is_none() => {
+                let [coarse, fine] = GRAIN.map(|size| {
+                    let [x, y] = [u, v].map(|node| in_texels(self.graph, node, size));
+                    flat_noise(self.graph, x, y)[0]
+                });
+                let half = self.graph.constant(0.5);
+                let grain = self.graph.mix(coarse, fine, half);
+                return Ok([grain, grain, grain, self.one]);
+            }
+            [_, up, _] => up,
+            _ => return Ok([self.zero, self.zero, self.zero, self.one]),
+        };
+        let length = self.graph.length(at);
+        let up = self.graph.div(up, length);
+        let (dark, light) = (self.graph.constant(0.25), self.graph.constant(0.45));
+        let above = self.graph.smoothstep(self.zero, self.one, up);
+        let rise = self.graph.mul(light, above);
+        let sky = self.graph.add(dark, rise);
+        Ok([sky, sky, sky, self.one])
+    }
+
+    /// The colour of the last frame, whose texture holds fractions of the brightest light.
+    fn last_frame(&mut self, u: NodeId, v: NodeId, is_texel: bool) -> [NodeId; 4] {
+        let [mut u, mut v] = [u, v];
+        if is_texel {
+            let half = self.graph.constant(0.5);
+            for (at, size) in [(&mut u, ScreenInput::Width), (&mut v, ScreenInput::Height)] {
+                let (size, middle) = (self.graph.input(Input::Screen(size)), self.graph.add(*at, half));
+                *at = self.graph.div(middle, size);
+            }
+        }
+        let Some(texture) = self.session.last_frame else {
+            return [self.zero, self.zero, self.zero, self.one];
+        };
+        let most = self.graph.constant(LAST_LIGHT_MAX);
+        let [red, green, blue] = [0, 1, 2].map(|channel| {
+            let fraction = self.graph.texture(texture, channel, u, v);
+            let light = self.graph.mul(fraction, most);
+            encoded(self.graph, light)
+        });
+        [red, green, blue, self.one]
+    }
+
+    fn sound(&mut self, channel: Channel, at: &[NodeId]) -> [NodeId; 4] {
+        let (x, row) = (at.first().copied().unwrap_or(self.zero), at.get(1).copied().unwrap_or(self.zero));
+        let (zero, one, graph) = (self.zero, self.one, &mut *self.graph);
+        let value = match channel {
+            Channel::Rows => {
+                let half = graph.constant(0.5);
+                let (spectrum, wave) = (heard(graph, x, ROW_HZ), wave(graph, x));
+                let is_spectrum = graph.binary(Op::Less, row, half);
+                return [graph.select(is_spectrum, spectrum, wave), zero, zero, one];
+            }
+            Channel::Waveform => wave(graph, x),
+            Channel::Sums => {
+                // No sum has a bound, and a moment must look the same after a seek: a time that runs faster with bass.
+                let (time, drive) = (graph.input(Input::T), graph.input(Input::Sound(SoundInput::BassDrive)));
+                let (sum, rate) = (graph.add(time, drive), graph.constant(0.5));
+                graph.mul(sum, rate)
+            }
+            Channel::Amplitudes => {
+                let height = heard(graph, x, NYQUIST_HZ);
+                // 10^(decibels / 20)
+                let [range, least] =
+                    SPECTRUM_DB.map(|decibels| graph.constant(decibels * std::f32::consts::LOG2_10 / 20.0));
+                let scaled = graph.mul(height, range);
+                let power = graph.add(scaled, least);
+                let amplitude = graph.unary(Op::Exp2, power);
+                return [amplitude, zero, zero, one];
+            }
+            _ => heard(graph, x, NYQUIST_HZ),
+        };
+        [value, value, value, one]
+    }
+}
+
+/// True for a whole number divided by another one, as shaders read a random number for each cell.
+fn is_cell(graph: &Graph, node: NodeId) -> bool {
+    let whole = |node| matches!(graph.node(node), Node::Unary(Op::Floor, _));
+    matches!(graph.node(node), Node::Binary(Op::Mul | Op::Div, a, b) if whole(a) && graph.as_constant(b).is_some())
+}
+
+/// True for a place in one of the two rows of the sound's texture, not between them.
+fn is_row(row: f32) -> bool {
+    (0.0..=1.0).contains(&row) && row != 0.5
+}
+
+/// The height of the spectrum at a fraction of the frequency `most`.
+fn heard(graph: &mut Graph, x: NodeId, most: f32) -> NodeId {
+    let [low, high] = SPECTRUM_HZ;
+    let (least, factor) = (graph.constant(1e-4), graph.constant(most / low));
+    let x = graph.max(x, least);
+    let ratio = graph.mul(x, factor);
+    let (octaves, scale) = (graph.unary(Op::Log, ratio), graph.constant((high / low).ln().recip()));
+    let place = graph.mul(octaves, scale);
+    graph.unary(Op::Spectrum, place)
+}
+
+fn wave(graph: &mut Graph, x: NodeId) -> NodeId {
+    let [scale, start] = WAVE.map(|value| graph.constant(value));
+    let half = graph.constant(0.5);
+    let scaled = graph.mul(x, scale);
+    let place = graph.add(scaled, start);
+    let value = graph.unary(Op::Waveform, place);
+    let halved = graph.mul(value, half);
+    graph.add(halved, half)
+}
+
+/// Light as a colour of the screen; the inverse of the language's `srgb`.
+fn encoded(graph: &mut Graph, light: NodeId) -> NodeId {
+    let [small, linear, gamma, scale, offset] =
+        [0.003_130_8, 12.92, 1.0 / 2.4, 1.055, -0.055].map(|value| graph.constant(value));
+    let (one, is_small) = (graph.constant(1.0), graph.binary(Op::Less, light, small));
+    let (below, power) = (graph.mul(light, linear), graph.pow(light, gamma));
+    let scaled = graph.mul(power, scale);
+    let above = graph.add(scaled, offset);
+    let color = graph.select(is_small, below, above);
+    graph.min(color, one)
+}
+
+// Tables of random numbers, which many shaders read as a noise. Such a read becomes values of `cell_hash`, which are
+// smoothed like the texels of a texture.
+//
+// The tables of Shadertoy have 256 by 256 texels, or 32 in each direction of space. A read of such a table scales the
+// position by 1/256 or 1/32, which tells it from the read of a picture. The green channel is the red one moved by
+// (37, 17), so that a common trick reads two layers of a noise in space at once.
+
+/// Texels of the tables of noise, along one side.
+const FLAT: f32 = 256.0;
+const SOLID: f32 = 32.0;
+/// Offset of the green channel to the red one.
+const GREEN: [f32; 2] = [37.0, 17.0];
+
+/// Returns x if the node is x divided by the size of a table of noise.
+fn unscaled(graph: &Graph, node: NodeId, size: f32) -> Option<NodeId> {
+    let Node::Binary(op, a, b) = graph.node(node) else { return None };
+    let factor = graph.as_constant(b)?;
+    let near = |wanted: f32| (factor / wanted - 1.0).abs() < 0.01;
+    match op {
+        Op::Mul if near(size.recip()) => Some(a),
+        Op::Div if near(size) => Some(a),
+        _ => None,
+    }
+}
+
+/// A position in a table of noise, in texels.
+fn in_texels(graph: &mut Graph, node: NodeId, size: f32) -> NodeId {
+    unscaled(graph, node, size).unwrap_or_else(|| {
+        let size = graph.constant(size);
+        graph.mul(node, size)
+    })
+}
+
+pub(super) fn wrapped(graph: &mut Graph, a: NodeId, size: f32) -> NodeId {
+    let size = graph.constant(size);
+    graph.binary(Op::Mod, a, size)
+}
+
+/// The four channels of a texel.
+fn cell(graph: &mut Graph, x: NodeId, y: NodeId) -> [NodeId; 4] {
+    std::array::from_fn(|channel| {
+        let [dx, dy] = GREEN.map(|offset| graph.constant(offset * channel as f32));
+        let (x, y) = (graph.sub(x, dx), graph.sub(y, dy));
+        let (x, y) = (wrapped(graph, x, FLAT), wrapped(graph, y, FLAT));
+        graph.binary(Op::Hash, x, y)
+    })
+}
+
+/// The whole part and the fraction of a position, measured from the centres of texels.
+fn split(graph: &mut Graph, x: NodeId) -> (NodeId, NodeId) {
+    let half = graph.constant(0.5);
+    let shifted = graph.sub(x, half);
+    (graph.unary(Op::Floor, shifted), graph.unary(Op::Fract, shifted))
+}
+
+fn flat_noise(graph: &mut Graph, x: NodeId, y: NodeId) -> [NodeId; 4] {
+    let one = graph.constant(1.0);
+    let ((x, u), (y, v)) = (split(graph, x), split(graph, y));
+    let (x1, y1) = (graph.add(x, one), graph.add(y, one));
+    let corners = [(x, y), (x1, y), (x, y1), (x1, y1)].map(|(x, y)| cell(graph, x, y));
+    std::array::from_fn(|channel| {
+        let [a, b, c, d] = corners.map(|corner| corner[channel]);
+        let (low, high) = (graph.mix(a, b, u), graph.mix(c, d, u));
+        graph.mix(low, high, v)
+    })
+}
+
+fn solid_noise(graph: &mut Graph, at: [NodeId; 3]) -> NodeId {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let parts = at.map(|x| split(graph, x));
+    let mut values = Vec::new();
+    for corner in 0..8_usize {
+        let mut cell = [zero; 3];
+        for (axis, (slot, (whole, _))) in cell.iter_mut().zip(parts).enumerate() {
+            let moved = if corner >> axis & 1 == 1 { graph.add(whole, one) } else { whole };
+            *slot = wrapped(graph, moved, SOLID);
+        }
+        let [x, y, z] = cell;
+        let first = graph.binary(Op::Hash, x, y);
+        let many = graph.constant(16_777_216.0);
+        let row = graph.mul(first, many);
+        values.push(graph.binary(Op::Hash, row, z));
+    }
+    for (_, fraction) in parts {
+        let halves: Vec<NodeId> = values
+            .chunks(2)
+            .map(|pair| match pair {
+                [low, high] => graph.mix(*low, *high, fraction),
+                _ => zero,
+            })
+            .collect();
+        values = halves;
+    }
+    values.first().copied().unwrap_or(zero)
+}
