@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::calls::{Budget, Session};
-use super::execute::ROUNDS_WITHOUT_COUNT;
+use super::calls::{Budget, HOW_TO_READ_IMAGES, Session};
 use super::isf::Slider;
 use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
@@ -157,23 +156,14 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
         "\nsky {{ color = srgb({}(pixel).rgb) }}\n\npicture {{ tone_map = none  bloom = 0  grain = 0 }}\n",
         picture.name
     );
-    let mut left_out = Vec::new();
     let is_flat = is_flat(&graph, &colour);
-    if !session.pictures.is_empty() {
+    if is_flat && !session.pictures.is_empty() {
         let names: Vec<&str> = session.pictures.iter().map(String::as_str).collect();
-        let names = names.join("`, `");
-        if is_flat {
-            let message = format!("without the pictures of `{names}` this shader draws one colour");
-            return Err(Problem::unsupported(picture.place.clone(), message)
-                .hint("a scene reads an image as `texture(\"photo.jpg\", pixel / resolution)`"));
-        }
-        left_out.push(format!("the pictures of `{names}`: black or a noise stands for them"));
+        let message =
+            format!("without the pictures of `{}` this shader draws one colour", names.join("`, `"));
+        return Err(Problem::unsupported(picture.place.clone(), message).hint(HOW_TO_READ_IMAGES));
     }
-    if session.cuts_loops {
-        left_out.push(format!(
-            "rounds of a loop after the first {ROUNDS_WITHOUT_COUNT}: nothing says how many it takes"
-        ));
-    }
+    let mut left_out: Vec<String> = session.left_out().into_iter().map(|problem| problem.message).collect();
     if is_flat {
         left_out.push("everything but one colour: the picture is the same at all pixels".to_owned());
     }

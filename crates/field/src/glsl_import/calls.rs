@@ -6,11 +6,12 @@ use std::rc::Rc;
 
 use naga::{Arena, Expression, Function, Handle, ScalarKind, Statement, Type};
 
-use super::execute::Exits;
+use super::execute::{Exits, ROUNDS_WITHOUT_COUNT};
 use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
 use super::problem::{Problem, ProblemKind, Result};
+use super::samplers::TextureRead;
 use crate::graph::{Graph, NodeId, Op};
 
 /// Limits of execution, shared with the scene that calls GLSL.
@@ -24,6 +25,9 @@ pub struct Budget {
     pub memory_max: usize,
 }
 
+pub(super) const HOW_TO_READ_IMAGES: &str =
+    "a scene reads an image as `texture(\"photo.jpg\", pixel / resolution)`";
+
 /// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
 const CALLS_MAX: usize = 48;
 
@@ -35,9 +39,9 @@ pub struct Session {
     /// The number of the texture that holds the last frame.
     pub last_frame: Option<u16>,
     /// Names of samplers whose pictures are read as black.
-    pub pictures: BTreeSet<String>,
+    pub(super) pictures: BTreeSet<String>,
     /// True if a loop was ended that does not count its rounds.
-    pub cuts_loops: bool,
+    pub(super) cuts_loops: bool,
     /// True if a sampler was read as a picture before a read told what it is.
     pub(super) learned: bool,
     /// What samplers read, by the number of their global variable.
@@ -156,6 +160,26 @@ impl Session {
     /// Returns a session for formulas of the picture. [`Input::X`](crate::graph::Input::X) and `Y` are the pixel there.
     pub fn of_picture() -> Self {
         Self { in_picture: true, ..Self::default() }
+    }
+
+    /// Returns what the calls since the last one left out, each with a way to get it.
+    pub fn left_out(&mut self) -> Vec<Problem> {
+        let mut left_out = Vec::new();
+        let names: Vec<String> = std::mem::take(&mut self.pictures).into_iter().collect();
+        if !names.is_empty() {
+            let names = names.join("`, `");
+            let message = format!("the pictures of `{names}`: black or a noise stands for them");
+            left_out.push(Problem::unsupported(0..0, message).hint(HOW_TO_READ_IMAGES));
+        }
+        if std::mem::take(&mut self.cuts_loops) {
+            let message =
+                format!("rounds of a loop after the first {ROUNDS_WITHOUT_COUNT}: nothing counts them");
+            left_out.push(
+                Problem::unsupported(0..0, message)
+                    .hint("count its rounds, as in `for (int i = 0; i < 64; i++)`"),
+            );
+        }
+        left_out
     }
 
     /// Executes a function for arguments of the types of its parameters, each as the nodes of its components. Returns
@@ -340,7 +364,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 let missing = || Problem::malformed(place.clone(), "this function has a mistake");
                 return Err(file.problems.get(*index).cloned().unwrap_or_else(missing));
             }
-            Some(special) => return self.texture(*special, &arguments, &place),
+            Some(special) => return TextureRead { of: self }.colour(*special, &arguments, &place),
             None => {}
         }
         if self.open.iter().any(|(open, _)| *open == handle) {

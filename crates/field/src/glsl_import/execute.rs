@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use naga::{Block, Expression, Handle, Span, Statement, SwitchValue};
+use naga::{Block, Expression, Function, Handle, Span, Statement, SwitchValue};
 
 use super::calls::{Argument, Executor, Pointer, Slot, Target};
 use super::layout::Part;
@@ -267,7 +267,7 @@ impl<'m> Executor<'m, '_> {
         let condition = self.node(condition, &place)?;
         if let Some(value) = self.graph.as_constant(condition) {
             let breaks = |block: &Block| matches!(block.first(), Some(Statement::Break));
-            let counts = (breaks(accept) || breaks(reject)) && !self.is_literal(of);
+            let counts = (breaks(accept) || breaks(reject)) && !is_literal(self.frame.function, of);
             if let Some(target) = self.frame.targets.last_mut() {
                 target.is_counted |= counts;
             }
@@ -312,15 +312,6 @@ impl<'m> Executor<'m, '_> {
         let all_live = live_when == when && live_unless == unless;
         self.live = if all_live { before } else { self.or(live_when, live_unless) };
         Ok(())
-    }
-
-    /// True for a condition such as `true`.
-    fn is_literal(&self, of: Handle<Expression>) -> bool {
-        match self.frame.function.expressions.try_get(of) {
-            Ok(Expression::Unary { expr, .. }) => self.is_literal(*expr),
-            Ok(expression) => matches!(expression, Expression::Literal(_)),
-            Err(_) => false,
-        }
     }
 
     fn repeat(
@@ -506,5 +497,14 @@ impl<'m> Executor<'m, '_> {
             _ => {}
         }
         self.graph.select(condition, a, b)
+    }
+}
+
+/// True for a condition such as `true`.
+fn is_literal(function: &Function, of: Handle<Expression>) -> bool {
+    match function.expressions.try_get(of) {
+        Ok(Expression::Unary { expr, .. }) => is_literal(function, *expr),
+        Ok(expression) => matches!(expression, Expression::Literal(_)),
+        Err(_) => false,
     }
 }

@@ -1,5 +1,6 @@
 //! Operators and conversions.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, UnaryOperator};
@@ -155,7 +156,7 @@ impl Executor<'_, '_> {
                 let node = self.node(part, place)?;
                 let many = self.graph.constant(65_536.0);
                 let scaled = if from == ScalarKind::Float { self.graph.mul(node, many) } else { node };
-                let random = self.scramble(scaled, many)?;
+                let random = scrambled(self.graph, &mut self.session.scrambled, scaled, many);
                 if to != ScalarKind::Float {
                     return Ok(random);
                 }
@@ -208,6 +209,9 @@ impl Executor<'_, '_> {
         }
         let (known_a, known_b) = (self.whole(a), self.whole(b));
         let (x, y) = (self.node(a, place)?, self.node(b, place)?);
+        if matches!(op, BinaryOperator::And | BinaryOperator::InclusiveOr | BinaryOperator::ExclusiveOr) {
+            self.step(8 * BITS, || place.clone())?;
+        }
         let is_random = [x, y].iter().any(|node| self.session.scrambled.contains(node));
         let power = |value: Option<i64>| {
             let value = value.filter(|shift| (0..32).contains(shift))?;
@@ -225,11 +229,13 @@ impl Executor<'_, '_> {
                 let multiple = self.graph.mul(whole, y);
                 self.graph.sub(x, multiple)
             }
-            BinaryOperator::Multiply if is_random || overflows => return self.scramble(x, y),
+            BinaryOperator::Multiply if is_random || overflows => {
+                return Ok(scrambled(self.graph, &mut self.session.scrambled, x, y));
+            }
             BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr
                 if is_random && known_a != Some(0) && known_b != Some(0) =>
             {
-                return self.scramble(x, y);
+                return Ok(scrambled(self.graph, &mut self.session.scrambled, x, y));
             }
             BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight => {
                 let factor = match power(known_b) {
@@ -246,10 +252,10 @@ impl Executor<'_, '_> {
             BinaryOperator::And => match (known_a.and_then(stretch), known_b.and_then(stretch)) {
                 (Some(bits), _) => masked(self.graph, y, bits),
                 (_, Some(bits)) => masked(self.graph, x, bits),
-                _ => self.common_bits(x, y, place)?,
+                _ => common_bits(self.graph, x, y),
             },
             BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr => {
-                let common = self.common_bits(x, y, place)?;
+                let common = common_bits(self.graph, x, y);
                 let sum = self.graph.add(x, y);
                 let either = self.graph.sub(sum, common);
                 if op == BinaryOperator::InclusiveOr { either } else { self.graph.sub(either, common) }
@@ -263,47 +269,6 @@ impl Executor<'_, '_> {
         let node = if wraps { wrapped(self.graph, node, RANDOM) } else { node };
         self.session.scrambled.insert(node);
         Ok(Part::Node(node))
-    }
-
-    /// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random
-    /// in the original, too, and no formula has their 32 bits.
-    fn scramble(&mut self, a: NodeId, b: NodeId) -> Result<Part> {
-        let [a, b] = [a, b].map(|node| {
-            if self.session.scrambled.contains(&node) {
-                let low = self.graph.constant(256.0);
-                self.graph.div(node, low)
-            } else {
-                wrapped(self.graph, node, RANDOM / 2.0)
-            }
-        });
-        let hash = self.graph.binary(Op::Hash, a, b);
-        let many = self.graph.constant(RANDOM);
-        let random = self.graph.mul(hash, many);
-        self.session.scrambled.insert(random);
-        Ok(Part::Node(random))
-    }
-
-    /// The bits that two numbers have in common, of the lowest [`BITS`] bits and the sign.
-    fn common_bits(&mut self, a: NodeId, b: NodeId, place: &Range<u32>) -> Result<NodeId> {
-        self.step(BITS * 8, || place.clone())?;
-        let (mut sum, two) = (self.zero, self.graph.constant(2.0));
-        for bit in 0..=BITS {
-            let weight = (1_u32 << bit) as f32;
-            let divisor = self.graph.constant(weight);
-            let [x, y] = [a, b].map(|node| {
-                if bit == BITS {
-                    return self.graph.binary(Op::Less, node, self.zero);
-                }
-                let quotient = self.graph.div(node, divisor);
-                let whole = self.graph.unary(Op::Floor, quotient);
-                self.graph.binary(Op::Mod, whole, two)
-            });
-            let both = self.and(x, y);
-            let signed = self.graph.constant(if bit == BITS { -weight } else { weight });
-            let weighted = self.graph.mul(both, signed);
-            sum = self.graph.add(sum, weighted);
-        }
-        Ok(sum)
     }
 
     pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: &Range<u32>) -> Result<NodeId> {
@@ -384,6 +349,48 @@ fn truth(graph: &mut Graph, holds: bool) -> Part {
 const RANDOM: f32 = 4_294_967_296.0;
 /// Bits that operations on two unknown numbers see.
 const BITS: usize = 16;
+
+/// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random in the
+/// original, too, and no formula has their 32 bits.
+fn scrambled(graph: &mut Graph, known: &mut HashSet<NodeId>, a: NodeId, b: NodeId) -> Part {
+    let [a, b] = [a, b].map(|node| match known.contains(&node) {
+        true => {
+            let low = graph.constant(256.0);
+            graph.div(node, low)
+        }
+        false => wrapped(graph, node, RANDOM / 2.0),
+    });
+    let (hash, many) = (graph.binary(Op::Hash, a, b), graph.constant(RANDOM));
+    let random = graph.mul(hash, many);
+    known.insert(random);
+    Part::Node(random)
+}
+
+/// The bits that two numbers have in common, of the lowest [`BITS`] bits and the sign.
+fn common_bits(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    let (mut sum, two) = (graph.constant(0.0), graph.constant(2.0));
+    for bit in 0..=BITS {
+        let weight = (1_u32 << bit) as f32;
+        let divisor = graph.constant(weight);
+        let [x, y] = [a, b].map(|node| {
+            if bit == BITS {
+                let zero = graph.constant(0.0);
+                return graph.binary(Op::Less, node, zero);
+            }
+            let quotient = graph.div(node, divisor);
+            let whole = graph.unary(Op::Floor, quotient);
+            graph.binary(Op::Mod, whole, two)
+        });
+        let both = match (graph.as_constant(x), graph.as_constant(y)) {
+            (Some(0.0), _) | (_, Some(0.0)) => continue,
+            _ => graph.min(x, y),
+        };
+        let signed = graph.constant(if bit == BITS { -weight } else { weight });
+        let weighted = graph.mul(both, signed);
+        sum = graph.add(sum, weighted);
+    }
+    sum
+}
 
 /// True for the factor of a hash, whose products overflow.
 fn scrambles(factor: u64) -> bool {

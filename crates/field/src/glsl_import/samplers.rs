@@ -29,41 +29,46 @@ const NEAR_PIXEL_MAX: usize = 32;
 /// Texels of the noise that stands for the surface of a thing, coarse and fine.
 const GRAIN: [f32; 2] = [8.0, 64.0];
 
-impl<'m> Executor<'m, '_> {
-    pub(super) fn texture(
+/// A read of a texture.
+pub(super) struct TextureRead<'e, 'm, 'g> {
+    pub of: &'e mut Executor<'m, 'g>,
+}
+
+impl<'m> TextureRead<'_, 'm, '_> {
+    pub(super) fn colour(
         &mut self,
         special: Special,
         arguments: &[Argument],
         place: &Range<u32>,
     ) -> Result<Vec<Part>> {
-        self.step(64, || place.clone())?;
+        self.of.step(64, || place.clone())?;
         let [Argument::Parts(sampler), Argument::Parts(at), ..] = arguments else { return Ok(Vec::new()) };
-        let number = sampler.first().and_then(|part| self.whole(*part)).unwrap_or(-1);
-        let at = at.iter().map(|part| self.node(*part, place)).collect::<Result<Vec<_>>>()?;
+        let number = sampler.first().and_then(|part| self.of.whole(*part)).unwrap_or(-1);
+        let at = at.iter().map(|part| self.of.node(*part, place)).collect::<Result<Vec<_>>>()?;
         if let Special::TextureSize = special {
-            let size = self.graph.constant(FLAT);
+            let size = self.of.graph.constant(FLAT);
             return Ok(vec![Part::Node(size); 2]);
         }
         let is_texel = matches!(special, Special::Texel);
         let channel = self.channel(number, &at, is_texel);
         let colour = match (channel, at.as_slice()) {
-            (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.graph, x, y),
+            (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.of.graph, x, y),
             (Channel::Noise, &[u, v]) => {
-                let [x, y] = [u, v].map(|node| in_texels(self.graph, node, FLAT));
-                flat_noise(self.graph, x, y)
+                let [x, y] = [u, v].map(|node| in_texels(self.of.graph, node, FLAT));
+                flat_noise(self.of.graph, x, y)
             }
             (Channel::Noise, &[u, v, w]) => {
-                let cells = [u, v, w].map(|node| in_texels(self.graph, node, SOLID));
-                [solid_noise(self.graph, cells); 4]
+                let cells = [u, v, w].map(|node| in_texels(self.of.graph, node, SOLID));
+                [solid_noise(self.of.graph, cells); 4]
             }
             (Channel::Unknown | Channel::Picture, at) => self.picture(number, at, place)?,
             (Channel::LastFrame, &[u, v, ..]) => self.last_frame(u, v, is_texel),
             (channel, at) => {
                 let mut at = at.to_vec();
                 if is_texel && let Some(x) = at.first_mut() {
-                    let (half, row) = (self.graph.constant(0.5), self.graph.constant(ROW));
-                    let middle = self.graph.add(*x, half);
-                    *x = self.graph.div(middle, row);
+                    let (half, row) = (self.of.graph.constant(0.5), self.of.graph.constant(ROW));
+                    let middle = self.of.graph.add(*x, half);
+                    *x = self.of.graph.div(middle, row);
                 }
                 self.sound(channel, &at)
             }
@@ -74,16 +79,17 @@ impl<'m> Executor<'m, '_> {
     /// What a sampler reads. A read of an unknown one tells: the row of the sound's texture is constant, and a position
     /// in a table of noise is divided by its size.
     fn channel(&mut self, number: i64, at: &[NodeId], is_texel: bool) -> Channel {
-        if let Some(&known) = self.session.channels.get(&number) {
+        if let Some(&known) = self.of.session.channels.get(&number) {
             return known;
         }
-        let by_name = self.file.samplers.get(self.global_name(number)).copied().unwrap_or(Channel::Unknown);
-        let of_size = |size| at.iter().any(|&node| unscaled(self.graph, node, size).is_some());
+        let by_name =
+            self.of.file.samplers.get(self.global_name(number)).copied().unwrap_or(Channel::Unknown);
+        let of_size = |size| at.iter().any(|&node| unscaled(self.of.graph, node, size).is_some());
         let told = match *at {
             _ if by_name != Channel::Unknown => by_name,
-            [u, _] if !is_texel && (of_size(FLAT) || is_cell(self.graph, u)) => Channel::Noise,
+            [u, _] if !is_texel && (of_size(FLAT) || is_cell(self.of.graph, u)) => Channel::Noise,
             [_, _, _] if !is_texel && of_size(SOLID) => Channel::Noise,
-            [x, row] if self.session.in_picture => match self.graph.as_constant(row) {
+            [x, row] if self.of.session.in_picture => match self.of.graph.as_constant(row) {
                 Some(row) if is_texel && (row == 0.0 || row == 1.0) => Channel::Rows,
                 Some(row) if !is_texel && (row * FLAT).fract() == 0.5 => Channel::Noise,
                 Some(row) if !is_texel && is_row(row) && self.moves(&[x]) != Some(true) => Channel::Rows,
@@ -93,9 +99,9 @@ impl<'m> Executor<'m, '_> {
             _ if is_texel => return Channel::Noise,
             _ => return Channel::Unknown,
         };
-        self.session.channels.insert(number, told);
+        self.of.session.channels.insert(number, told);
         // What was read before was read as a picture.
-        self.session.learned |= self.session.pictures.remove(self.global_name(number));
+        self.of.session.learned |= self.of.session.pictures.remove(self.global_name(number));
         told
     }
 
@@ -104,14 +110,14 @@ impl<'m> Executor<'m, '_> {
         let (mut open, mut moves) = (at.to_vec(), false);
         for _ in 0..NEAR_PIXEL_MAX {
             let Some(node) = open.pop() else { return Some(moves) };
-            moves |= self.graph.node(node) == Node::Input(Input::T);
-            open.extend(self.graph.node(node).operands());
+            moves |= self.of.graph.node(node) == Node::Input(Input::T);
+            open.extend(self.of.graph.node(node).operands());
         }
         None
     }
 
     fn global_name(&self, number: i64) -> &'m str {
-        let file = self.file;
+        let file = self.of.file;
         let mut globals = file.module.global_variables.iter();
         let global = usize::try_from(number).ok().and_then(|number| globals.nth(number));
         global.and_then(|(_, global)| global.name.as_deref()).unwrap_or("")
@@ -120,61 +126,66 @@ impl<'m> Executor<'m, '_> {
     /// A picture is a mistake in shapes. In pictures a plain sky stands for the surroundings, a noise for the surface of a
     /// thing, and black for what is read near the pixel.
     fn picture(&mut self, number: i64, at: &[NodeId], place: &Range<u32>) -> Result<[NodeId; 4]> {
-        if !self.session.in_picture {
+        if !self.of.session.in_picture {
             return Err(Problem::unsupported(place.clone(), "a shape cannot read a picture").hint(
                 "a read of noise scales the position by 1/256; otherwise use `noise`, or return a number instead",
             ));
         }
         let name = self.global_name(number);
         let is_unnamed = name.starts_with("iChannel");
-        self.session.pictures.insert(if name.is_empty() { "a texture".to_owned() } else { name.to_owned() });
+        self.of.session.pictures.insert(if name.is_empty() {
+            "a texture".to_owned()
+        } else {
+            name.to_owned()
+        });
         let up = match *at {
             [u, v] if is_unnamed && self.moves(at).is_none() => {
                 let [coarse, fine] = GRAIN.map(|size| {
-                    let [x, y] = [u, v].map(|node| in_texels(self.graph, node, size));
-                    flat_noise(self.graph, x, y)[0]
+                    let [x, y] = [u, v].map(|node| in_texels(self.of.graph, node, size));
+                    flat_noise(self.of.graph, x, y)[0]
                 });
-                let half = self.graph.constant(0.5);
-                let grain = self.graph.mix(coarse, fine, half);
-                return Ok([grain, grain, grain, self.one]);
+                let half = self.of.graph.constant(0.5);
+                let grain = self.of.graph.mix(coarse, fine, half);
+                return Ok([grain, grain, grain, self.of.one]);
             }
             [_, up, _] => up,
-            _ => return Ok([self.zero, self.zero, self.zero, self.one]),
+            _ => return Ok([self.of.zero, self.of.zero, self.of.zero, self.of.one]),
         };
-        let length = self.graph.length(at);
-        let up = self.graph.div(up, length);
-        let (dark, light) = (self.graph.constant(0.25), self.graph.constant(0.45));
-        let above = self.graph.smoothstep(self.zero, self.one, up);
-        let rise = self.graph.mul(light, above);
-        let sky = self.graph.add(dark, rise);
-        Ok([sky, sky, sky, self.one])
+        let length = self.of.graph.length(at);
+        let up = self.of.graph.div(up, length);
+        let (dark, light) = (self.of.graph.constant(0.25), self.of.graph.constant(0.45));
+        let above = self.of.graph.smoothstep(self.of.zero, self.of.one, up);
+        let rise = self.of.graph.mul(light, above);
+        let sky = self.of.graph.add(dark, rise);
+        Ok([sky, sky, sky, self.of.one])
     }
 
     /// The colour of the last frame, whose texture holds fractions of the brightest light.
     fn last_frame(&mut self, u: NodeId, v: NodeId, is_texel: bool) -> [NodeId; 4] {
         let [mut u, mut v] = [u, v];
         if is_texel {
-            let half = self.graph.constant(0.5);
+            let half = self.of.graph.constant(0.5);
             for (at, size) in [(&mut u, ScreenInput::Width), (&mut v, ScreenInput::Height)] {
-                let (size, middle) = (self.graph.input(Input::Screen(size)), self.graph.add(*at, half));
-                *at = self.graph.div(middle, size);
+                let (size, middle) = (self.of.graph.input(Input::Screen(size)), self.of.graph.add(*at, half));
+                *at = self.of.graph.div(middle, size);
             }
         }
-        let Some(texture) = self.session.last_frame else {
-            return [self.zero, self.zero, self.zero, self.one];
+        let Some(texture) = self.of.session.last_frame else {
+            return [self.of.zero, self.of.zero, self.of.zero, self.of.one];
         };
-        let most = self.graph.constant(LAST_LIGHT_MAX);
+        let most = self.of.graph.constant(LAST_LIGHT_MAX);
         let [red, green, blue] = [0, 1, 2].map(|channel| {
-            let fraction = self.graph.texture(texture, channel, u, v);
-            let light = self.graph.mul(fraction, most);
-            encoded(self.graph, light)
+            let fraction = self.of.graph.texture(texture, channel, u, v);
+            let light = self.of.graph.mul(fraction, most);
+            encoded(self.of.graph, light)
         });
-        [red, green, blue, self.one]
+        [red, green, blue, self.of.one]
     }
 
     fn sound(&mut self, channel: Channel, at: &[NodeId]) -> [NodeId; 4] {
-        let (x, row) = (at.first().copied().unwrap_or(self.zero), at.get(1).copied().unwrap_or(self.zero));
-        let (zero, one, graph) = (self.zero, self.one, &mut *self.graph);
+        let (x, row) =
+            (at.first().copied().unwrap_or(self.of.zero), at.get(1).copied().unwrap_or(self.of.zero));
+        let (zero, one, graph) = (self.of.zero, self.of.one, &mut *self.of.graph);
         let value = match channel {
             Channel::Rows => {
                 let half = graph.constant(0.5);

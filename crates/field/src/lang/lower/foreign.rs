@@ -126,6 +126,10 @@ impl ForeignCall<'_, '_> {
         let result =
             session.call(&foreign.file, function, &arguments, &mut self.outer.graph, &mut budget, &given);
         self.outer.budget.spend(steps - budget.steps);
+        for left_out in session.left_out() {
+            let message = format!("`{}` leaves out {}", function.name, left_out.message);
+            self.outer.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(left_out.hint));
+        }
         kept(self, session);
         let nodes = match result {
             Ok(nodes) => nodes,

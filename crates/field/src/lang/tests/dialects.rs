@@ -189,6 +189,10 @@ fn pictures_are_named_where_black_or_a_noise_stands_for_them() {
     let glsl = "void mainImage(out vec4 c, in vec2 f) { vec2 uv = f / iResolution.xy;
         c = vec4(texture(iChannel0, uv).rgb, 1.0) + uv.x; }";
     assert_eq!(around(glsl).left_out, ["the pictures of `iChannel0`: black or a noise stands for them"]);
+    let text = "include \"a.glsl\"\nsky { color = mainImage(pixel).rgb }";
+    let compiled = compile("test.scene", text, &mut |_| Ok(glsl.to_owned()));
+    let [warning] = compiled.warnings.as_slice() else { panic!("{:?}", compiled.warnings) };
+    assert!(warning.message.contains("leaves out the pictures of `iChannel0`"), "{warning:?}");
     let flat = glsl.replace(" + uv.x", "");
     let problem = scene_around(&flat, Shown::Picture).unwrap_err();
     assert_eq!(problem.message, "without the pictures of `iChannel0` this shader draws one colour");
