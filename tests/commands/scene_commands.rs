@@ -254,7 +254,7 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     place.run(&["still", "flat.frag", "-o", "x.png"]).refused(&["flat.frag", "mariana import"]);
     place.write(
         "more.frag",
-        "#include \"lib/blue.glsl\"\nvoid main() { gl_FragColor = vec4(0.0, 0.0, blue(), 1.0); }\n",
+        "#include \"lib/blue.glsl\"\nvoid main() { gl_FragColor = vec4(gl_FragCoord.xy / 99.0, blue(), 1.0); }\n",
     );
     let missing = place.run(&["import", "more.frag"]);
     assert!(missing.code == 1 && missing.stderr.contains("more.frag:1:"), "{missing:?}");

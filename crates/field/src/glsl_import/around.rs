@@ -245,7 +245,8 @@ fn left_out(file: &GlslFile, is_picture: bool) -> Vec<String> {
     }
     let open: Vec<&str> = file.open_uniforms().into_iter().map(|(name, _)| name).collect();
     if !open.is_empty() {
-        left_out.push(format!("values of {}, which come from outside: set them in the scene", listed(open)));
+        left_out
+            .push(format!("values of {}, which come from outside: 1 or 0.5 stands for them", listed(open)));
     }
     for function in file.functions() {
         if let Some(problem) = file.problem_of(function) {

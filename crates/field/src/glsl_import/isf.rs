@@ -119,7 +119,9 @@ impl Inputs {
         let values: Vec<f64> = values.map(|value| if value.is_finite() { value } else { 0.0 }).collect();
         let written: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
         let _ = writeln!(self.declarations, "uniform {of} {name} = {of}({});", written.join(", "));
-        let range = [least, most.max(least + 1e-3)];
+        let range = values.iter().fold([least, most.max(least + 1e-3)], |range, &value| {
+            [range[0].min(value), range[1].max(value)]
+        });
         self.sliders.push(Slider { name: name.to_owned(), values, range, is_smooth: of == "float" });
     }
 

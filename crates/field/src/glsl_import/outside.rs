@@ -67,7 +67,7 @@ use Meaning::{
 /// only where the shader declares them. A name of several words stands for all of them.
 const NAMES: [(&str, &str, Meaning); 34] = [
     ("iTime iGlobalTime time u_time uTime fGlobalTime TIME", "float", Time),
-    ("Time globalTime u_Time utime", "", Time),
+    ("Time globalTime u_Time utime t", "", Time),
     ("iFrame FRAMEINDEX u_frame", "int", Frame),
     ("iTimeDelta TIMEDELTA fFrameTime u_delta", "float", TimeStep),
     ("iFrameRate", "float", FrameRate),
@@ -114,8 +114,18 @@ pub(crate) fn meaning(name: &str) -> Option<Meaning> {
 
 /// True for a name that a scene cannot give to a value of its own.
 pub(super) fn is_taken(name: &str) -> bool {
-    let hidden = SoundInput::named(name).is_some_and(|input| !input.may_be_hidden());
-    hidden || ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume"].contains(&name)
+    let names = ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume", "fn", "let"];
+    level(name).is_some() || names.contains(&name)
+}
+
+/// The sound input of that name, which no value of a scene hides.
+fn level(name: &str) -> Option<SoundInput> {
+    SoundInput::named(name).filter(|input| !input.may_be_hidden())
+}
+
+/// True for a uniform whose value a scene must give.
+pub(super) fn is_open(name: &str) -> bool {
+    meaning(name).is_none() && level(name).is_none()
 }
 
 /// Returns what a sampler of that name reads.
@@ -150,8 +160,11 @@ pub(super) fn known(
     let place = (origin == Origin::Varying && len == 2).then_some(Share);
     let Some(meaning) = meaning(name).or(place) else {
         // Many name a level of the sound as scenes do.
-        let level = SoundInput::named(name).filter(|input| len == 1 && !input.may_be_hidden())?;
-        return Some(vec![graph.input(Input::Sound(level))]);
+        if let Some(level) = level(name).filter(|_| len == 1) {
+            return Some(vec![graph.input(Input::Sound(level))]);
+        }
+        let value = graph.constant(if len == 1 { 1.0 } else { 0.5 });
+        return (is_taken(name) && origin == Origin::Uniform).then(|| vec![value; len]);
     };
     if in_picture && let Some(mut nodes) = of_picture(graph, meaning) {
         let zero = graph.constant(0.0);

@@ -260,8 +260,7 @@ impl GlslFile {
                 _ => 1,
             };
             let is_open = self.outside.get(name) == Some(&Origin::Uniform)
-                && outside::meaning(name).is_none()
-                && !outside::is_taken(name)
+                && outside::is_open(name)
                 && !self.samplers.contains_key(name)
                 && !with_values.contains(name);
             is_open.then_some((name, len))

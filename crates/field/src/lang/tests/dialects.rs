@@ -153,6 +153,7 @@ fn inputs_of_isf_become_sliders_with_their_defaults() {
         { \"NAME\": \"mode\", \"TYPE\": \"long\", \"VALUES\": [0, 1, 2], \"DEFAULT\": 1 },
         { \"NAME\": \"invert\", \"TYPE\": \"bool\", \"DEFAULT\": true },
         { \"NAME\": \"volume\", \"TYPE\": \"float\", \"DEFAULT\": 0.5 },
+        { \"NAME\": \"waves\", \"TYPE\": \"float\", \"DEFAULT\": 30 },
         { \"NAME\": \"tint\", \"TYPE\": \"color\", \"DEFAULT\": [1.0, 0.5, 0.25, 1.0] } ],
         \"PASSES\": [ { \"TARGET\": \"last\", \"PERSISTENT\": true }, {} ] }*/
         void main() {
@@ -160,9 +161,13 @@ fn inputs_of_isf_become_sliders_with_their_defaults() {
             else gl_FragColor = invert ? tint * size * float(mode) * (2.0 * volume) : vec4(IMG_THIS_PIXEL(last).rgb, 1.0);
         }";
     let text = around(glsl).text("a.glsl");
-    for line in
-        ["param size = 0.3 in 0.1 .. 2", "let mode = 1", "let invert = 1", "let tint = vec4(1, 0.5, 0.25, 1)"]
-    {
+    for line in [
+        "param size = 0.3 in 0.1 .. 2",
+        "param waves = 30 in 0 .. 30",
+        "let mode = 1",
+        "let invert = 1",
+        "let tint = vec4(1, 0.5, 0.25, 1)",
+    ] {
         assert!(text.contains(line), "no `{line}` in {text}");
     }
     assert!(!text.contains("volume"), "{text}");
@@ -201,6 +206,13 @@ fn pictures_are_named_where_black_or_a_noise_stands_for_them() {
         c = vec4(texture(iChannel0, uv).x) + texture(iChannel0, vec2(uv.x, 0.25)).x; }";
     assert_eq!(around(late).left_out, Vec::<String>::new());
     assert_near(&shown(late, [1.0, 95.0], loud())[..1], &[1.0]);
+}
+
+#[test]
+fn uniforms_with_names_that_a_scene_has_already_keep_a_value() {
+    let glsl = "uniform float x, fn, let, t; uniform vec3 p; void main() {
+        gl_FragColor = vec4(0.5 * x, p.y * fn * let * step(1.0, gl_FragCoord.x), 0.25 * t, 1.0); }";
+    assert_near(&shown(glsl, [50.0, 20.0], FrameInputs::default()), &[0.5, 0.5, 0.5]);
 }
 
 #[test]
