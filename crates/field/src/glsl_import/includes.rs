@@ -15,13 +15,12 @@ pub struct Whole {
     stretches: Vec<Stretch>,
 }
 
-/// A stretch of a [`Whole`] and its place in the text that includes.
+/// A stretch of a [`Whole`] and its place in the text that includes: the line that includes it, or for the text itself
+/// an empty range at its start.
 #[derive(Debug)]
 struct Stretch {
     start: u32,
     place: Range<u32>,
-    /// True for an included text; its place is the line that includes it.
-    is_included: bool,
 }
 
 /// Puts the texts of `#include` in their places. `read` returns the text of a file by its path relative to the folder
@@ -65,8 +64,8 @@ impl Whole {
                 }
             }
             if !goes_on {
-                let (start, is_included) = (self.text.len() as u32, included.is_some());
-                self.stretches.push(Stretch { start, place, is_included });
+                let place = if included.is_some() { place } else { place.start..place.start };
+                self.stretches.push(Stretch { start: self.text.len() as u32, place });
             }
             goes_on = true;
             self.text.push_str(line);
@@ -78,12 +77,9 @@ impl Whole {
         let of = |offset: u32| {
             let after = self.stretches.partition_point(|stretch| stretch.start <= offset);
             let stretch = after.checked_sub(1).and_then(|index| self.stretches.get(index));
-            stretch.map_or(offset..offset, |stretch| match stretch.is_included {
-                true => stretch.place.clone(),
-                false => {
-                    let at = stretch.place.start + (offset - stretch.start);
-                    at..at
-                }
+            stretch.map_or(offset..offset, |Stretch { start, place }| {
+                let on = if place.is_empty() { offset - start } else { 0 };
+                place.start + on..place.end + on
             })
         };
         of(range.start).start..of(range.end).end

@@ -4,7 +4,6 @@
 
 use std::fmt::Write as _;
 
-use serde::Deserialize;
 use serde_json::Value;
 
 use super::outside::Channel;
@@ -18,37 +17,6 @@ pub(super) struct Slider {
     pub range: [f64; 2],
     /// True for a number without steps.
     pub is_smooth: bool,
-}
-
-#[derive(Deserialize, Default)]
-struct Header {
-    #[serde(default, rename = "INPUTS")]
-    inputs: Vec<Input>,
-    #[serde(default, rename = "IMPORTED")]
-    imported: Value,
-    #[serde(default, rename = "PASSES")]
-    passes: Vec<Pass>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-struct Input {
-    name: String,
-    r#type: String,
-    #[serde(default)]
-    default: Value,
-    #[serde(default)]
-    min: Value,
-    #[serde(default)]
-    max: Value,
-    #[serde(default)]
-    values: Vec<Value>,
-}
-
-#[derive(Deserialize)]
-struct Pass {
-    #[serde(default, rename = "TARGET")]
-    target: Option<String>,
 }
 
 /// What a header declares.
@@ -71,32 +39,37 @@ impl Inputs {
         if !json.starts_with('{') || !json.contains("\"INPUTS\"") && !json.contains("\"ISFVSN\"") {
             return Ok(inputs);
         }
-        let header: Header = serde_json::from_str(json).map_err(|error| {
+        let header: Value = serde_json::from_str(json).map_err(|error| {
             Problem::malformed(
                 0..2,
                 format!("the JSON at the start of this ISF shader has a mistake: {error}"),
             )
             .hint("mend the JSON between `/*{` and `}*/`")
         })?;
-        header.inputs.iter().for_each(|input| inputs.declare(input));
-        let imported = header.imported.as_object().into_iter().flatten().map(|(name, _)| name.as_str());
-        imported.for_each(|name| inputs.sampler(name, Channel::Picture));
-        let targets = header.passes.iter().filter_map(|pass| pass.target.as_deref());
+        list(&header, "INPUTS").iter().for_each(|input| inputs.declare(input));
+        let imported = header.get("IMPORTED").and_then(Value::as_object).into_iter().flatten();
+        imported.for_each(|(name, _)| inputs.sampler(name, Channel::Picture));
+        let passes = list(&header, "PASSES");
+        let targets = passes.iter().filter_map(|pass| pass.get("TARGET")?.as_str());
         targets.for_each(|name| inputs.sampler(name, Channel::LastFrame));
-        if let Some(last) = header.passes.len().checked_sub(1) {
+        if let Some(last) = passes.len().checked_sub(1) {
             // The last pass draws the picture.
             let _ = writeln!(inputs.declarations, "const int PASSINDEX = {last};");
         }
         Ok(inputs)
     }
 
-    fn declare(&mut self, input: &Input) {
-        let name = input.name.as_str();
+    fn declare(&mut self, input: &Value) {
+        let text = |key| input.get(key).and_then(Value::as_str).unwrap_or("");
         let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(f64::from));
-        let numbers = input.values.iter().filter_map(number);
-        let least = number(&input.min).or_else(|| numbers.clone().reduce(f64::min)).unwrap_or(0.0);
-        let most = number(&input.max).or_else(|| numbers.reduce(f64::max)).unwrap_or(least + 1.0);
-        let of = match input.r#type.as_str() {
+        let (name, choices) = (text("NAME"), list(input, "VALUES"));
+        let end = |key, of: fn(f64, f64) -> f64| {
+            let own = input.get(key).and_then(number);
+            own.or_else(|| choices.iter().filter_map(number).reduce(of))
+        };
+        let least = end("MIN", f64::min).unwrap_or(0.0);
+        let most = end("MAX", f64::max).unwrap_or(least + 1.0);
+        let of = match text("TYPE") {
             "audio" => return self.sampler(name, Channel::Waveform),
             "audioFFT" => return self.sampler(name, Channel::Spectrum),
             "float" => "float",
@@ -114,8 +87,8 @@ impl Inputs {
             "vec4" => 4,
             _ => 1,
         };
-        let list = input.default.as_array().map_or(std::slice::from_ref(&input.default), Vec::as_slice);
-        let values = (0..components).map(|index| list.get(index).and_then(number).unwrap_or(least));
+        let default = list(input, "DEFAULT");
+        let values = (0..components).map(|index| default.get(index).and_then(number).unwrap_or(least));
         let values: Vec<f64> = values.map(|value| if value.is_finite() { value } else { 0.0 }).collect();
         let written: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
         let _ = writeln!(self.declarations, "uniform {of} {name} = {of}({});", written.join(", "));
@@ -137,4 +110,13 @@ impl Inputs {
 fn is_name(name: &str) -> bool {
     let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// The values of a list, or the one value in place of a list.
+fn list<'v>(of: &'v Value, key: &str) -> &'v [Value] {
+    match of.get(key) {
+        Some(Value::Array(values)) => values,
+        Some(value) => std::slice::from_ref(value),
+        None => &[],
+    }
 }

@@ -9,13 +9,12 @@ const RESOLUTION: [f32; 2] = [1280.0, 720.0];
 const FRAMES_PER_SECOND: f32 = 60.0;
 
 /// What a name of a viewer means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meaning {
     Time,
     Frame,
-    TimeStep,
-    FrameRate,
-    SampleRate,
+    /// The same number always.
+    Number(f32),
     /// Width and height in pixels, and 1.
     Size,
     /// Shadertoy's pointer: its pixel while the button is held, else 0.
@@ -34,7 +33,6 @@ pub(crate) enum Meaning {
     SurfaceSize,
     /// The level of the sound, 0..255.
     Volume,
-    Zero,
     Channel(Channel),
 }
 
@@ -59,8 +57,8 @@ pub(crate) enum Channel {
 }
 
 use Meaning::{
-    Channel as Sampler, Frame, FrameRate, HeldPointer, Pixel, Pointer, PointerShare, SampleRate, Share, Size,
-    Surface, SurfaceSize, Time, TimeStep, Vertex, Volume, Zero,
+    Channel as Sampler, Frame, HeldPointer, Number, Pixel, Pointer, PointerShare, Share, Size, Surface,
+    SurfaceSize, Time, Vertex, Volume,
 };
 
 /// Names with the type by which a viewer declares them unasked, and their meaning. Names without a type have a meaning
@@ -69,9 +67,9 @@ const NAMES: [(&str, &str, Meaning); 34] = [
     ("iTime iGlobalTime time u_time uTime fGlobalTime TIME", "float", Time),
     ("Time globalTime u_Time utime t", "", Time),
     ("iFrame FRAMEINDEX u_frame", "int", Frame),
-    ("iTimeDelta TIMEDELTA fFrameTime u_delta", "float", TimeStep),
-    ("iFrameRate", "float", FrameRate),
-    ("iSampleRate", "float", SampleRate),
+    ("iTimeDelta TIMEDELTA fFrameTime u_delta", "float", Number(1.0 / FRAMES_PER_SECOND)),
+    ("iFrameRate", "float", Number(FRAMES_PER_SECOND)),
+    ("iSampleRate", "float", Number(44_100.0)),
     ("iResolution", "vec3", Size),
     ("resolution u_resolution uResolution v2Resolution RENDERSIZE", "vec2", Size),
     ("Resolution iRes uRes u_res uRESOLUTION screenSize u_screenSize canvasSize", "", Size),
@@ -87,12 +85,12 @@ const NAMES: [(&str, &str, Meaning); 34] = [
     ("surfacePosition", "vec2", Surface),
     ("surfaceSize", "vec2", SurfaceSize),
     ("volume", "float", Volume),
-    ("iDate DATE u_date date", "vec4", Zero),
+    ("iDate DATE u_date date", "vec4", Number(0.0)),
     ("iChannelTime", "float[4]", Time),
-    ("gl_FragColor fragColor", "vec4", Zero),
-    ("gl_FragDepth", "float", Zero),
-    ("mouseButtons", "", Zero),
-    ("PASSINDEX pass", "int", Zero),
+    ("gl_FragColor fragColor", "vec4", Number(0.0)),
+    ("gl_FragDepth", "float", Number(0.0)),
+    ("mouseButtons", "", Number(0.0)),
+    ("PASSINDEX pass", "int", Number(0.0)),
     ("iChannel0 iChannel1 iChannel2 iChannel3", "sampler2D", Sampler(Channel::Unknown)),
     ("texNoise", "sampler2D", Sampler(Channel::Noise)),
     ("spectrum", "sampler2D", Sampler(Channel::Spectrum)),
@@ -182,10 +180,8 @@ pub(super) fn known(
             vec![graph.unary(Op::Floor, frames); len]
         }
         Size => constants(&[RESOLUTION[0], RESOLUTION[1], 1.0]),
-        TimeStep => constants(&[1.0 / FRAMES_PER_SECOND]),
-        FrameRate => constants(&[FRAMES_PER_SECOND]),
-        SampleRate => constants(&[44_100.0]),
-        HeldPointer | Pointer | PointerShare | Zero => constants(&[]),
+        Number(number) => constants(&[number]),
+        HeldPointer | Pointer | PointerShare => constants(&[]),
         Volume => {
             let (sum, scale) = (levels(graph), graph.constant(255.0 / 3.0));
             let sum = sum.into_iter().reduce(|a, b| graph.add(a, b)).unwrap_or(scale);
