@@ -13,6 +13,8 @@ pub struct Whole {
     pub files: Vec<String>,
     /// Where stretches of the text come from.
     stretches: Vec<Stretch>,
+    /// Number of files that were asked for.
+    reads: usize,
 }
 
 /// A stretch of a [`Whole`] and its place in the text that includes: the line that includes it, or for the text itself
@@ -45,19 +47,21 @@ impl Whole {
         for line in text.split_inclusive('\n') {
             let place = included.cloned().unwrap_or(at as u32..(at + line.trim_end().len()) as u32);
             at += line.len();
-            let is_free = depth < limits.include_depth_max && self.files.len() < limits.scene_includes_max;
+            let is_free = depth < limits.include_depth_max && self.reads < limits.scene_includes_max;
             let path = named(line).and_then(|name| joined(folder, name)).filter(|_| is_free);
             if let Some(path) = path {
-                if self.files.contains(&path) {
-                    self.text.push('\n');
-                    goes_on = false;
-                    continue;
-                }
                 let left = limits.scene_bytes_max.saturating_sub(self.text.len());
-                if let Some(other) = read(&path).filter(|other| other.len() <= left) {
-                    let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
-                    self.files.push(path);
-                    self.paste(&other, &folder, Some(&place), limits, read, depth + 1);
+                let mut is_there = self.files.contains(&path);
+                if !is_there {
+                    self.reads += 1;
+                    if let Some(other) = read(&path).filter(|other| other.len() <= left) {
+                        let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+                        self.files.push(path);
+                        self.paste(&other, &folder, Some(&place), limits, read, depth + 1);
+                        is_there = true;
+                    }
+                }
+                if is_there {
                     self.text.push('\n');
                     goes_on = false;
                     continue;

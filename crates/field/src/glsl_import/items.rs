@@ -47,7 +47,8 @@ pub(super) enum Origin {
 }
 
 /// Words in front of a declaration that do not change its type.
-const QUALIFIERS: &str = "const uniform in out inout varying attribute flat smooth centroid highp mediump lowp buffer shared invariant noperspective precise static readonly writeonly coherent restrict volatile";
+const QUALIFIERS: &str = "const uniform in out inout varying attribute flat smooth centroid highp mediump \
+    lowp buffer shared invariant noperspective precise static readonly writeonly coherent restrict volatile";
 
 pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>> {
     check_nesting(tokens)?;

@@ -350,8 +350,8 @@ const RANDOM: f32 = 4_294_967_296.0;
 /// Bits that operations on two unknown numbers see.
 const BITS: usize = 16;
 
-/// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random in the
-/// original, too, and no formula has their 32 bits.
+/// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random in
+/// the original, too, and no formula has their 32 bits.
 fn scrambled(graph: &mut Graph, known: &mut HashSet<NodeId>, a: NodeId, b: NodeId) -> Part {
     let [a, b] = [a, b].map(|node| match known.contains(&node) {
         true => {

@@ -93,9 +93,11 @@ fn the_sound_of_other_viewers_is_the_sound_of_the_scene() {
             out_color = vec4(texture(texFFT, 0.001).r, texture(texFFTIntegrated, 0.1).r / 3, uv.x, 1); }";
     let amplitude = 10_f32.powf((0.75 * 72.0 - 84.0) / 20.0);
     assert_near(&shown(bonzomatic, [50.0, 1.0], loud()), &[amplitude, 0.5, 0.25]);
-    let veda = "/*{ \"audio\": true }*/ precision mediump float; uniform vec2 resolution; uniform float volume;
+    let veda =
+        "/*{ \"audio\": true }*/ precision mediump float; uniform vec2 resolution; uniform float volume;
         uniform sampler2D spectrum, samples;
-        void main() { vec2 uv = gl_FragCoord.xy / resolution; gl_FragColor = vec4(texture2D(spectrum, vec2(0.002, 0.5)).g,
+        void main() { vec2 uv = gl_FragCoord.xy / resolution;
+            gl_FragColor = vec4(texture2D(spectrum, vec2(0.002, 0.5)).g,
             texture2D(samples, uv).r, volume / 255.0, 1.0); }";
     assert_near(&shown(veda, [50.0, 1.0], loud()), &[0.75, 0.75, 0.3]);
     let kodelife = "#version 150
@@ -158,7 +160,8 @@ fn inputs_of_isf_become_sliders_with_their_defaults() {
         \"PASSES\": [ { \"TARGET\": \"last\", \"PERSISTENT\": true }, {} ] }*/
         void main() {
             if (PASSINDEX == 0) gl_FragColor = vec4(1.0);
-            else gl_FragColor = invert ? tint * size * float(mode) * (2.0 * volume) : vec4(IMG_THIS_PIXEL(last).rgb, 1.0);
+            else if (invert) gl_FragColor = tint * size * float(mode) * (2.0 * volume);
+            else gl_FragColor = vec4(IMG_THIS_PIXEL(last).rgb, 1.0);
         }";
     let text = around(glsl).text("a.glsl");
     for line in [
@@ -182,7 +185,8 @@ fn the_last_frame_is_read_by_its_names() {
     for name in ["backbuffer", "texPreviousFrame", "prevFrame"] {
         let glsl = format!(
             "uniform sampler2D {name}; uniform vec2 resolution;
-            void main() {{ gl_FragColor = 0.9 * texture2D({name}, gl_FragCoord.xy / resolution) + gl_FragCoord.x / 999.0; }}"
+            void main() {{ vec4 last = texture2D({name}, gl_FragCoord.xy / resolution);
+                gl_FragColor = 0.9 * last + gl_FragCoord.x / 999.0; }}"
         );
         let scene = imported(&glsl);
         assert!(scene.textures.iter().any(|texture| texture.is_last_frame()), "{name}");
@@ -291,6 +295,13 @@ fn files_that_include_each_other_end() {
         Some(format!("#include \"b{count}.glsl\"\n#include \"c{count}.glsl\"\n"))
     });
     assert!(endless.files.len() <= LIMITS.scene_includes_max, "{}", endless.files.len());
+    let mut reads = 0;
+    let many = (0..9_000).map(|at| format!("#include \"{at}.glsl\"\n")).collect::<String>();
+    whole(&many, &LIMITS, &mut |_| {
+        reads += 1;
+        Some("x".repeat(LIMITS.scene_bytes_max + 1))
+    });
+    assert_eq!(reads, LIMITS.scene_includes_max, "a long file was read again and again");
     let place = endless.place(&(endless.text.len() as u32 - 3..endless.text.len() as u32));
     assert!(place.end as usize <= text.len(), "{place:?}");
 }
