@@ -1,13 +1,17 @@
 //! Writes a scene around the distance function of a GLSL file.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use super::calls::{Budget, HOW_TO_READ_IMAGES, Session};
 use super::isf::Slider;
 use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use super::problem::{Problem, Result};
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData};
+use super::samplers::image_sampler;
+use crate::graph::{
+    FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData, TextureReader,
+};
 use crate::limits::LIMITS;
 
 /// What a scene shows of a shader that both draws a picture and has a distance function.
@@ -134,6 +138,9 @@ fn uniforms(file: &GlslFile) -> String {
             }
         };
     }
+    for picture in file.pictures() {
+        let _ = writeln!(scene, "let {picture} = \"cover\"  # or the file of an image or a video");
+    }
     for (uniform, len) in file.open_uniforms().into_iter().filter(|(name, _)| !is_taken(name)) {
         let _ = match len {
             1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
@@ -141,6 +148,17 @@ fn uniforms(file: &GlslFile) -> String {
         };
     }
     scene
+}
+
+/// Images that differ from place to place, to see whether a picture does.
+#[derive(Debug)]
+struct Slopes;
+
+impl TextureReader for Slopes {
+    fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
+        let place = 7.3 * u + 3.1 * v + 0.3 * f32::from(channel);
+        if texture == 0 { 0.0 } else { place.rem_euclid(1.0) }
+    }
 }
 
 /// A scene of sky alone. A shader computes colours of the screen, but a sky is light.
@@ -185,6 +203,7 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
             sound,
             spectrum: table(&heights),
             waveform: table(&heights.map(|height| height - 0.5)),
+            textures: Some(Arc::new(Slopes)),
             ..FrameInputs::default()
         };
         for index in 0..24 {
@@ -322,7 +341,12 @@ fn executed(
     let given = file.open_uniforms().into_iter();
     let given =
         given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
-    let given: Vec<(String, Vec<NodeId>)> = given.collect();
+    let mut given: Vec<(String, Vec<NodeId>)> = given.collect();
+    given.extend(
+        file.pictures()
+            .zip(1..)
+            .map(|(name, texture)| (name.to_owned(), vec![graph.constant(image_sampler(texture))])),
+    );
     session.call(file, function, &[argument], graph, &mut budget, &given)
 }
 

@@ -26,7 +26,7 @@ pub struct Budget {
 }
 
 pub(super) const HOW_TO_READ_IMAGES: &str =
-    "a scene reads an image as `texture(\"photo.jpg\", pixel / resolution)`";
+    "name an image or the cover of the song in the scene: `let iChannel0 = \"cover\"`";
 
 /// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
 const CALLS_MAX: usize = 48;

@@ -36,6 +36,7 @@ pub use outside::candidate;
 pub(crate) use outside::{Channel, Meaning, meaning};
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
 pub use problem::{Problem, ProblemKind};
+pub use samplers::image_sampler;
 
 #[cfg(test)]
 mod tests;

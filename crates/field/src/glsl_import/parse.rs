@@ -177,32 +177,24 @@ impl GlslFile {
                         special.insert(handle, Special::Broken(number));
                     } else if name.starts_with(START) {
                         starts.push(handle);
-                    } else if name == IMAGE {
-                        functions.push(GlslFunction {
-                            name: IMAGE_IN_SCENES.to_owned(),
-                            parameters: vec![GlslParameter {
-                                name: "pixel".to_owned(),
-                                of: Some(GlslType::Vector(2)),
-                            }],
-                            result: Some(GlslType::Vector(4)),
-                            place: program.image_place(),
-                            is_picture: true,
-                            handle,
-                        });
                     } else if DRAWING.contains(&name.as_str()) || name == "main_" {
-                        // A scene calls it by the function above.
+                        // A scene calls it by the function that returns the colour.
                     } else if written.is_own(range(module.functions.get_span(handle)).start) {
+                        let is_picture = name == IMAGE;
                         let parameters = function.arguments.iter().map(|argument| GlslParameter {
-                            name: argument.name.clone().unwrap_or_default(),
+                            name: argument.name.as_deref().unwrap_or("").replace("glsl_", ""),
                             of: type_of(&module, argument.ty),
                         });
                         let result = function.result.as_ref().and_then(|result| type_of(&module, result.ty));
                         functions.push(GlslFunction {
-                            name,
+                            name: if is_picture { IMAGE_IN_SCENES.to_owned() } else { name },
                             parameters: parameters.collect(),
                             result,
-                            place: written.source_range(range(module.functions.get_span(handle))),
-                            is_picture: false,
+                            place: match is_picture {
+                                true => program.image_place(),
+                                false => written.source_range(range(module.functions.get_span(handle))),
+                            },
+                            is_picture,
                             handle,
                         });
                     }
@@ -285,6 +277,12 @@ impl GlslFile {
         self.outside.iter().any(reads)
     }
 
+    /// The samplers of an ISF shader that read an image.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = &str> {
+        let pictures = self.samplers.iter().filter(|(_, channel)| **channel == Channel::Picture);
+        pictures.map(|(name, _)| name.as_str())
+    }
+
     /// True if functions of the file may read the last frame.
     pub fn reads_last_frame(&self) -> bool {
         self.samplers.values().any(|channel| *channel == Channel::LastFrame)
@@ -343,7 +341,7 @@ fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Probl
         }
         ErrorKind::SemanticError(text) if text.starts_with("Unknown function '") => {
             let name = text.split('\'').nth(1).unwrap_or("");
-            if item.and_then(|item| program.name_of(item)) == Some(name) {
+            if item.and_then(|item| program.name_of(item)).is_some_and(|own| own.is(name)) {
                 Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
                     .hint("write a loop instead of the recursion")
             } else if name.starts_with("image") {

@@ -230,17 +230,14 @@ impl<'a> Program<'a> {
 
     /// The span of the name of the function that draws.
     pub(super) fn image_place(&self) -> Range<u32> {
-        let drawing = self.image.as_ref().and_then(|(_, drawing)| self.items.get(*drawing));
-        match drawing {
-            Some(Item::Function { name, .. }) => name.place(),
-            _ => 0..0,
-        }
+        let drawing = self.image.as_ref().and_then(|(_, drawing)| self.name_of(*drawing));
+        drawing.map_or(0..0, Token::place)
     }
 
     /// The name of the function with this index.
-    pub(super) fn name_of(&self, index: usize) -> Option<&'a str> {
+    pub(super) fn name_of(&self, index: usize) -> Option<&Token<'a>> {
         match self.items.get(index) {
-            Some(Item::Function { name, .. }) => Some(name.text),
+            Some(Item::Function { name, .. }) => Some(name),
             _ => None,
         }
     }

@@ -24,6 +24,14 @@ const SPECTRUM_DB: [f32; 2] = [72.0, -84.0];
 /// Part of the language's `waveform` that a viewer shows: 512 of 44,100 samples, in its middle.
 const WAVE: [f32; 2] = [0.27, 0.365];
 
+/// The value of a sampler that reads texture 0 of the scene. The next textures have the values below.
+const FIRST_IMAGE: i64 = -2;
+
+/// Returns the value that makes a sampler read a texture of the scene.
+pub fn image_sampler(texture: u16) -> f32 {
+    (FIRST_IMAGE - i64::from(texture)) as f32
+}
+
 /// Operations that compute a position near the pixel, at most.
 const NEAR_PIXEL_MAX: usize = 32;
 /// Texels of the noise that stands for the surface of a thing, coarse and fine.
@@ -50,8 +58,10 @@ impl<'m> TextureRead<'_, 'm, '_> {
             return Ok(vec![Part::Node(size); 2]);
         }
         let is_texel = matches!(special, Special::Texel);
-        let channel = self.channel(number, &at, is_texel);
-        let colour = match (channel, at.as_slice()) {
+        if let (Ok(image), &[u, v, ..]) = (u16::try_from(FIRST_IMAGE - number), at.as_slice()) {
+            return Ok(self.light(image, 1.0, [u, v], is_texel).map(Part::Node).to_vec());
+        }
+        let colour = match (self.channel(number, &at, is_texel), at.as_slice()) {
             (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.of.graph, x, y),
             (Channel::Noise, &[u, v]) => {
                 let [x, y] = [u, v].map(|node| in_texels(self.of.graph, node, FLAT));
@@ -62,7 +72,10 @@ impl<'m> TextureRead<'_, 'm, '_> {
                 [solid_noise(self.of.graph, cells); 4]
             }
             (Channel::Unknown | Channel::Picture, at) => self.picture(number, at, place)?,
-            (Channel::LastFrame, &[u, v, ..]) => self.last_frame(u, v, is_texel),
+            (Channel::LastFrame, &[u, v, ..]) => match self.of.session.last_frame {
+                Some(texture) => self.light(texture, LAST_LIGHT_MAX, [u, v], is_texel),
+                None => [self.of.zero, self.of.zero, self.of.zero, self.of.one],
+            },
             (channel, at) => {
                 let mut at = at.to_vec();
                 if is_texel && let Some(x) = at.first_mut() {
@@ -160,9 +173,8 @@ impl<'m> TextureRead<'_, 'm, '_> {
         Ok([sky, sky, sky, self.of.one])
     }
 
-    /// The colour of the last frame, whose texture holds fractions of the brightest light.
-    fn last_frame(&mut self, u: NodeId, v: NodeId, is_texel: bool) -> [NodeId; 4] {
-        let [mut u, mut v] = [u, v];
+    /// A colour of a texture whose light is `most` times as bright as it holds.
+    fn light(&mut self, texture: u16, most: f32, [mut u, mut v]: [NodeId; 2], is_texel: bool) -> [NodeId; 4] {
         if is_texel {
             let half = self.of.graph.constant(0.5);
             for (at, size) in [(&mut u, ScreenInput::Width), (&mut v, ScreenInput::Height)] {
@@ -170,16 +182,20 @@ impl<'m> TextureRead<'_, 'm, '_> {
                 *at = self.of.graph.div(middle, size);
             }
         }
-        let Some(texture) = self.of.session.last_frame else {
-            return [self.of.zero, self.of.zero, self.of.zero, self.of.one];
-        };
-        let most = self.of.graph.constant(LAST_LIGHT_MAX);
+        // Images begin at the top.
+        let is_image = most == 1.0;
+        if is_image {
+            v = self.of.graph.sub(self.of.one, v);
+        }
+        let most = self.of.graph.constant(most);
+        let graph = &mut *self.of.graph;
         let [red, green, blue] = [0, 1, 2].map(|channel| {
-            let fraction = self.of.graph.texture(texture, channel, u, v);
-            let light = self.of.graph.mul(fraction, most);
-            encoded(self.of.graph, light)
+            let fraction = graph.texture(texture, channel, u, v);
+            let light = graph.mul(fraction, most);
+            encoded(graph, light)
         });
-        [red, green, blue, self.of.one]
+        let alpha = if is_image { graph.texture(texture, 3, u, v) } else { self.of.one };
+        [red, green, blue, alpha]
     }
 
     fn sound(&mut self, channel: Channel, at: &[NodeId]) -> [NodeId; 4] {

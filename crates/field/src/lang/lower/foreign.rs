@@ -11,7 +11,7 @@ use super::super::value::{Value, Vector};
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::TextureRead;
-use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session};
+use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session, image_sampler};
 use crate::graph::{Input, NodeId};
 
 /// The functions of all included GLSL files.
@@ -113,15 +113,15 @@ impl ForeignCall<'_, '_> {
         };
         let Some(mut session) = kept(self, Session::default()) else { return Value::Unknown };
         if in_picture && session.last_frame.is_none() && foreign.file.reads_last_frame() {
-            let mut read = TextureRead { outer: self.outer, mark: self.mark, first: 0, span };
-            session.last_frame = read.last_frame_number();
+            let (outer, mark) = (&mut *self.outer, self.mark);
+            session.last_frame = TextureRead { outer, mark, first: 0, span }.last_frame_number();
         }
         let mut budget = Budget {
             steps: self.outer.budget.left(self.outer.limits),
             rounds_max: self.outer.limits.scene_loop_max,
             memory_max: self.outer.limits.scene_expansion_max.min(1 << 18),
         };
-        let given = self.given(foreign);
+        let given = self.given(foreign, in_picture);
         let steps = budget.steps;
         let result =
             session.call(&foreign.file, function, &arguments, &mut self.outer.graph, &mut budget, &given);
@@ -169,8 +169,8 @@ impl ForeignCall<'_, '_> {
         self.outer.inputs.declare(kind, self.name, self.span, &mut self.outer.reports);
     }
 
-    /// The scene's parameters and lets that have the names of uniforms.
-    fn given(&mut self, foreign: &ForeignFile) -> Vec<(String, Vec<NodeId>)> {
+    /// The scene's parameters and lets that have the names of uniforms. A text names the image of a sampler.
+    fn given(&mut self, foreign: &ForeignFile, in_picture: bool) -> Vec<(String, Vec<NodeId>)> {
         let mut given = Vec::new();
         for uniform in foreign.file.uniforms() {
             let Some(symbol) = self.outer.names.get(uniform) else { continue };
@@ -182,9 +182,16 @@ impl ForeignCall<'_, '_> {
                 GlobalValue::Let(index) => self.outer.global_let(index as usize, self.span),
                 GlobalValue::None => continue,
             };
-            if let Value::Vector(vector) = value {
-                given.push((uniform.to_owned(), vector.parts().to_vec()));
-            }
+            let nodes = match value {
+                Value::Vector(vector) => vector.parts().to_vec(),
+                Value::Text(file) if in_picture => {
+                    let (outer, mark, span) = (&mut *self.outer, self.mark, self.span);
+                    let image = TextureRead { outer, mark, first: 0, span }.number(file, span);
+                    image.map(|image| self.outer.constant(image_sampler(image))).into_iter().collect()
+                }
+                _ => continue,
+            };
+            given.push((uniform.to_owned(), nodes));
         }
         given
     }

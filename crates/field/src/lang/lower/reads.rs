@@ -90,7 +90,7 @@ impl TextureRead<'_, '_> {
         }
     }
 
-    fn number(&mut self, file: Symbol, span: Span) -> Option<u16> {
+    pub(super) fn number(&mut self, file: Symbol, span: Span) -> Option<u16> {
         let place = self.outer.reports.library_call.map_or(span, |call| call.1);
         let name = match path::checked(self.outer.name(file)) {
             Ok(name) => name,

@@ -1,9 +1,11 @@
 //! Whole shaders in the dialects of several viewers. The texts are written for these tests.
 
+use std::sync::Arc;
+
 use super::super::{Scene, compile};
 use super::pixels::{SCREEN, color_on, drawn, with_glsl};
 use crate::glsl_import::{SceneAround, Shown, scene_around, whole};
-use crate::graph::{FrameInputs, Point, SoundInput, SoundInputs, TableData};
+use crate::graph::{FrameInputs, Point, SoundInput, SoundInputs, TableData, TextureReader};
 use crate::limits::LIMITS;
 
 fn around(glsl: &str) -> SceneAround {
@@ -190,6 +192,36 @@ fn the_last_frame_is_read_by_its_names() {
         );
         let scene = imported(&glsl);
         assert!(scene.textures.iter().any(|texture| texture.is_last_frame()), "{name}");
+    }
+}
+
+/// Every image: red rises to the right, green downwards.
+#[derive(Debug)]
+struct Image;
+
+impl TextureReader for Image {
+    fn read(&self, _: u16, channel: u8, u: f32, v: f32) -> f32 {
+        [u, v, 0.0, 1.0][usize::from(channel)]
+    }
+}
+
+#[test]
+fn a_scene_names_the_images_of_a_shader() {
+    let isf = "/*{ \"ISFVSN\": \"2\", \"INPUTS\": [ { \"NAME\": \"inputImage\", \"TYPE\": \"image\" } ] }*/
+        void main() { gl_FragColor = IMG_THIS_PIXEL(inputImage); }";
+    let text = around(isf).text("a.glsl");
+    assert!(text.contains("let inputImage = \"cover\""), "{text}");
+    let named = "void mainImage(out vec4 c, in vec2 f) { c = texture(iChannel1, f / iResolution.xy); }";
+    let scene =
+        "include \"a.glsl\"\nlet iChannel1 = \"leaf.png\"\nsky { color = srgb(mainImage(pixel).rgb) }";
+    for (scene, glsl) in [(text.as_str(), isf), (scene, named)] {
+        let compiled = with_glsl(scene, glsl);
+        let frame = FrameInputs { screen: SCREEN, textures: Some(Arc::new(Image)), ..FrameInputs::default() };
+        let point = Point::at(100.0, 20.0, 0.0);
+        let light = compiled.graph.evaluate(&compiled.sky.color, &point, &frame).unwrap();
+        // Images begin at the top, and hold light.
+        assert_near(&light, &[0.5, 0.8, 0.0]);
+        assert_eq!(compiled.textures.len(), 1, "{scene}");
     }
 }
 
