@@ -168,12 +168,12 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
     let mut session = Session::of_picture();
     session.last_frame = Some(0);
     let colour = executed(&mut graph, &mut session, file, picture, pixel)?;
-    let mut scene = uniforms(file);
-    let _ = write!(
-        scene,
-        "\nsky {{ color = srgb({}(pixel).rgb) }}\n\npicture {{ tone_map = none  bloom = 0  grain = 0 }}\n",
-        picture.name
-    );
+    let sky = match file.is_isf {
+        true => format!("let c = {}(pixel)  color = srgb(c.rgb * clamp(c.a, 0, 1))", picture.name),
+        false => format!("color = srgb({}(pixel).rgb)", picture.name),
+    };
+    let rest = "picture { tone_map = none  bloom = 0  grain = 0 }";
+    let scene = format!("{}\nsky {{ {sky} }}\n\n{rest}\n", uniforms(file));
     let is_flat = is_flat(&graph, &colour);
     if is_flat && !session.pictures.is_empty() {
         let names: Vec<&str> = session.pictures.iter().map(String::as_str).collect();
@@ -192,30 +192,21 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
 fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     let colour = colour.get(..3).unwrap_or_default();
     let Ok(order) = graph.order(colour) else { return false };
-    let table = |values: &[f32]| TableData::row(values.to_vec());
-    let (mut first, size) = (None, [320, 180]);
-    for moment in 0..2_u8 {
-        let sound = SoundInputs::each(|input| 0.4 * input.range().1 * f32::from(moment));
-        let heights = [0.9, 0.5, 0.7, 0.2].map(|height| height * f32::from(moment));
-        let frame = FrameInputs {
-            screen: Screen::of_size(size.into()),
-            time: 3.0 + 1.7 * f32::from(moment),
-            sound,
-            spectrum: table(&heights),
-            waveform: table(&heights.map(|height| height - 0.5)),
-            textures: Some(Arc::new(Slopes)),
-            ..FrameInputs::default()
-        };
-        for index in 0..24 {
-            let [x, y] = [(index % 6) as f32 + 0.5, (index / 6) as f32 + 0.5];
-            let point = Point::at(x * size[0] as f32 / 6.0, y * size[1] as f32 / 4.0, 0.0);
-            let values = graph.evaluate_in(&order, colour, &point, &frame);
-            if *first.get_or_insert_with(|| values.clone()) != values {
-                return false;
-            }
-        }
-    }
-    true
+    let mut frame = FrameInputs {
+        screen: Screen::of_size((320, 180)),
+        sound: SoundInputs::each(|input| 0.4 * input.range().1),
+        spectrum: TableData::row([0.9, 0.5, 0.7, 0.2]),
+        waveform: TableData::row([0.4, -0.2, 0.1, -0.3]),
+        textures: Some(Arc::new(Slopes)),
+        ..FrameInputs::default()
+    };
+    let colours = (0..48_u8).map(|index| {
+        frame.time = if index < 24 { 3.0 } else { 4.7 };
+        let [x, y] = [index % 6, index / 6 % 4].map(|at| f32::from(at) + 0.5);
+        graph.evaluate_in(&order, colour, &Point::at(53.0 * x, 45.0 * y, 0.0), &frame)
+    });
+    let colours: Vec<Vec<f32>> = colours.collect();
+    colours.iter().all(|one| Some(one) == colours.first())
 }
 
 fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {

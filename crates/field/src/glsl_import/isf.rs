@@ -22,6 +22,7 @@ pub(super) struct Slider {
 /// What a header declares.
 #[derive(Debug, Default)]
 pub(super) struct Inputs {
+    pub is_isf: bool,
     /// Uniforms, as GLSL.
     pub declarations: String,
     pub sliders: Vec<Slider>,
@@ -46,6 +47,7 @@ impl Inputs {
             )
             .hint("mend the JSON between `/*{` and `}*/`")
         })?;
+        inputs.is_isf = true;
         list(&header, "INPUTS").iter().for_each(|input| inputs.declare(input));
         let imported = header.get("IMPORTED").and_then(Value::as_object).into_iter().flatten();
         imported.for_each(|(name, _)| inputs.sampler(name, Channel::Picture));

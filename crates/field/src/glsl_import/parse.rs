@@ -102,6 +102,8 @@ pub struct GlslFile {
     pub(super) samplers: BTreeMap<String, Channel>,
     /// The inputs of an ISF shader that a user sets.
     pub(super) sliders: Vec<Slider>,
+    /// True for an ISF shader, whose colours lie over black.
+    pub(super) is_isf: bool,
     /// Functions that give globals their values, in the order of the text.
     pub(super) starts: Vec<Handle<Function>>,
     pub(super) special: HashMap<Handle<Function>, Special>,
@@ -201,7 +203,7 @@ impl GlslFile {
                 }
             }
         }
-        let Program { outside, samplers, sliders, has_drawing, unset, .. } = program;
+        let Program { outside, samplers, sliders, is_isf, has_drawing, unset, .. } = program;
         let unset = unset.into_iter().collect();
         Ok(Self {
             module,
@@ -210,6 +212,7 @@ impl GlslFile {
             outside,
             samplers,
             sliders,
+            is_isf,
             starts,
             special,
             functions,

@@ -105,6 +105,7 @@ pub(super) struct Program<'a> {
     /// Globals that read textures, and what they read.
     pub samplers: BTreeMap<String, Channel>,
     pub sliders: Vec<Slider>,
+    pub is_isf: bool,
     given: Vec<String>,
     pub has_drawing: bool,
     /// The function that returns the colour of a pixel, and the index of the function that it calls.
@@ -168,8 +169,8 @@ impl<'a> Program<'a> {
             }
         }
         samplers.extend(inputs.channels);
-        let sliders = inputs.sliders;
-        Self { items, outside: origins, unset, samplers, sliders, sets, given, has_drawing, image }
+        let Inputs { sliders, is_isf, .. } = inputs;
+        Self { items, outside: origins, unset, samplers, sliders, is_isf, sets, given, has_drawing, image }
     }
 
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells

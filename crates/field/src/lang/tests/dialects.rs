@@ -162,7 +162,7 @@ fn inputs_of_isf_become_sliders_with_their_defaults() {
         \"PASSES\": [ { \"TARGET\": \"last\", \"PERSISTENT\": true }, {} ] }*/
         void main() {
             if (PASSINDEX == 0) gl_FragColor = vec4(1.0);
-            else if (invert) gl_FragColor = tint * size * float(mode) * (2.0 * volume);
+            else if (invert) gl_FragColor = vec4(2.0 * tint.rgb * size * float(mode) * (2.0 * volume), 0.5);
             else gl_FragColor = vec4(IMG_THIS_PIXEL(last).rgb, 1.0);
         }";
     let text = around(glsl).text("a.glsl");
