@@ -677,7 +677,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__import)
-            opts="-o -h --output --help"
+            opts="-o -h --output --as --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -689,6 +689,10 @@ _mariana() {
                     ;;
                 -o)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --as)
+                    COMPREPLY=($(compgen -W "picture shape" -- "${cur}"))
                     return 0
                     ;;
                 *)

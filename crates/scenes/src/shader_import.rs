@@ -10,7 +10,7 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
 
-use crate::folder::ENDING;
+use crate::folder::{ENDING, Folder};
 
 /// Maximum number of shaders of one name that are compared with an imported one.
 const SAME_NAMES_MAX: usize = 1_000;
@@ -102,20 +102,17 @@ pub fn read_shader(path: &Path) -> Result<Shader, ShaderError> {
     if !is_shader_file(path) {
         return Err(ShaderError::NoShader(path.to_owned()));
     }
-    let text = read_text(path)?;
-    let whole = whole(&text, &FIELD_LIMITS, &mut |file| read_text(&path.with_file_name(file)).ok());
-    Ok(Shader { text, whole })
-}
-
-fn read_text(path: &Path) -> Result<String, ShaderError> {
     let max = FIELD_LIMITS.scene_bytes_max;
     let unreadable = |reason| ShaderError::Unreadable { path: path.to_owned(), reason };
     let bytes = read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShaderError::TooLarge { path: path.to_owned(), max })?;
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();
         ShaderError::NotText { path: path.to_owned(), position }
-    })
+    })?;
+    let folder = Folder::of(path);
+    let whole = whole(&text, &FIELD_LIMITS, &mut |file| folder.text(file, max).ok());
+    Ok(Shader { text, whole })
 }
 
 /// Writes a scene around a shader.
@@ -178,6 +175,21 @@ mod tests {
 
     fn imported(shader: &Path, folder: &Path) -> PathBuf {
         import_shader(shader, folder).unwrap_or_else(|error| panic!("{error}")).scene
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_shader_included_a_file_outside_of_its_folder_through_a_link() {
+        let place = tempfile::tempdir().unwrap();
+        let inner = place.path().join("inner");
+        fs::create_dir(&inner).unwrap();
+        fs::write(place.path().join("secret.glsl"), "float secret = 1.0;").unwrap();
+        fs::write(inner.join("near.glsl"), "float near = 1.0;").unwrap();
+        std::os::unix::fs::symlink("../secret.glsl", inner.join("link.glsl")).unwrap();
+        let shader = inner.join("disc.glsl");
+        fs::write(&shader, format!("#include \"link.glsl\"\n#include \"near.glsl\"\n{DISC}")).unwrap();
+        let whole = read_shader(&shader).unwrap().whole.text;
+        assert!(whole.contains("near = 1.0") && !whole.contains("secret = 1.0"), "{whole}");
     }
 
     #[test]
