@@ -58,6 +58,7 @@ const int CERTAIN_RAYS = 3;
 const int PATHS_MIN = 16;
 // Noise in darker light than this fraction of white is not visible.
 const float DARKEST = 0.02;
+
 // Returns a pixel's first ray.
 void begin(inout Path path) {
     path.throughput = vec3(1.0);

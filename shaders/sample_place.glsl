@@ -55,7 +55,7 @@ vec2 sample_place() {
     return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }
 
-// Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).
+// Returns the bits of the free distance and the steps at which this sample's ray starts (beams.glsl).
 uint sample_start() {
     if (pass_sample.z < 1.5 || is_medium_pass()) return 0u;
     uvec2 halves = listed_pixel().zw;

@@ -139,7 +139,7 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
                             mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
     Eval(scene::EvalArguments),
-    /// Make a scene from a GLSL file with a distance function, such as one from Shadertoy
+    /// Make a scene from a shader in GLSL, such as one from Shadertoy
     #[command(after_help = "Examples:\n  mariana import snail.glsl\n  \
                             mariana import downloads/snail.glsl -o my/snail.scene\n  \
                             mariana import snail.glsl -o -    print the scene")]

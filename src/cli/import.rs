@@ -10,7 +10,7 @@ use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, print_message};
-use crate::scenes::{ShaderError, read_shader, scene_of_shader, text_around};
+use crate::scenes::{ShaderError, is_shader_file, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::{left_out, shadertoy};
 use mariana_field::glsl_import::{Problem, Shown};
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
@@ -57,6 +57,9 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     })?;
     let scene = text_around(&around, name);
     let output = arguments.output.clone().unwrap_or_else(|| shader.with_extension("scene"));
+    if is_shader_file(&output) {
+        bail!("{} is called like a shader: give the scene a name such as my.scene", output.display());
+    }
     if is_standard(&output) {
         print_line(scene.trim_end())?;
     } else {
@@ -95,7 +98,8 @@ fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::R
         return Ok(());
     }
     let copy = to.join(name);
-    if std::fs::read_to_string(&copy).is_ok_and(|existing| existing == text) {
+    // A pipe would be waited for.
+    if copy.is_file() && std::fs::read_to_string(&copy).is_ok_and(|existing| existing == text) {
         return Ok(());
     }
     if copy.exists() {

@@ -252,6 +252,9 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     let [red, green, blue] = picture.get_pixel(48, 9).0;
     assert!(red.abs_diff(193) < 2 && green.abs_diff(188) < 2 && blue == 0, "{red} {green} {blue}");
     place.run(&["still", "flat.frag", "-o", "x.png"]).refused(&["flat.frag", "mariana import"]);
+    let before = std::fs::read(place.path("flat.frag")).unwrap();
+    place.run(&["import", "flat.frag", "-o", "flat.frag"]).refused(&["flat.frag", "my.scene"]);
+    assert_eq!(std::fs::read(place.path("flat.frag")).unwrap(), before, "a scene replaced its shader");
     place.write(
         "more.frag",
         "#include \"lib/blue.glsl\"\nvoid main() { gl_FragColor = vec4(gl_FragCoord.xy / 99.0, blue(), 1.0); }\n",

@@ -145,7 +145,9 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
     let ending = shader.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let copy = folder.join(format!("{stem}.{ending}"));
     let there = numbered(&copy).take_while(|copy| copy.exists()).take(SAME_NAMES_MAX);
-    let there = there.into_iter().find(|copy| std::fs::read_to_string(copy).is_ok_and(|own| own == *text));
+    let there = there
+        .into_iter()
+        .find(|copy| copy.is_file() && std::fs::read_to_string(copy).is_ok_and(|own| own == *text));
     if let Some(scene) =
         there.as_ref().map(|copy| copy.with_extension(ENDING)).filter(|scene| scene.is_file())
     {

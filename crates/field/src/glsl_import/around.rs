@@ -127,10 +127,13 @@ fn nothing_found(file: &GlslFile) -> Problem {
 /// Lines with values for inputs from outside.
 fn uniforms(file: &GlslFile) -> String {
     let mut scene = String::new();
+    let mut sliders = 0..LIMITS.scene_params_max;
     for slider in file.sliders.iter().filter(|slider| !is_taken(&slider.name)) {
         let Slider { name, values, range: [least, most], is_smooth } = slider;
         let _ = match values.as_slice() {
-            [value] if *is_smooth => writeln!(scene, "param {name} = {value} in {least} .. {most}"),
+            [value] if *is_smooth && sliders.next().is_some() => {
+                writeln!(scene, "param {name} = {value} in {least} .. {most}")
+            }
             [value] => writeln!(scene, "let {name} = {value}  # {least} .. {most}"),
             values => {
                 let values: Vec<String> = values.iter().map(f64::to_string).collect();
@@ -143,7 +146,8 @@ fn uniforms(file: &GlslFile) -> String {
     }
     for (uniform, len) in file.open_uniforms().into_iter().filter(|(name, _)| !is_taken(name)) {
         let _ = match len {
-            1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
+            1 if sliders.next().is_some() => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
+            1 => writeln!(scene, "let {uniform} = 1"),
             len => writeln!(scene, "let {uniform} = vec{len}(0.5)"),
         };
     }

@@ -25,8 +25,7 @@ pub struct Budget {
     pub memory_max: usize,
 }
 
-pub(super) const HOW_TO_READ_IMAGES: &str =
-    "name an image or the cover of the song in the scene: `let iChannel0 = \"cover\"`";
+pub(super) const HOW_TO_READ_IMAGES: &str = "name an image or the cover of the song in a scene that includes the shader, as in `let iChannel0 = \"cover\"`";
 
 /// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
 const CALLS_MAX: usize = 48;

@@ -48,7 +48,8 @@ impl Whole {
             let place = included.cloned().unwrap_or(at as u32..(at + line.trim_end().len()) as u32);
             at += line.len();
             let is_free = depth < limits.include_depth_max && self.reads < limits.scene_includes_max;
-            let path = named(line).and_then(|name| joined(folder, name)).filter(|_| is_free);
+            let path = named(line).and_then(|name| joined(folder, name));
+            let path = path.filter(|path| is_free || self.files.contains(path));
             if let Some(path) = path {
                 let left = limits.scene_bytes_max.saturating_sub(self.text.len());
                 let mut is_there = self.files.contains(&path);

@@ -9,6 +9,9 @@ use serde_json::Value;
 use super::outside::Channel;
 use super::problem::{Problem, Result};
 
+/// Larger numbers of an input are cut, because a scene's numbers have 32 bits.
+const NUMBER_MAX: f64 = 1e30;
+
 /// An input that a user sets: its default, of one number or several, and its range.
 #[derive(Debug)]
 pub(super) struct Slider {
@@ -81,7 +84,7 @@ impl Inputs {
             "color" => "vec4",
             _ => return self.sampler(name, Channel::Picture),
         };
-        if !is_name(name) {
+        if !self.is_free(name) {
             return;
         }
         let components = match of {
@@ -91,27 +94,34 @@ impl Inputs {
         };
         let default = list(input, "DEFAULT");
         let values = (0..components).map(|index| default.get(index).and_then(number).unwrap_or(least));
-        let values: Vec<f64> = values.map(|value| if value.is_finite() { value } else { 0.0 }).collect();
+        let values: Vec<f64> = values.map(|value| value.clamp(-NUMBER_MAX, NUMBER_MAX)).collect();
         let written: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
         let _ = writeln!(self.declarations, "uniform {of} {name} = {of}({});", written.join(", "));
-        let range = values.iter().fold([least, most.max(least + 1e-3)], |range, &value| {
-            [range[0].min(value), range[1].max(value)]
-        });
+        let [least, most] = [least, most].map(|end| end.clamp(-NUMBER_MAX, NUMBER_MAX));
+        let wide = least + 1e-3 * least.abs().max(1.0);
+        let range = values
+            .iter()
+            .fold([least, most.max(wide)], |range, &value| [range[0].min(value), range[1].max(value)]);
         self.sliders.push(Slider { name: name.to_owned(), values, range, is_smooth: of == "float" });
     }
 
+    /// True for a name that GLSL can declare and no other input has.
+    fn is_free(&self, name: &str) -> bool {
+        let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+        // Names of the import itself begin with `glsl_`.
+        starts
+            && !name.starts_with("glsl_")
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && !self.channels.iter().any(|(known, _)| known == name)
+            && !self.sliders.iter().any(|known| known.name == name)
+    }
+
     fn sampler(&mut self, name: &str, channel: Channel) {
-        if is_name(name) && !self.channels.iter().any(|(known, _)| known == name) {
+        if self.is_free(name) {
             let _ = writeln!(self.declarations, "uniform sampler2D {name};");
             self.channels.push((name.to_owned(), channel));
         }
     }
-}
-
-/// True for a name that GLSL can declare.
-fn is_name(name: &str) -> bool {
-    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 /// The values of a list, or the one value in place of a list.

@@ -411,6 +411,10 @@ fn masked(graph: &mut Graph, a: NodeId, [low, high]: [u32; 2]) -> NodeId {
         (0, 32) => a,
         (0, high) => below(high),
         (low, high) if low >= high => graph.constant(0.0),
+        (low, 32) => {
+            let lower = below(low);
+            graph.sub(a, lower)
+        }
         (low, high) => {
             let (upper, lower) = (below(high), below(low));
             graph.sub(upper, lower)

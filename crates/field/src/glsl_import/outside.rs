@@ -3,6 +3,7 @@
 use super::items::Origin;
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use crate::graph::{Graph, Input, NodeId, Op, ScreenInput, SoundInput};
+use crate::lang::reserved_words;
 
 /// Width and height in pixels that shapes see as the resolution. A formula of the picture sees the actual size.
 const RESOLUTION: [f32; 2] = [1280.0, 720.0];
@@ -112,8 +113,8 @@ pub(crate) fn meaning(name: &str) -> Option<Meaning> {
 
 /// True for a name that a scene cannot give to a value of its own.
 pub(super) fn is_taken(name: &str) -> bool {
-    let names = ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume", "fn", "let"];
-    level(name).is_some() || names.contains(&name)
+    let names = ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume", "pixel"];
+    level(name).is_some() || names.contains(&name) || reserved_words().any(|word| word == name)
 }
 
 /// The sound input of that name, which no value of a scene hides.

@@ -283,7 +283,12 @@ impl GlslFile {
     /// The samplers of an ISF shader that read an image.
     pub(super) fn pictures(&self) -> impl Iterator<Item = &str> {
         let pictures = self.samplers.iter().filter(|(_, channel)| **channel == Channel::Picture);
-        pictures.map(|(name, _)| name.as_str())
+        pictures.map(|(name, _)| name.as_str()).filter(|name| !outside::is_taken(name))
+    }
+
+    /// True for the name of a texture.
+    pub fn is_sampler(&self, name: &str) -> bool {
+        self.samplers.contains_key(name)
     }
 
     /// True if functions of the file may read the last frame.
@@ -347,7 +352,9 @@ fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Probl
             if item.and_then(|item| program.name_of(item)).is_some_and(|own| own.is(name)) {
                 Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
                     .hint("write a loop instead of the recursion")
-            } else if name.starts_with("image") {
+            } else if ["imageLoad", "imageStore", "imageSize"].contains(&name)
+                || name.starts_with("imageAtomic")
+            {
                 let message = format!("`{}` uses an image to which the shader writes", shortened(name));
                 Problem::unsupported(place, message)
                     .hint("a scene keeps the last frame alone: read `backbuffer`")

@@ -10,6 +10,7 @@ use super::items::shortened;
 use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
 use crate::limits::GLSL_MACRO_PARAMETERS_MAX;
+use crate::limits::LIMITS;
 
 #[derive(Debug, Clone)]
 struct Macro<'a> {
@@ -144,9 +145,12 @@ impl<'a> Preprocessor<'a> {
             }
             "include" => {
                 let file: String = rest.iter().map(|token| token.text).collect();
-                let message = format!("the file {} is not beside this shader", shortened(&file));
-                return Err(Problem::unsupported(name.place(), message)
-                    .hint("put the file there, or paste its text in place of this line"));
+                let message =
+                    format!("the file {} is not beside this shader, or cannot be read", shortened(&file));
+                return Err(Problem::unsupported(name.place(), message).hint(format!(
+                    "put it there as text, or paste its text in place of this line; at most {} files are included, {} deep",
+                    LIMITS.scene_includes_max, LIMITS.include_depth_max
+                )));
             }
             // Versions, extensions and the directives of viewers change nothing here.
             _ => {}

@@ -1,4 +1,5 @@
-//! Reads of textures: the sound, the last frame, and tables of random numbers. Pictures are black.
+//! Reads of textures: the sound, the last frame, tables of random numbers, and images that the scene names. Other
+//! pictures are black.
 //!
 //! The value of a sampler is the number of its global variable.
 
@@ -58,7 +59,7 @@ impl<'m> TextureRead<'_, 'm, '_> {
             return Ok(vec![Part::Node(size); 2]);
         }
         let is_texel = matches!(special, Special::Texel);
-        if let (Ok(image), &[u, v, ..]) = (u16::try_from(FIRST_IMAGE - number), at.as_slice()) {
+        if let (Ok(image), &[u, v, ..]) = (u16::try_from(FIRST_IMAGE.saturating_sub(number)), at.as_slice()) {
             return Ok(self.light(image, 1.0, [u, v], is_texel).map(Part::Node).to_vec());
         }
         let colour = match (self.channel(number, &at, is_texel), at.as_slice()) {

@@ -183,7 +183,8 @@ impl ForeignCall<'_, '_> {
                 GlobalValue::None => continue,
             };
             let nodes = match value {
-                Value::Vector(vector) => vector.parts().to_vec(),
+                // The value of a sampler is a number that only a name of an image gives.
+                Value::Vector(vector) if !foreign.file.is_sampler(uniform) => vector.parts().to_vec(),
                 Value::Text(file) if in_picture => {
                     let (outer, mark, span) = (&mut *self.outer, self.mark, self.span);
                     let image = TextureRead { outer, mark, first: 0, span }.number(file, span);

@@ -337,3 +337,38 @@ fn files_that_include_each_other_end() {
     let place = endless.place(&(endless.text.len() as u32 - 3..endless.text.len() as u32));
     assert!(place.end as usize <= text.len(), "{place:?}");
 }
+
+#[test]
+fn a_number_that_names_a_sampler_overflowed_or_read_an_image_that_nobody_named() {
+    let glsl =
+        "void mainImage(out vec4 c, in vec2 f) { c = vec4(0.2) + texture(iChannel0, f / iResolution.xy); }";
+    for number in ["1e30", "-1e30", "-2", "3"] {
+        let text =
+            format!("include \"a.glsl\"\nlet iChannel0 = {number}\nsky {{ color = mainImage(pixel).rgb }}");
+        assert_near(&color_on(&with_glsl(&text, glsl), [10.0, 10.0], SCREEN), &[0.2, 0.2, 0.2]);
+    }
+}
+
+#[test]
+fn a_mask_of_the_upper_bits_of_a_negative_number_was_four_thousand_million_too_large() {
+    let glsl = "void mainImage(out vec4 c, in vec2 f) { int a = int(floor(f.x)) - 15;
+        c = vec4(float(a & ~7) / 64.0 + 0.5, 0.5, 0.5, 1.0); }";
+    assert_near(&shown(glsl, [10.5, 3.0], FrameInputs::default()), &[0.5 - 8.0 / 64.0, 0.5, 0.5]);
+}
+
+#[test]
+fn inputs_with_names_of_the_language_made_scenes_with_mistakes() {
+    let input = |name: &str, kind: &str| format!("{{\"NAME\": \"{name}\", \"TYPE\": \"{kind}\"}}");
+    let names = ["t", "p", "pixel", "then", "let", "beat", "glsl_value", "size", "size"];
+    let mut inputs: Vec<String> = Vec::new();
+    for kind in ["float", "image", "color"] {
+        inputs.extend(names.iter().map(|name| input(name, kind)));
+    }
+    inputs.extend((0..100).map(|number| input(&format!("a{number}"), "float")));
+    let range = ", \"TYPE\": \"float\", \"MIN\": 1e20, \"MAX\": 1e20, \"DEFAULT\": 1e300}";
+    inputs.push(format!("{{\"NAME\": \"far\"{range}"));
+    let header = format!("/*{{\"ISFVSN\": \"2\", \"INPUTS\": [{}]}}*/", inputs.join(", "));
+    let glsl = format!("{header}\nvoid main() {{ gl_FragColor = vec4(isf_FragNormCoord, size, 1.0); }}");
+    let scene = imported(&glsl);
+    assert_eq!(scene.params.len(), LIMITS.scene_params_max);
+}

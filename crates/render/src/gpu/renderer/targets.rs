@@ -54,7 +54,7 @@ impl Targets {
         };
         let mut texels = texels.to_vec();
         if gl.info().software {
-            // The last target holds how far each pixel's beam is free of surfaces (shaders/sphere_tracing.glsl).
+            // The last target holds how far each pixel's beam is free of surfaces (shaders/beams.glsl).
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
