@@ -1,4 +1,4 @@
-// Glass on paths (variant GLASS): rays inside of it, and what they mirror, bend and leave of the light.
+// Glass on paths (variant GLASS): rays inside of it, mirrored and bent light, and the light that the glass absorbs.
 
 #ifdef GLASS
 // Reads from a path whether its ray is inside of glass.

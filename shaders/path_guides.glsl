@@ -1,4 +1,4 @@
-// The guides of the filter: what a pixel shows after mirrors and glass.
+// The guides of the filter: the surface that a pixel shows after mirrors and glass.
 
 // Guides follow a path through this number of mirrors and walls of glass that are no rougher than this.
 const int GUIDED_RAYS = 6;

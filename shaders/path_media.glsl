@@ -7,7 +7,7 @@
 // raster. If they meet matter before, the path ends there with the sky's ambient light, as in the raster. A white medium in a
 // white sky then stays white.
 
-// What a ray through media has met.
+// Matter on a ray through media.
 struct Meeting {
     float t;            // where it met matter; the ray's end if it met none
     float left;         // fraction of light that is left; for rays towards lights
@@ -70,7 +70,7 @@ float scattering_rise(float phase, float random) {
     return clamp(1.0 - (1.0 + phase * phase - ratio * ratio) / (2.0 * phase), 0.0, 2.0);
 }
 
-// Adds what a path's ray meets of media before `end`.
+// Follows a path's ray through media up to `end`, and adds the light on the way.
 Meeting meet_media(inout Path path, float end, bool is_inside) {
     // There is no medium in glass, and the filter is guided by surfaces.
     bool is_clear = is_inside || is_guiding;

@@ -1,4 +1,4 @@
-// A ray of a path: what it meets, and what becomes of its light there.
+// A ray of a path: its end, and the parts of its light there.
 
 // Pairs of random numbers of a path, and of each of its rays.
 const int PLACE_PAIR = 0;

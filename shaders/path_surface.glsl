@@ -1,4 +1,4 @@
-// What the surface at the end of a path's ray does with its light.
+// The surface at the end of a path's ray: it divides the light and chooses the next ray.
 
 // Returns the vertex on a surface, and how its light parts.
 Vertex vertex_on_surface(inout Path path, RayEnd end, Surface s, vec3 p, vec2 random, out Parting parting) {

@@ -3,7 +3,7 @@
 #ifdef SWARM
 #include "swarm.glsl"
 
-// What a ray meets of swarms.
+// Balls of swarms on a ray.
 struct BallsMet {
     SwarmSeen seen;
     bool is_ball;

@@ -76,7 +76,7 @@ fn sentence(text: &str, problem: &Problem) -> String {
 pub struct ImportedShader {
     /// The file of the scene.
     pub scene: PathBuf,
-    /// What the scene shows of the shader and what it leaves out, each a sentence.
+    /// Sentences about the parts of the shader that the scene shows or leaves out.
     pub notes: Vec<String>,
 }
 

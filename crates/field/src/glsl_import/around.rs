@@ -14,7 +14,7 @@ use crate::graph::{
 };
 use crate::limits::LIMITS;
 
-/// What a scene shows of a shader that both draws a picture and has a distance function.
+/// The part of a shader that a scene shows, if the shader draws a picture and has a distance function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shown {
     /// The picture that the shader draws.
@@ -260,7 +260,7 @@ fn left_out(file: &GlslFile, is_picture: bool) -> Vec<String> {
     let open: Vec<&str> = file.open_uniforms().into_iter().map(|(name, _)| name).collect();
     if !open.is_empty() {
         left_out
-            .push(format!("values of {}, which come from outside: 1 or 0.5 stands for them", listed(open)));
+            .push(format!("values of {}, which come from outside: 1 or 0.5 is used instead", listed(open)));
     }
     for function in file.functions() {
         if let Some(problem) = file.problem_of(function) {

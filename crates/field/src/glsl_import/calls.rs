@@ -41,11 +41,11 @@ pub struct Session {
     pub(super) pictures: BTreeSet<String>,
     /// True if a loop was ended that does not count its rounds.
     pub(super) cuts_loops: bool,
-    /// True if a sampler was read as a picture before a read told what it is.
+    /// True if a sampler was read as a picture before a later read showed its kind.
     pub(super) learned: bool,
-    /// What samplers read, by the number of their global variable.
+    /// The channels of samplers, by the number of their global variable.
     pub(super) channels: HashMap<i64, Channel>,
-    /// Whole numbers that stand for those of hashes.
+    /// Pseudo-random whole numbers, which replace the products in hashes.
     pub(super) scrambled: HashSet<NodeId>,
     globals: Option<Vec<Part>>,
     infos: HashMap<Handle<Function>, Rc<[Option<Info>]>>,
@@ -167,7 +167,7 @@ impl Session {
         let names: Vec<String> = std::mem::take(&mut self.pictures).into_iter().collect();
         if !names.is_empty() {
             let names = names.join("`, `");
-            let message = format!("the pictures of `{names}`: black or a noise stands for them");
+            let message = format!("the pictures of `{names}`: black or a noise is drawn instead");
             left_out.push(Problem::unsupported(0..0, message).hint(HOW_TO_READ_IMAGES));
         }
         if std::mem::take(&mut self.cuts_loops) {

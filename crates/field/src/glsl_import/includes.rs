@@ -77,7 +77,7 @@ impl Whole {
         }
     }
 
-    /// Returns the place of a range of the whole text in the text that includes.
+    /// Maps a range of the whole text to the including text.
     pub fn place(&self, range: &Range<u32>) -> Range<u32> {
         let of = |offset: u32| {
             let after = self.stretches.partition_point(|stretch| stretch.start <= offset);

@@ -1,6 +1,6 @@
 //! The header of an ISF shader: a comment with JSON, which lists its inputs.
 //!
-//! The inputs become uniforms with values, so that the rest of the import needs to know nothing of ISF.
+//! The inputs become uniforms with values, so that only this file handles ISF.
 
 use std::fmt::Write as _;
 
@@ -22,7 +22,7 @@ pub(super) struct Slider {
     pub is_smooth: bool,
 }
 
-/// What a header declares.
+/// The inputs that a header declares.
 #[derive(Debug, Default)]
 pub(super) struct Inputs {
     pub is_isf: bool,
@@ -124,7 +124,7 @@ impl Inputs {
     }
 }
 
-/// The values of a list, or the one value in place of a list.
+/// Returns the values of a list. A single value counts as a list of one.
 fn list<'v>(of: &'v Value, key: &str) -> &'v [Value] {
     match of.get(key) {
         Some(Value::Array(values)) => values,

@@ -350,8 +350,8 @@ const RANDOM: f32 = 4_294_967_296.0;
 /// Bits that operations on two unknown numbers see.
 const BITS: usize = 16;
 
-/// A pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits: such numbers are random in
-/// the original, too, and no formula has their 32 bits.
+/// Returns a pseudo-random whole number of 32 bits, for a product that overflows or for mixed bits. A shader uses such
+/// numbers as random ones, and floats cannot hold their 32 bits.
 fn scrambled(graph: &mut Graph, known: &mut HashSet<NodeId>, a: NodeId, b: NodeId) -> Part {
     let [a, b] = [a, b].map(|node| match known.contains(&node) {
         true => {
@@ -392,9 +392,9 @@ fn common_bits(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     sum
 }
 
-/// True for the factor of a hash, whose products overflow.
+/// True for the factor of a hash, whose products overflow. Other large factors, such as 10,000 or 44,100, are even.
 fn scrambles(factor: u64) -> bool {
-    factor >= 10_000 && !factor.is_power_of_two()
+    factor >= 10_000 && factor % 2 == 1
 }
 
 /// First bit and the bit after the last one of a mask whose bits are neighbours.

@@ -1,4 +1,4 @@
-//! The names that viewers of shaders define, and what they mean in a scene.
+//! The names that viewers of shaders define, and their meanings in a scene.
 
 use super::items::Origin;
 use super::parse::{GlslFile, GlslFunction, GlslType};
@@ -9,7 +9,7 @@ use crate::lang::reserved_words;
 const RESOLUTION: [f32; 2] = [1280.0, 720.0];
 const FRAMES_PER_SECOND: f32 = 60.0;
 
-/// What a name of a viewer means.
+/// The meaning of a name of a viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meaning {
     Time,
@@ -37,7 +37,7 @@ pub(crate) enum Meaning {
     Channel(Channel),
 }
 
-/// What a sampler reads.
+/// The source of a sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
     /// A picture, or what the reads tell.

@@ -137,8 +137,8 @@ impl<'m> TextureRead<'_, 'm, '_> {
         global.and_then(|(_, global)| global.name.as_deref()).unwrap_or("")
     }
 
-    /// A picture is a mistake in shapes. In pictures a plain sky stands for the surroundings, a noise for the surface
-    /// of a thing, and black for what is read near the pixel.
+    /// A picture is a mistake in shapes. In pictures, a plain sky replaces the surroundings, a noise the surface of a
+    /// thing, and black an image that is read near the pixel.
     fn picture(&mut self, number: i64, at: &[NodeId], place: &Range<u32>) -> Result<[NodeId; 4]> {
         if !self.of.session.in_picture {
             return Err(Problem::unsupported(place.clone(), "a shape cannot read a picture").hint(

@@ -229,7 +229,7 @@ fn a_scene_names_the_images_of_a_shader() {
 fn pictures_are_named_where_black_or_a_noise_stands_for_them() {
     let glsl = "void mainImage(out vec4 c, in vec2 f) { vec2 uv = f / iResolution.xy;
         c = vec4(texture(iChannel0, uv).rgb, 1.0) + uv.x; }";
-    assert_eq!(around(glsl).left_out, ["the pictures of `iChannel0`: black or a noise stands for them"]);
+    assert_eq!(around(glsl).left_out, ["the pictures of `iChannel0`: black or a noise is drawn instead"]);
     let text = "include \"a.glsl\"\nsky { color = mainImage(pixel).rgb }";
     let compiled = compile("test.scene", text, &mut |_| Ok(glsl.to_owned()));
     let [warning] = compiled.warnings.as_slice() else { panic!("{:?}", compiled.warnings) };
