@@ -9,12 +9,12 @@ const int SAMPLE_LOBES = 2;
 const float SHARPEST = 1e5;
 
 float vertex_density(Vertex at, vec3 to) {
-    if (at.is_medium) return scattered_part(at.phase, dot(at.lobes.direction, to));
+    if (at.is_medium) return scattering(at.phase, dot(at.lobes.direction, to));
     return lobe_density(at.lobes, to);
 }
 
 vec3 vertex_reflectance(Vertex at, vec3 to) {
-    if (at.is_medium) return at.kept * scattered_part(at.phase, dot(at.lobes.direction, to));
+    if (at.is_medium) return at.kept * scattering(at.phase, dot(at.lobes.direction, to));
     return lobe_reflectance(at.lobes, to);
 }
 

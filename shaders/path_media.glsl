@@ -85,10 +85,6 @@ float left_by_media(vec3 origin, vec3 direction, float end) {
     return follow_media(origin, direction, end, true, false).left;
 }
 
-float scattered_part(float phase, float cosine) {
-    return scattering(phase, cosine);
-}
-
 vec3 scattered_direction(vec3 direction, float phase, vec2 random) {
     return around(direction, scattering_rise(phase, random.x), random.y);
 }
@@ -111,7 +107,7 @@ float left_by_media(vec3 origin, vec3 direction, float end) {
     return 1.0;
 }
 
-float scattered_part(float phase, float cosine) {
+float scattering(float phase, float cosine) {
     return 0.0;
 }
 

@@ -40,7 +40,6 @@ vec3 ways_of(Parting parting, Vertex at) {
 
 // Turns a path into the mirror image of a surface, or into the image behind glass.
 void go_into_image(inout Path path, Parting parting, vec3 ways, bool is_reflected) {
-    // The next surface's colour replaces the white of this image.
     if (is_reflected) {
         path.throughput = parting.kept * parting.mirrored / ways.x;
         vec3 to = reflect(path.direction, parting.facing);
@@ -51,6 +50,7 @@ void go_into_image(inout Path path, Parting parting, vec3 ways, bool is_reflecte
         path.direction = bent_direction(parting, path.direction);
         path.origin = parting.p - parting.normal * parting.off;
     }
+    // The next surface's colour replaces the white of this image.
     guide_color -= path.throughput;
     path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
 }

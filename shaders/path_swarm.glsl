@@ -14,8 +14,7 @@ struct BallsMet {
 BallsMet meet_balls(inout Path path, inout Hit hit, int pairs) {
     BallsMet met;
     met.seen = swarm_along(path.origin, path.direction, hit.met ? hit.t : FAR, path.travelled, 0);
-    vec3 light = path.throughput * met.seen.light;
-    add(path, light);
+    add(path, path.throughput * met.seen.light);
     guide_color += path.throughput * finite_light(met.seen.light);
     // A ray meets thin balls with the probability of the light that they hide.
     met.is_thin = random_pair(pairs + SWARM_PAIR).x >= met.seen.left;

@@ -10,7 +10,7 @@ use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, print_message};
-use crate::scenes::{ShaderError, is_shader_file, read_shader, scene_of_shader, text_around};
+use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::{left_out, shadertoy};
 use mariana_field::glsl_import::{Problem, Shown};
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
@@ -98,8 +98,7 @@ fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::R
         return Ok(());
     }
     let copy = to.join(name);
-    // A pipe would be waited for.
-    if copy.is_file() && std::fs::read_to_string(&copy).is_ok_and(|existing| existing == text) {
+    if is_copy(&copy, text) {
         return Ok(());
     }
     if copy.exists() {

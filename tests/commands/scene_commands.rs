@@ -261,7 +261,7 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     );
     let missing = place.run(&["import", "more.frag"]);
     assert!(missing.code == 1 && missing.stderr.contains("more.frag:1:"), "{missing:?}");
-    assert!(missing.stderr.contains("\"lib/blue.glsl\" is not beside this shader"), "{missing:?}");
+    assert!(missing.stderr.contains("\"lib/blue.glsl\" is not in the folder of this shader"), "{missing:?}");
     std::fs::create_dir_all(place.path("lib")).unwrap();
     std::fs::create_dir_all(place.path("other")).unwrap();
     place.write("lib/blue.glsl", "float blue() { return 0.5; }\n");

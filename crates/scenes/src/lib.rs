@@ -39,7 +39,8 @@ pub use error::{FoundMistakes, SceneError};
 pub use loader::{Loaded, Loader};
 pub use order::SceneList;
 pub use shader_import::{
-    ImportedShader, ShaderError, import_shader, is_shader_file, read_shader, scene_of_shader, text_around,
+    ImportedShader, ShaderError, import_shader, is_copy, is_shader_file, read_shader, scene_of_shader,
+    text_around,
 };
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use world::{NEUTRAL, ReadyScene, SceneBlend, SeenScene, TextureCache, camera_number};

@@ -94,6 +94,11 @@ pub fn is_shader_file(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(is_glsl)
 }
 
+/// True if the file holds this text. A pipe does not, because reading it would wait for a writer.
+pub fn is_copy(file: &Path, text: &str) -> bool {
+    file.is_file() && std::fs::read_to_string(file).is_ok_and(|own| own == text)
+}
+
 /// Reads the text of a shader, and the files that it includes from its folder.
 ///
 /// # Errors
@@ -145,9 +150,7 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
     let ending = shader.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let copy = folder.join(format!("{stem}.{ending}"));
     let there = numbered(&copy).take_while(|copy| copy.exists()).take(SAME_NAMES_MAX);
-    let there = there
-        .into_iter()
-        .find(|copy| copy.is_file() && std::fs::read_to_string(copy).is_ok_and(|own| own == *text));
+    let there = there.into_iter().find(|copy| is_copy(copy, text));
     if let Some(scene) =
         there.as_ref().map(|copy| copy.with_extension(ENDING)).filter(|scene| scene.is_file())
     {

@@ -11,7 +11,7 @@ use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
 use super::problem::{Problem, ProblemKind, Result};
-use super::samplers::TextureRead;
+use super::samplers::SamplerRead;
 use crate::graph::{Graph, NodeId, Op};
 
 /// Limits of execution, shared with the scene that calls GLSL.
@@ -25,7 +25,8 @@ pub struct Budget {
     pub memory_max: usize,
 }
 
-pub(super) const HOW_TO_READ_IMAGES: &str = "name an image or the cover of the song in a scene that includes the shader, as in `let iChannel0 = \"cover\"`";
+pub(super) const HOW_TO_READ_IMAGES: &str = "name an image or the cover of the song in a scene that includes the \
+     shader, as in `let iChannel0 = \"cover\"`";
 
 /// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
 const CALLS_MAX: usize = 48;
@@ -363,7 +364,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 let missing = || Problem::malformed(place.clone(), "this function has a mistake");
                 return Err(file.problems.get(*index).cloned().unwrap_or_else(missing));
             }
-            Some(special) => return TextureRead { of: self }.colour(*special, &arguments, &place),
+            Some(special) => return SamplerRead { of: self }.colour(*special, &arguments, &place),
             None => {}
         }
         if self.open.iter().any(|(open, _)| *open == handle) {

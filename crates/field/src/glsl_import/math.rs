@@ -228,6 +228,12 @@ fn component(graph: &mut Graph, of: MathFunction, a: NodeId, b: NodeId, c: NodeI
     })
 }
 
+/// The remainder of a division by `size`, 0..size.
+pub(super) fn wrapped(graph: &mut Graph, a: NodeId, size: f32) -> NodeId {
+    let size = graph.constant(size);
+    graph.binary(Op::Mod, a, size)
+}
+
 fn scaled(graph: &mut Graph, a: NodeId, factor: f32) -> NodeId {
     let factor = graph.constant(factor);
     graph.mul(a, factor)

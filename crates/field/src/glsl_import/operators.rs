@@ -7,8 +7,8 @@ use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, U
 
 use super::calls::Executor;
 use super::layout::Part;
+use super::math::wrapped;
 use super::problem::{Problem, Result};
-use super::samplers::wrapped;
 use crate::graph::{Graph, Node, NodeId, Op, matrices};
 
 impl Executor<'_, '_> {

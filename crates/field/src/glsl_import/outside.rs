@@ -63,7 +63,7 @@ use Meaning::{
 };
 
 /// Names with the type by which a viewer declares them unasked, and their meaning. Names without a type have a meaning
-/// only where the shader declares them. A name of several words stands for all of them.
+/// only where the shader declares them. A row may list several names.
 const NAMES: [(&str, &str, Meaning); 34] = [
     ("iTime iGlobalTime time u_time uTime fGlobalTime TIME", "float", Time),
     ("Time globalTime u_Time utime t", "", Time),
@@ -111,7 +111,7 @@ pub(crate) fn meaning(name: &str) -> Option<Meaning> {
     known.map(|(.., meaning)| *meaning)
 }
 
-/// True for a name that a scene cannot give to a value of its own.
+/// True for a name that a scene cannot declare.
 pub(super) fn is_taken(name: &str) -> bool {
     let names = ["p", "x", "y", "z", "n", "t", "pi", "tau", "eye", "direction", "volume", "pixel"];
     level(name).is_some() || names.contains(&name) || reserved_words().any(|word| word == name)

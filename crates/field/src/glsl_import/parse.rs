@@ -98,11 +98,11 @@ pub struct GlslFile {
     pub(super) written: Written,
     pub(super) problems: Vec<Problem>,
     pub(super) outside: HashMap<String, Origin>,
-    /// Globals that read textures, and what they read.
+    /// Globals that read textures, with their channels.
     pub(super) samplers: BTreeMap<String, Channel>,
     /// The inputs of an ISF shader that a user sets.
     pub(super) sliders: Vec<Slider>,
-    /// True for an ISF shader, whose colours lie over black.
+    /// True for an ISF shader. Its alpha blends the colour with black.
     pub(super) is_isf: bool,
     /// Functions that give globals their values, in the order of the text.
     pub(super) starts: Vec<Handle<Function>>,
@@ -256,7 +256,7 @@ impl GlslFile {
             };
             let is_open = self.outside.get(name) == Some(&Origin::Uniform)
                 && outside::is_open(name)
-                && !self.samplers.contains_key(name)
+                && !self.is_sampler(name)
                 && !with_values.contains(name);
             is_open.then_some((name, len))
         });

@@ -18,7 +18,7 @@ struct Macro<'a> {
     body: Rc<[Token<'a>]>,
 }
 
-/// What is defined before the text begins, such as the functions of ISF.
+/// Definitions before the text, such as the functions of ISF.
 pub(super) const PRELUDE: &str = "\
 #define GL_ES 1
 #define __VERSION__ 300
@@ -145,10 +145,11 @@ impl<'a> Preprocessor<'a> {
             }
             "include" => {
                 let file: String = rest.iter().map(|token| token.text).collect();
+                let file = shortened(&file);
                 let message =
-                    format!("the file {} is not beside this shader, or cannot be read", shortened(&file));
+                    format!("the file {file} is not in the folder of this shader, or cannot be read");
                 return Err(Problem::unsupported(name.place(), message).hint(format!(
-                    "put it there as text, or paste its text in place of this line; at most {} files are included, {} deep",
+                    "put it there as text, or paste its text here; a shader includes at most {} files, {} deep",
                     LIMITS.scene_includes_max, LIMITS.include_depth_max
                 )));
             }

@@ -102,7 +102,7 @@ pub(super) struct Program<'a> {
     pub unset: BTreeSet<String>,
     /// Statements of drawing functions that may set globals.
     sets: Vec<Vec<Token<'a>>>,
-    /// Globals that read textures, and what they read.
+    /// Globals that read textures, with their channels.
     pub samplers: BTreeMap<String, Channel>,
     pub sliders: Vec<Slider>,
     pub is_isf: bool,

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::calls::{Argument, Executor};
 use super::layout::Part;
+use super::math::wrapped;
 use super::outside::Channel;
 use super::parse::Special;
 use super::problem::{Problem, Result};
@@ -35,15 +36,15 @@ pub fn image_sampler(texture: u16) -> f32 {
 
 /// Operations that compute a position near the pixel, at most.
 const NEAR_PIXEL_MAX: usize = 32;
-/// Texels of the noise that stands for the surface of a thing, coarse and fine.
+/// Texels of the noise that replaces the surface of a thing, coarse and fine.
 const GRAIN: [f32; 2] = [8.0, 64.0];
 
 /// A read of a texture.
-pub(super) struct TextureRead<'e, 'm, 'g> {
+pub(super) struct SamplerRead<'e, 'm, 'g> {
     pub of: &'e mut Executor<'m, 'g>,
 }
 
-impl<'m> TextureRead<'_, 'm, '_> {
+impl<'m> SamplerRead<'_, 'm, '_> {
     pub(super) fn colour(
         &mut self,
         special: Special,
@@ -90,8 +91,8 @@ impl<'m> TextureRead<'_, 'm, '_> {
         Ok(colour.map(Part::Node).to_vec())
     }
 
-    /// What a sampler reads. A read of an unknown one tells: the row of the sound's texture is constant, and a position
-    /// in a table of noise is divided by its size.
+    /// Returns the channel of a sampler. A read shows the channel of an unknown one: the row of the sound's texture is
+    /// constant, and a position in a table of noise is divided by the size of the table.
     fn channel(&mut self, number: i64, at: &[NodeId], is_texel: bool) -> Channel {
         if let Some(&known) = self.of.session.channels.get(&number) {
             return known;
@@ -114,12 +115,12 @@ impl<'m> TextureRead<'_, 'm, '_> {
             _ => return Channel::Unknown,
         };
         self.of.session.channels.insert(number, told);
-        // What was read before was read as a picture.
+        // Earlier reads took the sampler for a picture.
         self.of.session.learned |= self.of.session.pictures.remove(self.global_name(number));
         told
     }
 
-    /// True if a position moves with the time; `None` for one that takes many operations.
+    /// True if a position moves with the time; `None` if it takes many operations.
     fn moves(&self, at: &[NodeId]) -> Option<bool> {
         let (mut open, mut moves) = (at.to_vec(), false);
         for _ in 0..NEAR_PIXEL_MAX {
@@ -308,11 +309,6 @@ fn in_texels(graph: &mut Graph, node: NodeId, size: f32) -> NodeId {
         let size = graph.constant(size);
         graph.mul(node, size)
     })
-}
-
-pub(super) fn wrapped(graph: &mut Graph, a: NodeId, size: f32) -> NodeId {
-    let size = graph.constant(size);
-    graph.binary(Op::Mod, a, size)
 }
 
 /// The four channels of a texel.

@@ -34,8 +34,8 @@
 //! a program, which is written once; programs with equal steps share a tape.
 //!
 //! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children; a child with
-//! more than 96 clauses also has 64 children, up to two limits (`part.rs`). Only penumbras and occlusion read tapes away from
-//! surfaces, so each 2x2x2 cells there share their decisions. Several threads can build blocks of the root: this module
+//! more than 96 clauses also has 64 children, up to two limits (`part.rs`). Only penumbras and occlusion read tapes away
+//! from surfaces, so each 2x2x2 cells there share their decisions. Several threads can build blocks of the root: this module
 //! makes the [`Part`]s, `gpu::scene_resources` runs the threads.
 //!
 //! # Rounding

@@ -231,7 +231,7 @@ impl Domain for Lanes<'_> {
     }
     #[inline(always)]
     fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value {
-        // A value that is the same at all points often reads the sound's tables many times, as a sum over the history does.
+        // Sums over the history read a table many times, often at the same place for all points.
         let is_same = |lanes: &Self::Value| lanes.iter().all(|lane| lane.to_bits() == lanes[0].to_bits());
         if op.properties().has(Properties::READS_FRAME) && is_same(a) && is_same(b) {
             return [op.value(a[0], b[0], self.frame); LANES];

@@ -313,7 +313,7 @@ fn files_that_a_shader_includes_are_read_from_its_folder() {
     assert!(wrong.contains("a.glsl:4") && wrong.contains("missing"), "{wrong}");
     let wrong =
         report("#include \"../secret.glsl\"\nvoid mainImage(out vec4 c, in vec2 f) { c = vec4(1.0); }");
-    assert!(wrong.contains("a.glsl:1") && wrong.contains("is not beside this shader"), "{wrong}");
+    assert!(wrong.contains("a.glsl:1") && wrong.contains("is not in the folder of this shader"), "{wrong}");
 }
 
 #[test]
