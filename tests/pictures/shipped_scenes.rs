@@ -55,10 +55,12 @@ tests_of! {
     orb
     quadric
     rain
+    reef
     speakers
     spiral
     terrain
     tunnel
+    village
     wave_tank
     wax_world
 }
