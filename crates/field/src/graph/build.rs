@@ -75,7 +75,7 @@ impl Graph {
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
-    /// Adds `node` without simplification, for tests of the simplification rules.
+    /// Adds `node` without simplification, such as a node of another graph whose operands have been copied.
     pub fn raw(&mut self, node: Node) -> NodeId {
         self.intern(node)
     }

@@ -37,22 +37,12 @@ impl Graph {
         fused.reserve(order.len());
         let mut moved = vec![NodeId::default(); self.len()];
         for id in order {
-            let at = |id: NodeId| moved[id.index()];
             let node = match tiles[id.index()] {
-                Some(Node::Unary(op, a)) => Node::Unary(op, at(a)),
-                Some(Node::Binary(op, a, b)) => Node::Binary(op, at(a), at(b)),
-                Some(Node::Texture { texture, channel, u, v }) => {
-                    Node::Texture { texture, channel, u: at(u), v: at(v) }
-                }
-                Some(leaf) => leaf,
+                Some(tile) => tile.with_operands(|id| moved[id.index()]),
                 None if read[id.index()] => self.node(id),
                 None => continue,
             };
-            moved[id.index()] = match node {
-                Node::Constant(value) => fused.constant(value),
-                Node::Input(input) => fused.input(input),
-                node => fused.raw(node),
-            };
+            moved[id.index()] = fused.raw(node);
         }
         fused.check()?;
         for root in roots {

@@ -191,6 +191,19 @@ impl Node {
         a.into_iter().chain(b)
     }
 
+    /// Returns the node with other operands.
+    #[inline(always)]
+    pub(crate) fn with_operands(self, mut other: impl FnMut(NodeId) -> NodeId) -> Self {
+        match self {
+            Node::Constant(_) | Node::Input(_) => self,
+            Node::Unary(op, a) => Node::Unary(op, other(a)),
+            Node::Binary(op, a, b) => Node::Binary(op, other(a), other(b)),
+            Node::Texture { texture, channel, u, v } => {
+                Node::Texture { texture, channel, u: other(u), v: other(v) }
+            }
+        }
+    }
+
     /// Returns the index in [`Input::OF_POINT`], or the largest number for all other nodes.
     pub(super) fn place_of_point(self) -> usize {
         match self {

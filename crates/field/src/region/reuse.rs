@@ -149,7 +149,7 @@ impl ShortLives {
             if let Some(source) = lives.sources.get_mut(*position) {
                 *source = (*node, cost);
             }
-            let node = lives.read(*node);
+            let node = node.with_operands(|id| lives.operand(id));
             lives.append(*position, *position, node);
         }
         lives
@@ -182,17 +182,6 @@ impl ShortLives {
         self.nodes.push((position, node));
     }
 
-    fn read(&mut self, node: Node) -> Node {
-        match node {
-            Node::Unary(op, a) => Node::Unary(op, self.operand(a)),
-            Node::Binary(op, a, b) => {
-                let a = self.operand(a);
-                Node::Binary(op, a, self.operand(b))
-            }
-            Node::Constant(_) | Node::Input(_) | Node::Texture { .. } => node,
-        }
-    }
-
     /// Returns the newest computation of a value. If it is far away and cheap, the computation is repeated first.
     /// Recurses less than [`COST_MAX`] deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
@@ -204,7 +193,7 @@ impl ShortLives {
         if cost == 0 || cost > COST_MAX || self.nodes.len() - at <= REACH {
             return NodeId::at(position);
         }
-        let node = self.read(node);
+        let node = node.with_operands(|id| self.operand(id));
         let position = self.positions;
         self.positions += 1;
         self.append(old, position, node);

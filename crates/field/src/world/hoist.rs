@@ -49,13 +49,7 @@ impl Moved {
     }
 
     fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
-        self.0[id.index()] = match from.node(id) {
-            Node::Constant(value) => to.constant(value),
-            Node::Input(input) => to.input(input),
-            Node::Unary(op, a) => to.raw(Node::Unary(op, self.at(a))),
-            Node::Binary(op, a, b) => to.raw(Node::Binary(op, self.at(a), self.at(b))),
-            Node::Texture { texture, channel, u, v } => to.texture(texture, channel, self.at(u), self.at(v)),
-        };
+        self.0[id.index()] = to.raw(from.node(id).with_operands(|operand| self.at(operand)));
     }
 }
 

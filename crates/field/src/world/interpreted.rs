@@ -157,10 +157,6 @@ fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<No
     for id in graph.order(roots)?.nodes {
         let at = |id: NodeId| moved[id.index()];
         let copy = match graph.node(id) {
-            Node::Constant(value) => own.constant(value),
-            Node::Input(input) => own.input(input),
-            Node::Unary(op, a) => own.raw(Node::Unary(op, at(a))),
-            Node::Binary(op, a, b) => own.raw(Node::Binary(op, at(a), at(b))),
             Node::Texture { texture, channel, u, v } => {
                 let sampled = (texture, [at(u), at(v)]);
                 let known = textures.iter().position(|known| *known == sampled);
@@ -171,6 +167,7 @@ fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<No
                 let nowhere = own.constant(0.0);
                 own.texture(number as u16, channel, nowhere, nowhere)
             }
+            node => own.raw(node.with_operands(at)),
         };
         moved[id.index()] = copy;
     }
