@@ -1,6 +1,6 @@
 //! The inputs that are the same at every point of a frame: time, sound, the scene's parameters, tables and textures.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use super::interval::Interval;
 use super::node::Input;
@@ -16,23 +16,7 @@ pub trait TextureReader: std::fmt::Debug + Send + Sync {
 }
 
 /// A placeholder that constant folding passes to operators that do not read the frame.
-pub(super) static SILENT: FrameInputs = FrameInputs {
-    time: 0.0,
-    sound: SoundInputs::SILENCE,
-    levels: Levels::SILENCE,
-    parts: Vec::new(),
-    eye: [0.0; 3],
-    screen: Screen::NONE,
-    params: Vec::new(),
-    motions: Vec::new(),
-    hoisted: Vec::new(),
-    spectrum: TableData::EMPTY,
-    waveform: TableData::EMPTY,
-    history: TableData::EMPTY,
-    textures: None,
-    shapes: ShapeAtlas::NONE,
-    ranges: None,
-};
+pub(super) static SILENT: LazyLock<FrameInputs> = LazyLock::new(FrameInputs::default);
 
 /// The inputs of a frame. The default is silence at time 0.
 #[derive(Debug, Clone, Default)]
