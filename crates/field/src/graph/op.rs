@@ -248,24 +248,24 @@ operators! {
         glsl "sqrt(max($a, 0.0))";
     /// e^a.
     Exp = 26 "EXP" NEVER_NEGATIVE.and(EXPENSIVE),
-        value |a, _, _| a.exp(), bounds |a, _, _| rules::exp(a), slopes |_, _, r, _| (r, 0.0),
+        value |a, _, _| a.exp(), bounds |a, _, _| rules::exponential(a, f32::exp), slopes |_, _, r, _| (r, 0.0),
         slope_bounds |_, _, r, _| slopes::first(r),
         glsl "exp($a)";
     /// 2^a.
     Exp2 = 27 "EXP2" NEVER_NEGATIVE.and(EXPENSIVE),
-        value |a, _, _| a.exp2(), bounds |a, _, _| rules::exp2(a),
+        value |a, _, _| a.exp2(), bounds |a, _, _| rules::exponential(a, f32::exp2),
         slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
         slope_bounds |_, _, r, _| slopes::exp2(r),
         glsl "exp2($a)";
     /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
     Log = 28 "LOG" EXPENSIVE,
-        value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::log(a),
+        value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::logarithm(a, f32::ln),
         slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, 1.0),
         glsl "log(max($a, 1.17549435e-38))";
     /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
     Log2 = 29 "LOG2" EXPENSIVE,
-        value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::log2(a),
+        value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::logarithm(a, f32::log2),
         slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, std::f32::consts::LOG2_E),
         glsl "log2(max($a, 1.17549435e-38))";
@@ -298,19 +298,19 @@ operators! {
         glsl "atan(sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)), clamp($a, -1.0, 1.0))";
     /// The arc tangent of a.
     Atan = 35 "ATAN" EXPENSIVE,
-        value |a, _, _| a.atan(), bounds |a, _, _| rules::atan(a),
+        value |a, _, _| a.atan(), bounds |a, _, _| a.map_rising(f32::atan).widened(),
         slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
         slope_bounds |a, _, _, _| slopes::atan(a),
         glsl "atan($a)";
     /// The hyperbolic sine of a.
     Sinh = 36 "SINH" EXPENSIVE,
-        value |a, _, _| a.sinh(), bounds |a, _, _| rules::sinh(a), slopes |a, _, _, _| (a.cosh(), 0.0),
+        value |a, _, _| a.sinh(), bounds |a, _, _| a.map_rising(f32::sinh).widened(), slopes |a, _, _, _| (a.cosh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cosh(a)),
         glsl "sinh($a)";
     /// The hyperbolic cosine of a.
     Cosh = 37 "COSH" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
-        slope_bounds |a, _, _, _| slopes::first(rules::sinh(a)),
+        slope_bounds |a, _, _, _| slopes::first(a.map_rising(f32::sinh).widened()),
         glsl "cosh($a)";
     /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`](super::TANH_MAX); 0 for a NaN.
     Tanh = 38 "TANH" EXPENSIVE,

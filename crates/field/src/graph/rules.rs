@@ -74,23 +74,12 @@ pub(super) fn sqrt(a: Interval) -> Interval {
     a.map_rising(numbers::sqrt)
 }
 
-pub(super) fn exp(a: Interval) -> Interval {
-    a.map_rising(f32::exp).widened().clamped(0.0, f32::INFINITY)
+/// Returns bounds of a power `f` of a fixed base.
+pub(super) fn exponential(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
+    a.map_rising(f).widened().clamped(0.0, f32::INFINITY)
 }
 
-pub(super) fn exp2(a: Interval) -> Interval {
-    a.map_rising(f32::exp2).widened().clamped(0.0, f32::INFINITY)
-}
-
-pub(super) fn log(a: Interval) -> Interval {
-    logarithm(a, f32::ln)
-}
-
-pub(super) fn log2(a: Interval) -> Interval {
-    logarithm(a, f32::log2)
-}
-
-fn logarithm(a: Interval, f: fn(f32) -> f32) -> Interval {
+pub(super) fn logarithm(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
     let a = if a.is_any() { Interval::ALL } else { a };
     a.map_rising(|v| f(v.max(SMALLEST))).widened()
 }
@@ -148,14 +137,6 @@ pub(super) fn acos(a: Interval) -> Interval {
     }
     let a = a.clamped(-1.0, 1.0);
     Interval { lo: a.hi.acos(), hi: a.lo.acos() }.widened().clamped(0.0, f32::INFINITY)
-}
-
-pub(super) fn atan(a: Interval) -> Interval {
-    a.map_rising(f32::atan).widened()
-}
-
-pub(super) fn sinh(a: Interval) -> Interval {
-    a.map_rising(f32::sinh).widened()
 }
 
 pub(super) fn cosh(a: Interval) -> Interval {

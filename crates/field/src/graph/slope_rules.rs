@@ -176,7 +176,7 @@ pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval)
             by_a = meet(by_a, Interval { lo: 0.0, hi: power.hi * 1.001 });
         }
     }
-    let by_b = rules::mul(r, rules::log(base));
+    let by_b = rules::mul(r, rules::logarithm(base, f32::ln));
     if a.lo < SMALLEST { (by_a.hull(ZERO), by_b.hull(ZERO)) } else { (by_a, by_b) }
 }
 
