@@ -80,7 +80,7 @@ pub(crate) fn world(data: &[u8]) -> Option<World> {
         Ok(world) => Some(world),
         Err(error @ (WorldError::Refused { .. } | WorldError::Text(_))) => panic!("{error}"),
         // The scene exceeds a limit.
-        Err(WorldError::Graph { .. } | WorldError::Tape { .. }) => None,
+        Err(WorldError::Tape { .. }) => None,
     }
 }
 

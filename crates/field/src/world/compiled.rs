@@ -64,11 +64,10 @@ impl World {
             glsl::function(graph, material, &format!("material_{index}"), Sampling::AlongPosition)
         }));
         let functions: Result<Vec<String>, _> = functions.collect();
-        let error = |source| WorldError::Graph { scene: self.name.clone(), source };
-        let functions = functions.map_err(error)?.concat();
+        let functions = functions.map_err(WorldError::of(&self.name))?.concat();
         let materials = roots.materials.iter().flat_map(|material| &material[..numbers]).copied();
         let all: Vec<NodeId> = roots.apart_from_materials().chain(materials).collect();
-        let nodes = graph.order(&all).map_err(error)?.nodes;
+        let nodes = graph.order(&all).map_err(WorldError::of(&self.name))?.nodes;
         let inputs = nodes.into_iter().filter_map(|id| match graph.node(id) {
             Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
             Node::Input(input) => Some(input),

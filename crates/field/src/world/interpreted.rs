@@ -261,7 +261,7 @@ impl World {
     /// # Errors
     /// Fails if a tape exceeds the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
-        let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
+        let failed = WorldError::of(&self.name);
         let program =
             |(roots, over): (&[NodeId], Over)| Program::build(&self.graph, roots, over).map_err(failed);
         let tape =
@@ -287,7 +287,7 @@ impl World {
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
             MediumPlan::new(&self.graph, [density, r, g, b], self.medium_bounds)
         });
-        let medium = medium.transpose().map_err(|source| failed(source.into()))?;
+        let medium = medium.transpose().map_err(WorldError::of(&self.name))?;
         let of_material = |material: usize| {
             let body = materials.len() + material.min(bodies - 1);
             [material, body].map(|program| PROGRAMS_OF_LIGHT + program)

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use crate::graph::{FrameInputs, Graph, GraphError, NodeId, Point, ScreenInput};
+use crate::graph::{FrameInputs, Graph, NodeId, Point, ScreenInput};
 use crate::lang::{Diagnostic, Material, Object, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 use media::MEDIUM_NUMBERS;
@@ -54,15 +54,7 @@ pub enum WorldError {
     /// The text is not a scene.
     #[error("{0}")]
     Text(String),
-    /// The scene has too many expressions.
-    #[error("{scene}: {source}")]
-    Graph {
-        /// The scene.
-        scene: String,
-        /// The exceeded limit.
-        source: GraphError,
-    },
-    /// A tape for the scene cannot be built.
+    /// The scene has too many expressions, or a tape for it cannot be built.
     #[error("{scene}: {source}")]
     Tape {
         /// The scene.
@@ -81,6 +73,13 @@ pub enum WorldError {
         /// The message of naga.
         reason: String,
     },
+}
+
+impl WorldError {
+    /// Returns a function that adds the scene to an error.
+    fn of<E: Into<TapeError>>(scene: &str) -> impl Fn(E) -> Self + Copy {
+        move |source| Self::Tape { scene: scene.to_owned(), source: source.into() }
+    }
 }
 
 /// The expressions that the shader evaluates: programs of the interpreter and functions of the compiled shader.
@@ -185,16 +184,15 @@ impl World {
     /// # Errors
     /// Fails if the scene exceeds the limits on nodes or clauses.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
-        let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
-        let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
-        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
-        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
+        let (planes, rest) = planes::split(&mut scene).map_err(WorldError::of(name))?;
+        let frame_tape = FrameTape::build(&scene, &planes).map_err(WorldError::of(name))?;
         let traced = match &rest {
-            Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape).map_err(tape_error)?,
+            Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape).map_err(WorldError::of(name))?,
             None => Traced::default(),
         };
-        let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(graph_error)?;
-        let medium = media::sum(&mut scene).map_err(graph_error)?;
+        let glow =
+            nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(WorldError::of(name))?;
+        let medium = media::sum(&mut scene).map_err(WorldError::of(name))?;
         Self::prepared(name, scene, Surfaces { planes, rest, glow, medium }, traced, frame_tape, pictures)
     }
 
@@ -208,8 +206,7 @@ impl World {
         if let Some((_, camera)) = self.scene.cameras.get(camera) {
             world.scene.camera = camera.clone();
             let tape = FrameTape::build(&world.scene, &world.planes);
-            world.frame_tape =
-                tape.map_err(|source| WorldError::Tape { scene: self.name.clone(), source })?;
+            world.frame_tape = tape.map_err(WorldError::of(&self.name))?;
         }
         Ok(world)
     }
@@ -236,20 +233,19 @@ impl World {
         frame_tape: FrameTape,
         pictures: Vec<Arc<RgbaImage>>,
     ) -> Result<Self, WorldError> {
-        let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let medium_bounds = match &medium {
             Some(medium) => {
                 let any = any_frame(&scene);
-                media::bounds(&mut scene.graph, medium, &any).map_err(graph_error)?
+                media::bounds(&mut scene.graph, medium, &any).map_err(WorldError::of(name))?
             }
             None => Bounds::around([0.0; 3], 0.0),
         };
         let (has_glow, has_media) = (glow.is_some(), medium.is_some());
         let roots = roots(&mut scene, rest.as_ref(), glow, medium);
-        scene.graph.check().map_err(graph_error)?;
+        scene.graph.check().map_err(WorldError::of(name))?;
         let Traced { bounds, non_lipschitz, slopes, is_blend } = traced;
         let features = SceneFeatures::of(&scene, has_glow, has_media, is_blend);
-        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
+        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(WorldError::of(name))?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),

@@ -148,10 +148,10 @@ impl World {
         graph.reserve(from.scene.graph.len() + to.scene.graph.len());
         let fraction_number = from.scene.params.len() + to.scene.params.len();
         let s = graph.input(Input::Param(fraction_number as u16));
-        let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
         let before = Before::of(from);
-        let a = Side::of(&mut graph, from, Before::default(), &Alignment::NONE).map_err(graph_error)?;
-        let b = Side::of(&mut graph, to, before, alignment).map_err(graph_error)?;
+        let a =
+            Side::of(&mut graph, from, Before::default(), &Alignment::NONE).map_err(WorldError::of(&name))?;
+        let b = Side::of(&mut graph, to, before, alignment).map_err(WorldError::of(&name))?;
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
@@ -161,11 +161,11 @@ impl World {
             }
             BlendKind::Portal(shape) => {
                 let portal = portal::distance(&mut graph, shape, &to.scene, before, &camera, s);
-                portal::through(&mut graph, &a, &b, portal.map_err(graph_error)?)
+                portal::through(&mut graph, &a, &b, portal.map_err(WorldError::of(&name))?)
             }
         };
         let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, &a, &b)).transpose();
-        let rest = rest.map_err(graph_error)?;
+        let rest = rest.map_err(WorldError::of(&name))?;
 
         let reach = graph.mix(a.sky.reach, b.sky.reach, s);
         let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
@@ -176,7 +176,7 @@ impl World {
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
-        graph.check().map_err(graph_error)?;
+        graph.check().map_err(WorldError::of(&name))?;
         let scene = Scene {
             graph,
             objects: vec![whole(name.clone(), distance)],
@@ -210,8 +210,7 @@ impl World {
         let non_lipschitz = a.non_lipschitz || b.non_lipschitz;
         let traced = Traced { bounds, non_lipschitz, is_blend: true, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
-        let frame_tape = FrameTape::build(&scene, &surfaces.planes)
-            .map_err(|source| WorldError::Tape { scene: name.clone(), source })?;
+        let frame_tape = FrameTape::build(&scene, &surfaces.planes).map_err(WorldError::of(&name))?;
         let world = Self::prepared(&name, scene, surfaces, traced, frame_tape, pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
