@@ -6,65 +6,61 @@
 use crate::graph::{Input, NodeId};
 use crate::lang::{LightKind, Material, Scene};
 
-/// Parts of the shaders that only some scenes need.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct SceneFeatures {
+/// Declares the features: each with its define in the shaders, and true unless only few scenes need its code.
+macro_rules! features {
+    ($($(#[doc = $doc:literal])+ $name:ident, $define:literal, $is_usual:literal;)+) => {
+        /// Parts of the shaders that only some scenes need.
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+        pub struct SceneFeatures { $($(#[doc = $doc])+ pub $name: bool,)+ }
+
+        impl SceneFeatures {
+            /// All features except those whose code few scenes need.
+            pub const USUAL: Self = Self { $($name: $is_usual,)+ };
+
+            /// Returns these features and all usual ones.
+            pub fn with_usual(self) -> Self {
+                Self { $($name: self.$name | Self::USUAL.$name,)+ }
+            }
+
+            /// Returns the shader defines of these features.
+            pub fn defines(self) -> impl Iterator<Item = &'static str> {
+                let all = [$((self.$name, $define),)+ (self.body(), "BODY")];
+                all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
+            }
+        }
+    };
+}
+
+features! {
     /// Rectangular lights.
-    pub panels: bool,
+    panels, "PANELS", true;
     /// Mirroring surfaces.
-    pub mirrors: bool,
+    mirrors, "MIRRORS", true;
     /// Rough mirrors.
-    pub blur: bool,
+    blur, "BLUR", true;
     /// Shining objects.
-    pub glow: bool,
+    glow, "GLOW", true;
     /// A lens with depth of field.
-    pub lens: bool,
+    lens, "LENS", true;
     /// A blend of two scenes. A lamp of one scene may be inside a surface of the other scene.
-    pub blend: bool,
+    blend, "BLEND", true;
     /// A sky that depends on the picture's pixel.
-    pub pixel: bool,
+    pixel, "PIXEL", true;
     /// Fog and other media.
-    pub media: bool,
+    media, "MEDIA", false;
     /// Swarms of points.
-    pub swarm: bool,
+    swarm, "SWARM", false;
     /// Glass.
-    pub glass: bool,
+    glass, "GLASS", false;
     /// Translucent bodies.
-    pub translucent: bool,
+    translucent, "TRANSLUCENT", false;
     /// Thin films and velvet.
-    pub sheen: bool,
+    sheen, "SHEEN", false;
     /// Light that nearby surfaces throw on each other.
-    pub bounce: bool,
+    bounce, "BOUNCE", false;
 }
 
 impl SceneFeatures {
-    /// All features.
-    pub const ALL: Self = Self {
-        panels: true,
-        mirrors: true,
-        blur: true,
-        glow: true,
-        lens: true,
-        blend: true,
-        pixel: true,
-        media: true,
-        swarm: true,
-        glass: true,
-        translucent: true,
-        sheen: true,
-        bounce: true,
-    };
-    /// All features except those whose code few scenes need.
-    pub const USUAL: Self = Self {
-        media: false,
-        swarm: false,
-        glass: false,
-        translucent: false,
-        sheen: false,
-        bounce: false,
-        ..Self::ALL
-    };
-
     pub(super) fn of(scene: &Scene, glow: bool, media: bool, blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         // The pixel is the position of the sky's program.
@@ -91,33 +87,6 @@ impl SceneFeatures {
     /// True if a material uses the fields that describe how light passes through a body and its layers.
     pub fn body(self) -> bool {
         self.glass || self.translucent || self.sheen
-    }
-
-    /// Returns these features and all usual ones.
-    pub fn with_usual(self) -> Self {
-        let Self { media, swarm, glass, translucent, sheen, bounce, .. } = self;
-        Self { media, swarm, glass, translucent, sheen, bounce, ..Self::USUAL }
-    }
-
-    /// Returns the shader defines of these features.
-    pub fn defines(self) -> impl Iterator<Item = &'static str> {
-        let all = [
-            (self.panels, "PANELS"),
-            (self.mirrors, "MIRRORS"),
-            (self.blur, "BLUR"),
-            (self.glow, "GLOW"),
-            (self.lens, "LENS"),
-            (self.blend, "BLEND"),
-            (self.pixel, "PIXEL"),
-            (self.media, "MEDIA"),
-            (self.swarm, "SWARM"),
-            (self.glass, "GLASS"),
-            (self.translucent, "TRANSLUCENT"),
-            (self.sheen, "SHEEN"),
-            (self.body(), "BODY"),
-            (self.bounce, "BOUNCE"),
-        ];
-        all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
 
     /// True if these features include all of `other`.
