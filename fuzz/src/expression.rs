@@ -12,7 +12,7 @@ use mariana_field::graph::{
 };
 use mariana_field::lang;
 use mariana_field::tape::{
-    Batch, Clause, GradientBatch, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
+    Batch, Clause, GradientBatch, PointEvaluator, Points, Tape, TapeError, TapeOptions,
 };
 use mariana_field::world::{World, WorldError};
 
@@ -236,29 +236,27 @@ pub(crate) fn differential(data: &[u8]) {
     let fused = graph.fused(&mut short).unwrap();
     let options = TapeOptions { registers: head.registers.max(4), ..TapeOptions::default() };
     let frame = &head.frame;
-    let tapes = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
+    let [tape, _] = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
         let tape = Tape::build(graph, roots, &options).unwrap();
         check_tape(graph, roots, &tape, &Head { registers: options.registers, ..head.clone() });
         tape
     });
-    let [tape, _] = &tapes;
     for point in &head.points {
         let wanted = raw.evaluate(&plain, point, frame).unwrap();
         assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified graph");
         assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused graph");
         let (mut duals, [x, y, z]) = (Vec::new(), point.position);
-        GradientBatch::new(tape, frame).run(&[point.position], &mut duals);
+        GradientBatch::new(&tape, frame).run(&[point.position], &mut duals);
         let duals: Vec<f32> = duals.iter().map(|dual| dual.value).collect();
         let first = raw.evaluate(plain.get(..1).unwrap_or_default(), &Point::at(x, y, z), frame).unwrap();
         assert_same(&duals, &first, "dual numbers");
         // Widen each input to an interval around its value at the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
         for by in [0.0, 0.25, 1e10] {
-            let [x, y, z, nx, ny, nz] = point.inputs().map(|value| wide(value, by));
-            for tape in &tapes {
-                let mut intervals = IntervalEvaluator::new(tape, frame);
-                let bounds = intervals.over([x, y, z], [nx, ny, nz]);
-                for (bounds, wanted) in bounds.iter().zip(&wanted) {
+            let around = point.inputs().map(|value| wide(value, by));
+            for (graph, roots) in [(&graph, &simple), (&fused, &short)] {
+                for (root, wanted) in roots.iter().zip(&wanted) {
+                    let bounds = graph.bounds(*root, around, frame).unwrap();
                     assert!(
                         bounds.contains(*wanted),
                         "{wanted:?} is not within {bounds:?}, {by} around {point:?}"

@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::scenes::SceneSource;
     use mariana_field::graph::{Interval, Point, SoundInput};
-    use mariana_field::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
+    use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
     use mariana_music::Sound;
 
     const LYRICS: &str = "[00:01.00]First words\n[00:02.00]Second\n[00:03.00]\n[00:04.00]First words";
@@ -196,14 +196,15 @@ mod tests {
     /// Distances at some points, and whether the bounds of boxes hold them.
     fn distances(world: &World, frame: &Frame) -> Vec<f32> {
         let tape = Tape::build(&world.scene.graph, &[world.scene.distance], &TapeOptions::default()).unwrap();
-        let (mut values, mut bounds) =
-            (PointEvaluator::new(&tape, &frame.inputs), IntervalEvaluator::new(&tape, &frame.inputs));
+        let mut values = PointEvaluator::new(&tape, &frame.inputs);
         let points = (0..400).map(|at| ((at % 40) as f32 / 5.0 - 4.0, (at / 40) as f32 / 5.0 - 1.0));
         points
             .map(|(x, y)| {
                 let value = values.at(&Point::at(x, y, 0.0))[0];
                 let near = |at: f32| Interval::new(at - 0.1, at + 0.1);
-                let bound = bounds.over([near(x), near(y), near(0.0)], [Interval::point(0.0); 3])[0];
+                let (over, none) = ([near(x), near(y), near(0.0)], [Interval::point(0.0); 3]);
+                let over = [over, none].as_flattened().try_into().unwrap();
+                let bound = world.scene.graph.bounds(world.scene.distance, over, &frame.inputs).unwrap();
                 assert!(bound.contains(value), "{value} at {x}, {y}: {bound:?}");
                 value
             })

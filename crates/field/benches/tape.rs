@@ -4,11 +4,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, Interval, NodeId, Point};
+use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, NodeId, Point};
 use mariana_field::lang::compile;
-use mariana_field::tape::{
-    Batch, GradientBatch, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
-};
+use mariana_field::tape::{Batch, GradientBatch, PointEvaluator, Points, Tape, TapeOptions};
 
 fn scene(graph: &mut Graph, count: usize) -> NodeId {
     let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
@@ -108,11 +106,6 @@ fn tape(c: &mut Criterion) {
         let frame = FrameInputs::default();
         let mut points = PointEvaluator::new(&tape, &frame);
         group.bench_function("point", |b| b.iter(|| points.at(black_box(&Point::at(0.1, 0.2, 0.3)))[0]));
-        let mut intervals = IntervalEvaluator::new(&tape, &frame);
-        let side = [Interval::new(-1.0, 1.0), Interval::new(0.0, 2.0), Interval::new(1.0, 3.0)];
-        group.bench_function("interval", |b| {
-            b.iter(|| intervals.over(black_box(side), [Interval::point(0.0); 3])[0])
-        });
         let mut gradients = GradientBatch::new(&tape, &frame);
         let mut duals = Vec::new();
         group.bench_function("gradients_at_8_points", |b| {

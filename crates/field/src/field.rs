@@ -3,7 +3,7 @@
 
 use crate::graph::{FrameInputs, Interval};
 use crate::region::{RegionOptions, RegionPlan, Regions};
-use crate::tape::{Batch, IntervalEvaluator, Points, Tape, TapeOptions};
+use crate::tape::{Batch, Points, Tape, TapeOptions};
 use crate::world::{World, WorldError};
 
 /// A signed distance function, or any other function of a point, prepared for evaluation.
@@ -36,10 +36,10 @@ impl Field {
 
     /// Returns bounds of the field's values in the box from `low` to `high`.
     pub fn bounds(&self, low: [f32; 3], high: [f32; 3], frame: &FrameInputs) -> Interval {
-        let position = std::array::from_fn(|axis| Interval::new(low[axis], high[axis]));
-        let nothing = [Interval::point(0.0); 3];
-        let bounds = IntervalEvaluator::new(&self.tape, frame).over(position, nothing).first().copied();
-        bounds.unwrap_or(Interval::ANY)
+        let [x, y, z] = [0, 1, 2].map(|axis| Interval::new(low[axis], high[axis]));
+        let none = Interval::point(0.0);
+        let scene = &self.world.scene;
+        scene.graph.bounds(scene.distance, [x, y, z, none, none, none], frame).unwrap_or(Interval::ANY)
     }
 
     /// Returns the tape, the clauses that compute the field. `Display` prints it as a table.

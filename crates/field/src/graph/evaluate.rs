@@ -62,6 +62,27 @@ impl Graph {
         roots.iter().map(|root| values[root.index()] + 0.0).collect()
     }
 
+    /// Returns bounds of a value for inputs of the point within `point`, in the order of [`Input::OF_POINT`]. With
+    /// [`FrameInputs::any`], they hold for every frame. Nothing is known about textures.
+    ///
+    /// # Errors
+    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn bounds(&self, root: NodeId, point: [Interval; 6], frame: &FrameInputs) -> Result<Interval> {
+        let mut bounds = vec![Interval::ANY; root.index() + 1];
+        for &id in &self.order(&[root])?.nodes {
+            bounds[id.index()] = match self.node(id) {
+                Node::Constant(value) => Interval::point(value),
+                Node::Input(input) => {
+                    input.of_point().map_or_else(|| frame.bounds(input), |place| point[place])
+                }
+                Node::Unary(op, a) => op.bounds(bounds[a.index()], Interval::point(0.0), frame),
+                Node::Binary(op, a, b) => op.bounds(bounds[a.index()], bounds[b.index()], frame),
+                Node::Texture { .. } => Interval::ANY,
+            };
+        }
+        Ok(bounds[root.index()])
+    }
+
     /// Returns a Graphviz `digraph` of the nodes that `root` needs: a box per node, edges from operands to users.
     ///
     /// # Errors
@@ -90,25 +111,6 @@ impl Graph {
         text.push_str("}\n");
         Ok(text)
     }
-}
-
-/// Returns bounds of a value of the graph that is the same at all points. With [`FrameInputs::any`], they hold for every
-/// frame.
-///
-/// # Errors
-/// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-pub(crate) fn bounds_of(graph: &Graph, root: NodeId, frame: &FrameInputs) -> Result<Interval> {
-    let mut bounds = vec![Interval::ANY; root.index() + 1];
-    for &id in &graph.order(&[root])?.nodes {
-        bounds[id.index()] = match graph.node(id) {
-            Node::Constant(value) => Interval::point(value),
-            Node::Input(input) => frame.bounds(input),
-            Node::Unary(op, a) => op.bounds(bounds[a.index()], Interval::point(0.0), frame),
-            Node::Binary(op, a, b) => op.bounds(bounds[a.index()], bounds[b.index()], frame),
-            Node::Texture { .. } => Interval::ANY,
-        };
-    }
-    Ok(bounds[root.index()])
 }
 
 fn input_value(input: Input, point: &Point, frame: &FrameInputs) -> f32 {

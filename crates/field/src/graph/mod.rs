@@ -34,7 +34,6 @@ pub use build::PRODUCT_EXPONENT_MAX;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
-pub(crate) use evaluate::bounds_of;
 pub use frame_inputs::{FrameInputs, OwnRanges, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};

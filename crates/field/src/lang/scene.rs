@@ -17,7 +17,7 @@ use super::material::Material;
 use super::origins::Origins;
 use super::shape::ShapeRef;
 use super::source::Span;
-use crate::graph::{FrameInputs, Graph, NodeId, ShapeAtlas, bounds_of};
+use crate::graph::{FrameInputs, Graph, Interval, NodeId, ShapeAtlas};
 
 /// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -256,7 +256,8 @@ impl Picture {
         match graph.as_constant(self.decay) {
             Some(constant) if constant.is_nan() => 0.0,
             Some(constant) => constant,
-            None => bounds_of(graph, self.decay, any)
+            None => graph
+                .bounds(self.decay, [Interval::ANY; 6], any)
                 .ok()
                 .filter(|bounds| !bounds.is_any())
                 .map_or(f32::INFINITY, |bounds| bounds.hi),

@@ -3,14 +3,13 @@
 
 use super::Tape;
 use super::clause::{Instruction, Operand};
-use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point, Properties};
+use crate::graph::{FrameInputs, Kernel, Op, Point, Properties};
 
 const LANES: usize = 64;
 
 pub(super) trait Domain {
     type Value: Copy;
-    type Entry: Copy;
-    fn constant(&self, entry: Self::Entry) -> Self::Value;
+    fn constant(&self, number: f32) -> Self::Value;
     fn input(&self, place: usize) -> Self::Value;
     fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value;
     fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value;
@@ -18,24 +17,18 @@ pub(super) trait Domain {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Machine<V, E = f32> {
+pub(super) struct Machine<V> {
     /// The decoded clauses. They are decoded once, because a tape runs at many points.
     instructions: Vec<Instruction>,
     pub(super) registers: Vec<V>,
     memory: Vec<V>,
-    table: Vec<E>,
+    table: Vec<f32>,
 }
 
 impl<V: Copy> Machine<V> {
     pub(super) fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
         let mut table = Vec::new();
         tape.table_values(frame, &mut table);
-        Self::with_table(tape, table, zero)
-    }
-}
-
-impl<V: Copy, E: Copy> Machine<V, E> {
-    pub(super) fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
         Self {
             instructions: tape.clauses.iter().filter_map(|clause| clause.decode()).collect(),
             registers: vec![zero; tape.registers.max(1)],
@@ -45,7 +38,7 @@ impl<V: Copy, E: Copy> Machine<V, E> {
     }
 
     #[inline(always)]
-    pub(super) fn run(&mut self, domain: &mut impl Domain<Value = V, Entry = E>) {
+    pub(super) fn run(&mut self, domain: &mut impl Domain<Value = V>) {
         let Self { instructions, registers, memory, table } = self;
         let mut page = 0;
         let mut selected = (0, 0);
@@ -107,7 +100,6 @@ struct Numbers<'a> {
 
 impl Domain for Numbers<'_> {
     type Value = f32;
-    type Entry = f32;
     #[inline(always)]
     fn constant(&self, value: f32) -> f32 {
         value
@@ -217,7 +209,6 @@ impl Kernel<f32> for LaneKernel<'_> {
 
 impl Domain for Lanes<'_> {
     type Value = [f32; LANES];
-    type Entry = f32;
     #[inline(always)]
     fn constant(&self, value: f32) -> Self::Value {
         [value; LANES]
@@ -274,75 +265,5 @@ impl<'a> Batch<'a> {
             }
         }
         outputs
-    }
-}
-
-struct Intervals<'a> {
-    inputs: [Interval; 6],
-    frame: &'a FrameInputs,
-    choices: &'a mut Vec<Choice>,
-}
-
-impl Domain for Intervals<'_> {
-    type Value = Interval;
-    type Entry = Interval;
-    #[inline(always)]
-    fn constant(&self, entry: Interval) -> Interval {
-        entry
-    }
-    #[inline(always)]
-    fn input(&self, place: usize) -> Interval {
-        self.inputs[place]
-    }
-    #[inline(always)]
-    fn unary(&mut self, op: Op, a: &Interval) -> Interval {
-        op.bounds(*a, Interval::point(0.0), self.frame)
-    }
-    #[inline(always)]
-    fn binary(&mut self, op: Op, a: &Interval, b: &Interval) -> Interval {
-        if op.chooses() {
-            self.choices.push(op.choice(*a, *b));
-        }
-        op.bounds(*a, *b, self.frame)
-    }
-    fn texture(&mut self, _texture: u16, _channel: u8, _u: &Interval, _v: &Interval) -> Interval {
-        Interval::UNIT
-    }
-}
-
-/// Computes bounds of a tape over boxes, within one frame.
-#[derive(Debug, Clone)]
-pub struct IntervalEvaluator<'a> {
-    tape: &'a Tape,
-    frame: &'a FrameInputs,
-    machine: Machine<Interval, Interval>,
-    outputs: Vec<Interval>,
-    choices: Vec<Choice>,
-}
-
-impl<'a> IntervalEvaluator<'a> {
-    /// Creates an evaluator for the inputs of one frame, or of all frames ([`FrameInputs::any`]).
-    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        let machine = Machine::with_table(tape, tape.table_bounds(frame), Interval::point(0.0));
-        let outputs = vec![Interval::point(0.0); tape.outputs.len()];
-        Self { tape, frame, machine, outputs, choices: Vec::new() }
-    }
-
-    /// Returns bounds of the outputs in a box. They contain every value that [`PointEvaluator`] computes in the box.
-    pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
-        let ([x, y, z], [nx, ny, nz]) = (position, normal);
-        self.choices.clear();
-        let inputs = [x, y, z, nx, ny, nz];
-        let mut domain = Intervals { inputs, frame: self.frame, choices: &mut self.choices };
-        self.machine.run(&mut domain);
-        for (bounds, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *bounds = self.machine.registers[usize::from(register)];
-        }
-        &self.outputs
-    }
-
-    /// For each MIN, MAX and MASK in the order of the tape, the operand that was chosen in the last box.
-    pub fn choices(&self) -> &[Choice] {
-        &self.choices
     }
 }

@@ -72,7 +72,6 @@ impl DualKernel for Values<'_> {
 
 impl Domain for Lanes<'_> {
     type Value = Duals;
-    type Entry = f32;
     fn constant(&self, value: f32) -> Duals {
         Duals { value: [value; LANES], ..Duals::ZERO }
     }

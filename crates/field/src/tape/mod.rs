@@ -37,7 +37,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
+use crate::graph::{FrameInputs, Graph, GraphError, Input, NodeId, Op};
 use crate::limits::{LIMITS, Limits};
 use clause::input_of_place;
 
@@ -52,7 +52,7 @@ mod rounds;
 mod select;
 
 pub use clause::{Clause, Instruction, Operand, opcode};
-pub use evaluate::{Batch, IntervalEvaluator, PointEvaluator, Points};
+pub use evaluate::{Batch, PointEvaluator, Points};
 pub use gradients::{Dual, GradientBatch};
 
 /// A reason for which a tape cannot be built.
@@ -159,15 +159,6 @@ impl Tape {
             TableEntry::Constant(value) => value,
             TableEntry::Input(input) => frame.value(input),
         }));
-    }
-
-    /// Returns bounds of the table's numbers. Unless the inputs are [`FrameInputs::any`], the bounds are single values.
-    fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
-        let bounds = self.table.iter().map(|entry| match *entry {
-            TableEntry::Constant(value) => Interval::point(value),
-            TableEntry::Input(input) => frame.bounds(input),
-        });
-        bounds.collect()
     }
 
     /// Returns the registers that hold the values of the roots at the end.

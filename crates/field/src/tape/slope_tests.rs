@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::testing::GradientIntervals;
 use super::*;
-use crate::graph::GradientInterval;
 use crate::graph::random::{Step, build, frame, number, same, steps};
+use crate::graph::{GradientInterval, Interval};
 
 fn config(cases: u32) -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(cases);

@@ -21,9 +21,8 @@ struct Slopes<'a> {
 
 impl Domain for Slopes<'_> {
     type Value = GradientInterval;
-    type Entry = Interval;
-    fn constant(&self, entry: Interval) -> GradientInterval {
-        GradientInterval::flat(entry)
+    fn constant(&self, number: f32) -> GradientInterval {
+        GradientInterval::flat(Interval::point(number))
     }
     fn input(&self, place: usize) -> GradientInterval {
         match place {
@@ -60,16 +59,16 @@ impl Domain for Slopes<'_> {
 pub(crate) struct GradientIntervals<'a> {
     tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<GradientInterval, Interval>,
+    machine: Machine<GradientInterval>,
     outputs: Vec<GradientInterval>,
     pieces: Pieces,
 }
 
 impl<'a> GradientIntervals<'a> {
-    /// Creates an evaluator for the inputs of one frame, or of all frames ([`FrameInputs::any`]).
+    /// Creates an evaluator for the inputs of one frame.
     pub(crate) fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let nothing = GradientInterval::flat(Interval::point(0.0));
-        let machine = Machine::with_table(tape, tape.table_bounds(frame), nothing);
+        let machine = Machine::new(tape, frame, nothing);
         Self { tape, frame, machine, outputs: vec![nothing; tape.outputs.len()], pieces: Pieces::default() }
     }
 

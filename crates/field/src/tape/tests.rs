@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::random::{build, frame, number, same, steps};
-use crate::graph::{Choice, Compounds, Interval, Point};
+use crate::graph::{Compounds, Interval, Point};
 use mariana_testing::thesis::TABLE_1;
 
 fn config(cases: u32) -> ProptestConfig {
@@ -183,7 +183,7 @@ proptest! {
     }
 
     #[test]
-    fn bounds_of_tapes_hold_every_value(
+    fn bounds_hold_every_value_of_a_tape(
         steps in steps(40),
         ends in proptest::array::uniform6([number(), number()]),
         along in proptest::collection::vec(proptest::array::uniform6(0.0f32..=1.0), 8),
@@ -193,9 +193,7 @@ proptest! {
         let tape = tape_of(&graph, &[root], 8);
         let frame = frame();
         let sides = ends.map(|[a, b]| Interval::new(a.min(b), a.max(b)));
-        let [x, y, z, nx, ny, nz] = sides;
-        let mut evaluator = IntervalEvaluator::new(&tape, &frame);
-        let bounds = evaluator.over([x, y, z], [nx, ny, nz])[0];
+        let bounds = graph.bounds(root, sides, &frame).unwrap();
         let mut points = PointEvaluator::new(&tape, &frame);
         for along in along {
             let inside = std::array::from_fn(|place| {
@@ -207,26 +205,6 @@ proptest! {
             prop_assert!(bounds.contains(value), "{value:?} is not in {bounds:?} at {inside:?} of {sides:?}\n{tape}");
         }
     }
-}
-
-#[test]
-fn choices_are_recorded_in_the_order_of_the_tape() {
-    let mut graph = Graph::new();
-    let (x, y, z) = (graph.input(Input::X), graph.input(Input::Y), graph.input(Input::Z));
-    let least = graph.min(x, y);
-    let root = graph.max(least, z);
-    let tape = tape_of(&graph, &[root], 256);
-    let frame = FrameInputs::default();
-    let mut evaluator = IntervalEvaluator::new(&tape, &frame);
-    let zero = [Interval::point(0.0); 3];
-    let i = Interval::new;
-    evaluator.over([i(0.0, 1.0), i(2.0, 3.0), i(5.0, 6.0)], zero);
-    // The operands of MAX are in the order of creation: z, then the minimum.
-    assert_eq!(evaluator.choices(), [Choice::Left, Choice::Left]);
-    let bounds = evaluator.over([i(0.0, 3.0), i(2.0, 4.0), i(2.5, 6.0)], zero)[0];
-    assert_eq!((evaluator.choices(), bounds), (&[Choice::Both, Choice::Both][..], i(2.5, 6.0)));
-    evaluator.over([i(4.0, 5.0), i(2.0, 4.0), i(-1.0, 2.0)], zero);
-    assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
 }
 
 #[test]

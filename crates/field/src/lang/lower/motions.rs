@@ -6,7 +6,7 @@ use super::super::source::Span;
 use super::super::value::{Value, Vector};
 use super::builtins::sizes_fit;
 use super::lowering::Lowering;
-use crate::graph::{Interval, Motion, MotionKind, NodeId, Op, bounds_of};
+use crate::graph::{Interval, Motion, MotionKind, NodeId, Op};
 use crate::limits::MOTION_SECONDS;
 
 /// A call, with the arguments from `mark` on.
@@ -69,7 +69,7 @@ impl MotionCall<'_, '_> {
         if self.outer.known(goal).is_some() && self.kind != MotionKind::Since {
             return Some(goal);
         }
-        let bounds = bounds_of(&self.outer.graph, goal, &self.outer.any_frame()).ok()?;
+        let bounds = self.outer.graph.bounds(goal, [Interval::ANY; 6], &self.outer.any_frame()).ok()?;
         let graph = &mut self.outer.graph;
         let a = given.get(1).copied().unwrap_or(goal);
         let b = given.get(2).copied().unwrap_or_else(|| match self.kind {

@@ -12,7 +12,7 @@ use super::super::value::{Value, Vector};
 use super::builtins::Matrices;
 use super::expr::{component, zip};
 use super::lowering::Lowering;
-use crate::graph::{NodeId, Op, bounds_of};
+use crate::graph::{Interval, NodeId, Op};
 
 /// Lowers the statements of one block.
 struct BlockLowering<'l, 'a> {
@@ -334,7 +334,7 @@ impl BlockLowering<'_, '_> {
         if let Some(known) = self.outer.known(end) {
             return self.outer.reports.whole_bound(known, span).map(|known| (known, None));
         }
-        let most = bounds_of(&self.outer.graph, end, &self.outer.any_frame()).ok()?.hi;
+        let most = self.outer.graph.bounds(end, [Interval::ANY; 6], &self.outer.any_frame()).ok()?.hi;
         if most > self.outer.limits.scene_loop_max as f32 || !most.is_finite() {
             let wrong = Diagnostic::unsupported(span, "the largest number of iterations is not known");
             let hint = "let a loop's end depend on parameters only, as in `param rounds = 8 in 1 .. 12`, or clamp it";

@@ -3,7 +3,7 @@
 use super::super::compile;
 use super::super::no_includes;
 use super::{distance, scene, value};
-use crate::graph::{FrameInputs, Graph, Interval, Point, ShapeAtlas, bounds_of};
+use crate::graph::{FrameInputs, Graph, Interval, Point, ShapeAtlas};
 use crate::lang::Scene;
 use proptest::prelude::*;
 
@@ -133,7 +133,7 @@ proptest! {
         let text = "param a = 0 in -9 .. 9\nround(a * a - 2)";
         let scene = super::scene(text);
         let value = scene.graph.evaluate(&[scene.distance], &Point::default(), &frame).unwrap()[0];
-        let Interval { lo, hi } = bounds_of(&scene.graph, scene.distance, &any).unwrap();
+        let Interval { lo, hi } = scene.graph.bounds(scene.distance, [Interval::ANY; 6], &any).unwrap();
         prop_assert!(lo <= value && value <= hi, "{} is not in {}..{}", value, lo, hi);
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::graph::{FrameInputs, Interval, Point, cell_hash};
 use crate::lang::LightKind;
-use crate::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape, TapeOptions};
 use crate::world::testing::{SPEAKERS, world_of};
 use proptest::prelude::*;
 
@@ -82,8 +82,9 @@ proptest! {
             let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
             let tape = Tape::build(&blend.scene.graph, &[blend.scene.distance], &TapeOptions::default()).unwrap();
             let inputs = frame(&a, &b, fraction);
-            let over = low.map(|low| Interval::new(low, low + size));
-            let bounds = IntervalEvaluator::new(&tape, &inputs).over(over, [Interval::point(0.0); 3])[0];
+            let ([x, y, z], none) = (low.map(|low| Interval::new(low, low + size)), Interval::point(0.0));
+            let over = [x, y, z, none, none, none];
+            let bounds = blend.scene.graph.bounds(blend.scene.distance, over, &inputs).unwrap();
             let mut points = PointEvaluator::new(&tape, &inputs);
             for corner in 0..27 {
                 let at = |axis: i32| low[axis as usize] + 0.5 * size * (corner / 3_i32.pow(axis as u32) % 3) as f32;
