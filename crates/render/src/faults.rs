@@ -7,8 +7,12 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use serde::Deserialize;
+use serde::de::value::{Error, StrDeserializer};
+
 /// A fault that a test can inject.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Fault {
     /// The driver reports a lost context, as after a reset of the GPU.
     ContextLost,
@@ -32,25 +36,6 @@ pub enum Fault {
     SlowTree,
     /// The show waits for the first region tree of a scene for a tenth of the usual time.
     LittlePatience,
-}
-
-impl Fault {
-    fn named(name: &str) -> Option<Self> {
-        match name {
-            "context-lost" => Some(Self::ContextLost),
-            "memory-purged" => Some(Self::MemoryPurged),
-            "no-target" => Some(Self::NoTarget),
-            "dear-pixels" => Some(Self::DearPixels),
-            "no-interpreter" => Some(Self::NoInterpreter),
-            "deadly-interpreter" => Some(Self::DeadlyInterpreter),
-            "slow-compiler" => Some(Self::SlowCompiler),
-            "slow-interpreter" => Some(Self::SlowInterpreter),
-            "endless-compiler" => Some(Self::EndlessCompiler),
-            "slow-tree" => Some(Self::SlowTree),
-            "little-patience" => Some(Self::LittlePatience),
-            _ => None,
-        }
-    }
 }
 
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
@@ -82,7 +67,8 @@ fn due_of(fault: Fault) -> Option<Instant> {
 fn wanted(text: &str) -> Option<(Fault, Instant)> {
     let (name, seconds) = text.split_once('@')?;
     let after = Duration::try_from_secs_f64(seconds.parse().ok()?).ok()?;
-    Some((Fault::named(name)?, Instant::now().checked_add(after)?))
+    let fault = Fault::deserialize(StrDeserializer::<Error>::new(name)).ok()?;
+    Some((fault, Instant::now().checked_add(after)?))
 }
 
 #[cfg(test)]
