@@ -28,7 +28,7 @@ use crate::flash::{CELLS, COLUMNS, ROWS, Steps};
 
 /// The vertex shader that places the cells to dim.
 pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
-/// The fragment shaders of the limiter and their defines.
+/// The fragment shaders of the limiter and their defines, in the order of `FlashPrograms::new`.
 pub const FLASH_SHADERS: [(&str, &[&str]); 13] = [
     ("cells.frag", &[]),
     ("flash_follow.frag", &[]),
@@ -255,33 +255,23 @@ impl FlashPass {
 
 impl FlashPrograms {
     fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
-        let [
-            measure,
-            follow,
-            follow_second,
-            gather,
-            find_fields,
-            find_areas,
-            decide,
-            spread,
-            measure_shown,
-            note,
-            note_second,
-            limit,
-            limit_enlarged,
-        ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
+        let mut shaders = FLASH_SHADERS.into_iter();
+        let mut next = || {
+            let (shader, defines) = shaders.next().unwrap_or_default();
+            linked(gl, library, shader, defines)
+        };
         Ok(Self {
-            measure: measure()?,
-            follow: [follow()?, follow_second()?],
-            gather: gather()?,
-            find_fields: find_fields()?,
-            find_areas: find_areas()?,
-            decide: decide()?,
-            spread: spread()?,
-            measure_shown: measure_shown()?,
-            note: [note()?, note_second()?],
-            limit: limit()?,
-            limit_enlarged: limit_enlarged()?,
+            measure: next()?,
+            follow: [next()?, next()?],
+            gather: next()?,
+            find_fields: next()?,
+            find_areas: next()?,
+            decide: next()?,
+            spread: next()?,
+            measure_shown: next()?,
+            note: [next()?, next()?],
+            limit: next()?,
+            limit_enlarged: next()?,
         })
     }
 }

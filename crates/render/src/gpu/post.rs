@@ -27,7 +27,7 @@ use super::target::{Target, Texel};
 use super::trails::{TrailSource, Trails};
 use crate::frame::picture::{BLUR_MAX, Picture};
 
-/// The shaders of these passes and their defines. Tests compile all of them.
+/// The shaders of these passes and their defines, in the order of `Post::new`. Tests compile all of them.
 pub const POST_SHADERS: [(&str, &[&str]); 27] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
@@ -89,26 +89,25 @@ pub(super) struct PostTargets {
 impl Post {
     /// Assembles the shaders. Each shader is compiled at its first use.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
-        let programs = POST_SHADERS
-            .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
-        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, rest @ ..] = programs;
-        let [trails, kept_trails, mixed_frames, presents @ ..] = rest;
-        let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, lights @ ..] =
-            presents;
-        let [expose, add, add_faded, agx_mean, aces_mean, reinhard_mean, none_mean] = lights;
+        let mut shaders = POST_SHADERS.into_iter();
+        let mut next = || {
+            let (name, defines) = shaders.next().unwrap_or_default();
+            LazyProgram::new(gl, library, name, &Variant::of(defines))
+        };
+        let [of_stencil, of_list] = [next()?, next()?];
         Ok(Self {
             passes: Passes::new(gl)?,
-            resolve: if gl.info().software { of_list() } else { of_stencil() }?,
-            resolve_all: of_all()?,
-            lens: LensBlur { down: halve()?, blur: blur()?, mix: mix()? },
-            trails: Trails { add: trails()?, keep: kept_trails()?, mix: mixed_frames()? },
-            bloom: Bloom { first: first()?, down: down()?, up: up()? },
-            present: [agx()?, aces()?, reinhard()?, none()?],
-            present_faded: [agx_faded()?, aces_faded()?, reinhard_faded()?, none_faded()?],
-            expose: expose()?,
-            add_exposure: add()?,
-            add_faded_exposure: add_faded()?,
-            present_mean: [agx_mean()?, aces_mean()?, reinhard_mean()?, none_mean()?],
+            resolve: if gl.info().software { of_list } else { of_stencil },
+            resolve_all: next()?,
+            lens: LensBlur { down: next()?, blur: next()?, mix: next()? },
+            bloom: Bloom { first: next()?, down: next()?, up: next()? },
+            trails: Trails { add: next()?, keep: next()?, mix: next()? },
+            present: [next()?, next()?, next()?, next()?],
+            present_faded: [next()?, next()?, next()?, next()?],
+            expose: next()?,
+            add_exposure: next()?,
+            add_faded_exposure: next()?,
+            present_mean: [next()?, next()?, next()?, next()?],
             tone_map: None,
         })
     }
@@ -178,13 +177,7 @@ impl Post {
     }
 
     fn with_tone_map<'a>(&self, picture: &Picture, programs: &'a [LazyProgram; 4]) -> &'a LazyProgram {
-        let [agx, aces, reinhard, none] = programs;
-        match self.tone_map.unwrap_or(picture.tone_map) {
-            ToneMap::Agx => agx,
-            ToneMap::Aces => aces,
-            ToneMap::Reinhard => reinhard,
-            ToneMap::None => none,
-        }
+        &programs[self.tone_map.unwrap_or(picture.tone_map) as usize]
     }
 
     /// Writes the exposed linear light of the last finished image to a target of the same size, without a tone map.
