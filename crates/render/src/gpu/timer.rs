@@ -42,18 +42,21 @@ impl GpuTimer {
 
 const TIMES_ON_THEIR_WAY: usize = 4;
 
-/// A timer of frames that never waits for the GPU: times arrive some frames later.
-pub(super) struct FrameTimer {
-    gl: Gl,
+/// Measures GPU times of frames that are drawn in one call. It never waits for the GPU: times arrive some frames later.
+/// The default does not measure.
+#[derive(Default)]
+pub(super) struct PictureClock {
+    gl: Option<Gl>,
     free: Vec<Query>,
     running: Option<Query>,
     on_their_way: VecDeque<Query>,
+    pub(super) cost: Option<Duration>,
 }
 
-impl FrameTimer {
+impl PictureClock {
     pub(super) fn new(gl: &Gl) -> Result<Self> {
         let free = (0..TIMES_ON_THEIR_WAY).map(|_| Query::new(gl)).collect::<Result<_, _>>()?;
-        Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
+        Ok(Self { gl: Some(gl.clone()), free, ..Self::default() })
     }
 
     /// Begins a frame. The frame is not timed if too many results of earlier frames are pending.
@@ -61,27 +64,28 @@ impl FrameTimer {
         if self.running.is_some() {
             return;
         }
-        let Some(query) = self.free.pop() else { return };
+        let (Some(gl), Some(query)) = (&self.gl, self.free.pop()) else { return };
         // SAFETY: `self` owns the query, and no second query is active.
-        unsafe { self.gl.begin_query(glow::TIME_ELAPSED, query.native()) }
+        unsafe { gl.begin_query(glow::TIME_ELAPSED, query.native()) }
         self.running = Some(query);
     }
 
     pub(super) fn end(&mut self) {
-        let Some(query) = self.running.take() else { return };
+        let (Some(gl), Some(query)) = (&self.gl, self.running.take()) else { return };
         // SAFETY: the active query is the query that `begin` started.
-        unsafe { self.gl.end_query(glow::TIME_ELAPSED) }
+        unsafe { gl.end_query(glow::TIME_ELAPSED) }
         self.on_their_way.push_back(query);
     }
 
     /// The latest GPU time of a frame that has become known since the last call.
     pub(super) fn drain(&mut self) -> Option<Duration> {
+        let gl = self.gl.as_ref()?;
         let mut newest = None;
         while let Some(query) = self.on_their_way.pop_front() {
             // SAFETY: `self` owns the query, and `end` has ended it.
             let time = unsafe {
-                let available = self.gl.get_query_parameter_u32(query.native(), glow::QUERY_RESULT_AVAILABLE);
-                (available != 0).then(|| self.gl.get_query_parameter_u64(query.native(), glow::QUERY_RESULT))
+                let available = gl.get_query_parameter_u32(query.native(), glow::QUERY_RESULT_AVAILABLE);
+                (available != 0).then(|| gl.get_query_parameter_u64(query.native(), glow::QUERY_RESULT))
             };
             let Some(nanoseconds) = time else {
                 self.on_their_way.push_front(query);
@@ -90,33 +94,7 @@ impl FrameTimer {
             newest = Some(Duration::from_nanos(nanoseconds));
             self.free.push(query);
         }
+        self.cost = newest.or(self.cost);
         newest
-    }
-}
-
-/// Measures GPU times of frames that are drawn in one call. The default does not measure.
-#[derive(Default)]
-pub(super) struct PictureClock {
-    timer: Option<FrameTimer>,
-    pub(super) cost: Option<Duration>,
-}
-
-impl PictureClock {
-    pub(super) fn new(gl: &Gl) -> Result<Self> {
-        Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
-    }
-
-    pub(super) fn begin(&mut self) {
-        self.timer.iter_mut().for_each(FrameTimer::begin);
-    }
-
-    pub(super) fn end(&mut self) {
-        self.timer.iter_mut().for_each(FrameTimer::end);
-    }
-
-    pub(super) fn drain(&mut self) -> Option<Duration> {
-        let time = self.timer.as_mut()?.drain();
-        self.cost = time.or(self.cost);
-        time
     }
 }
