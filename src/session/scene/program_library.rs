@@ -12,7 +12,6 @@ use super::prepared_scene::PreparedScene;
 use super::program_task::{ProgramOf, Task};
 use super::universal::UniversalInterpreters;
 use crate::frame::Frame;
-use crate::frame::block::RegionTree;
 use crate::frame::projection::Projection;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, ProgramProduct};
 use crate::gpu::scene_program::{
@@ -20,6 +19,7 @@ use crate::gpu::scene_program::{
 };
 use crate::gpu::stand_ins::SceneShape;
 use crate::gpu::{Counting, Gl, GpuError, Interpreter, Mode, Program, Sources, Variant, WorkerContext};
+use mariana_field::region::Regions;
 
 pub(super) struct ProgramLibrary {
     gl: Gl,
@@ -244,7 +244,7 @@ impl ProgramLibrary {
         ProgramJob {
             id: self.next_task,
             variant: Box::new(move || Ok(projected(variant()?, &projection))),
-            block: frame.block(world, &RegionTree::default()),
+            block: frame.block(world, &Regions::default(), None),
             picture: frame.picture,
             scene: SceneShape::of(world),
             product: ProgramProduct::Frames,

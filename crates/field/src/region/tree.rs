@@ -58,8 +58,8 @@ pub struct RegionStats {
     pub overflowed: usize,
 }
 
-/// The tree of a frame.
-#[derive(Debug, Clone, PartialEq)]
+/// The tree of a frame. The default has no cells and no tapes.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Regions {
     /// The texels that the shaders read.
     pub texels: Vec<[u32; 4]>,

@@ -1,7 +1,5 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
-use std::sync::Arc;
-
 use super::{Frame, sound_tables};
 use mariana_field::graph::ScreenInput::{MousePressed, MouseX, MouseY};
 use mariana_field::graph::{
@@ -11,7 +9,7 @@ use mariana_field::lang::{Light, TextureRef};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::ROOT_GROWTH;
-use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
+use mariana_field::region::{MEDIUM_SIDE, MediumGrid, Regions};
 use mariana_field::world::{LightKind, PLANES_MAX, TILE_PARTS, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -54,29 +52,12 @@ pub fn block_defines() -> [String; 16] {
     ]
 }
 
-/// The box of a frame's region tree, a box around all surfaces, and the tape that is valid everywhere.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct RegionTree {
-    /// Lower corner of the first root's box.
-    pub low: [f32; 3],
-    /// Extent of the box; 0 without cells.
-    pub size: [f32; 3],
-    /// Number of roots.
-    pub roots: usize,
-    /// Lower and upper corner of a box around all surfaces of the frame, if the box is tighter than the world's.
-    pub bounds: Option<([f32; 3], [f32; 3])>,
-    /// First texel of the tape that is valid everywhere. It is below 2^24, so that a float holds it exactly.
-    pub whole_tape: u32,
-    /// The grid over the media; `None` without media.
-    pub medium: Option<Arc<MediumGrid>>,
-}
-
 /// The shader divides by the reach of ambient light, so it must not be 0.
 const REACH_MIN: f32 = 1e-4;
 
 impl Frame {
-    /// Packs the frame for the shaders. Every number is finite.
-    pub fn block(&self, world: &World, tree: &RegionTree) -> FrameBlock {
+    /// Packs the frame for the shaders, with its tree and the grid over its media. Every number is finite.
+    pub fn block(&self, world: &World, tree: &Regions, medium: Option<&MediumGrid>) -> FrameBlock {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let camera = &self.camera;
         let ([right, up, forward], projection) = self.projection.packed(camera);
@@ -96,7 +77,6 @@ impl Frame {
         for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
             *to = plane.object as f32;
         }
-        let medium = tree.medium.as_deref();
         let has_cells = tree.size.iter().all(|side| *side > 0.0);
         let per_unit = tree.size.map(|side| if has_cells { ROOT_SIDE / side } else { 1.0 });
         let middle = |axis: usize| tree.low[axis] + 0.5 * tree.size[axis];
@@ -223,14 +203,10 @@ mod tests {
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
-        let tree = RegionTree {
-            low: [1.0; 3],
-            size: [2.0, 4.0, 8.0],
-            roots: 2,
-            whole_tape: 9,
-            ..RegionTree::default()
-        };
-        let block = block.block(&world, &tree);
+        let mut tree = Regions::default();
+        (tree.low, tree.size) = ([1.0; 3], [2.0, 4.0, 8.0]);
+        (tree.roots, tree.whole_tape) = (2, 9);
+        let block = block.block(&world, &tree, None);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
         assert_eq!(block[5], [0.0, 1.0, 0.0, 0.0], "time, number of lights, rows of the history");

@@ -19,7 +19,7 @@ use super::texel_list::{self, ListTexel, TexelList};
 use super::texture;
 use super::tiles::Costs;
 use crate::frame::Frame;
-use crate::frame::block::RegionTree;
+use crate::frame::block::FrameBlock;
 use crate::frame::sound_tables;
 use crate::limits;
 use crate::view::setup::Drawn;
@@ -366,8 +366,8 @@ impl SceneResources {
         *self.uploaded.borrow_mut() = Some(built);
     }
 
-    /// The region tree of a frame. Builds missing regions, because regions for different inputs would be wrong.
-    pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
+    /// The frame block of a frame. Builds missing regions, because regions for different inputs would be wrong.
+    pub(super) fn block_of(&self, frame: &Frame) -> FrameBlock {
         let request = self.region_request(frame);
         let known = self.regions().filter(|built| request.is_served_by(&built.request));
         let built = known.unwrap_or_else(|| {
@@ -375,8 +375,7 @@ impl SceneResources {
             self.upload_regions(built.clone());
             built
         });
-        let Regions { low, size, roots, bounds, whole_tape, .. } = *built.regions;
-        RegionTree { low, size, roots, bounds, whole_tape, medium: built.medium.clone() }
+        frame.block(&self.world, &built.regions, built.medium.as_deref())
     }
 
     /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.

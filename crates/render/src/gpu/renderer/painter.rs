@@ -102,9 +102,9 @@ impl Painter {
         frame: &Frame,
         scene: &SceneResources,
     ) -> Result<()> {
-        let tree = scene.tree_of(frame);
+        let block = scene.block_of(frame);
         scene.upload_inputs(frame)?;
-        self.begin_block(product, frame.size, &frame.block(scene.world(), &tree), &frame.picture)
+        self.begin_block(product, frame.size, &block, &frame.picture)
     }
 
     /// Draws a frame of feedback for each group of histories with its own last frame.

@@ -178,11 +178,11 @@ impl Painter {
 
     /// Sets everything that the paths of a frame read. Returns the targets of the image, or `None` without targets.
     fn prepare_paths(&mut self, frame: &Frame, scene: &SceneResources) -> Result<Option<Targets>> {
-        let tree = scene.tree_of(frame);
+        let block = scene.block_of(frame);
         scene.upload_inputs(frame)?;
         self.need_targets(frame.size, &of_paths(frame))?;
         let Some(targets) = self.canvas.targets.take() else { return Ok(None) };
-        self.sampling.set_frame(&frame.block(scene.world(), &tree));
+        self.sampling.set_frame(&block);
         self.post.bind_picture(&frame.picture, self.sampling.edge_samples);
         self.post.passes.prepare();
         self.sampling.settle_samplers(&targets.first)?;
