@@ -54,13 +54,6 @@ struct Candidate {
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {
-    /// Prepares a search of the system's fonts, for the user's language. Fonts are read at the first search.
-    pub fn new() -> Self {
-        let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
-        let locale = variables.iter().find(|value| !value.is_empty());
-        Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
-    }
-
     /// Prepares a search of the fonts in `folder` and its subfolders. Fonts are read at the first search.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
@@ -148,8 +141,11 @@ fn plain(name: &str) -> String {
 }
 
 impl Default for SystemFonts {
+    /// Prepares a search of the system's fonts, for the user's language. Fonts are read at the first search.
     fn default() -> Self {
-        Self::new()
+        let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
+        let locale = variables.iter().find(|value| !value.is_empty());
+        Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
     }
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct Line {
 
 impl Letters {
     pub(crate) fn new() -> Self {
-        Self::with_fonts(SystemFonts::new())
+        Self::with_fonts(SystemFonts::default())
     }
 
     fn with_fonts(system: SystemFonts) -> Self {

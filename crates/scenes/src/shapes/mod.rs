@@ -96,7 +96,7 @@ impl TextBaker for SongBaker {
 /// The fonts of the system, which are read when they are first needed.
 fn system_fonts<T>(read: impl FnOnce(&mut SystemFonts) -> T) -> T {
     static FONTS: OnceLock<Mutex<SystemFonts>> = OnceLock::new();
-    let fonts = FONTS.get_or_init(|| Mutex::new(SystemFonts::new()));
+    let fonts = FONTS.get_or_init(|| Mutex::new(SystemFonts::default()));
     read(&mut fonts.lock().unwrap_or_else(PoisonError::into_inner))
 }
 

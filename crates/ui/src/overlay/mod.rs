@@ -122,7 +122,7 @@ impl Overlay {
     /// Creates an empty overlay without calling OpenGL. Other threads call `wake` when the overlay becomes
     /// [`Self::due`].
     pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
-        let panels = Panels::new(SystemFonts::new(), wake);
+        let panels = Panels::new(SystemFonts::default(), wake);
         Self {
             gl: gl.clone(),
             panels,
