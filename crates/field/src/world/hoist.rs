@@ -20,11 +20,11 @@ pub struct Hoisted {
 impl Hoisted {
     pub(super) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
         let mut own = Graph::new();
-        let mut moved = Moved::of(graph);
+        let mut moved = vec![NodeId::default(); graph.len()];
         for id in graph.order(roots)?.nodes {
-            moved.copy(graph, id, &mut own);
+            copy(graph, id, &mut own, &mut moved);
         }
-        let roots: Vec<NodeId> = roots.iter().map(|root| moved.at(*root)).collect();
+        let roots: Vec<NodeId> = roots.iter().map(|root| moved[root.index()]).collect();
         Ok(Self { order: own.order(&roots)?, graph: own, roots })
     }
 
@@ -37,20 +37,9 @@ impl Hoisted {
     }
 }
 
-struct Moved(Vec<NodeId>);
-
-impl Moved {
-    fn of(graph: &Graph) -> Self {
-        Self(vec![NodeId::default(); graph.len()])
-    }
-
-    fn at(&self, id: NodeId) -> NodeId {
-        self.0[id.index()]
-    }
-
-    fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
-        self.0[id.index()] = to.raw(from.node(id).with_operands(|operand| self.at(operand)));
-    }
+/// Copies a node whose operands have been copied. `moved` holds the copy of each node.
+fn copy(from: &Graph, id: NodeId, to: &mut Graph, moved: &mut [NodeId]) {
+    moved[id.index()] = to.raw(from.node(id).with_operands(|operand| moved[operand.index()]));
 }
 
 /// Hoists the parts of the roots that do not depend on the point. All other nodes stay the same, bit for bit.
@@ -60,27 +49,13 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
     let mut of_frame = vec![false; graph.len()];
     let mut is_read = vec![false; graph.len()];
     for &id in &order {
-        let operands = match graph.node(id) {
-            Node::Constant(_) => [None; 2],
-            Node::Input(input) => {
-                of_frame[id.index()] = input.of_point().is_none();
-                continue;
-            }
-            Node::Texture { u, v, .. } => {
-                is_read[u.index()] = true;
-                is_read[v.index()] = true;
-                continue;
-            }
-            Node::Unary(_, a) => [Some(a), None],
-            Node::Binary(_, a, b) => [Some(a), Some(b)],
-        };
+        let node = graph.node(id);
         let fixed = |id: NodeId| of_frame[id.index()] || graph.as_constant(id).is_some();
-        if operands.iter().flatten().all(|operand| fixed(*operand)) {
-            of_frame[id.index()] = graph.as_constant(id).is_none();
-        } else {
-            for operand in operands.iter().flatten() {
-                is_read[operand.index()] = true;
-            }
+        match node {
+            Node::Constant(_) => {}
+            Node::Input(input) => of_frame[id.index()] = input.of_point().is_none(),
+            Node::Unary(..) | Node::Binary(..) if node.operands().all(fixed) => of_frame[id.index()] = true,
+            _ => node.operands().for_each(|operand| is_read[operand.index()] = true),
         }
     }
     for root in &all {
@@ -89,12 +64,12 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
     let mut hoisted = Vec::new();
     let mut rest = Graph::new();
     rest.reserve(order.len());
-    let mut moved = Moved::of(graph);
+    let mut moved = vec![NodeId::default(); graph.len()];
     // Shaders know no motions, so these come first: there are fewer of them than places.
     let is_motion = |id: NodeId| matches!(graph.node(id), Node::Input(Input::Motion(_)));
     for &id in order.iter().filter(|id| is_motion(**id)) {
         if is_read[id.index()] {
-            moved.0[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
+            moved[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
             hoisted.push(id);
         }
     }
@@ -105,14 +80,14 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
         let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_));
         let hoistable = computed && of_frame[id.index()] && is_read[id.index()];
         if hoistable && hoisted.len() < LIMITS.hoisted_max {
-            moved.0[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
+            moved[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
             hoisted.push(id);
         } else {
-            moved.copy(graph, id, &mut rest);
+            copy(graph, id, &mut rest, &mut moved);
         }
     }
     rest.check()?;
-    Ok((rest, roots.map(|id| moved.at(id)), Hoisted::of(graph, &hoisted)?))
+    Ok((rest, roots.map(|id| moved[id.index()]), Hoisted::of(graph, &hoisted)?))
 }
 
 #[cfg(test)]
