@@ -35,6 +35,11 @@ impl Bounds {
         self.high[axis] - self.low[axis]
     }
 
+    /// The coordinate of a face: those at the low ends come first, then those at the high ends.
+    pub(super) fn face_mut(&mut self, face: usize) -> &mut f32 {
+        if face < 3 { &mut self.low[face] } else { &mut self.high[face % 3] }
+    }
+
     /// Returns the smallest box around both boxes, enlarged by `margin` on each side.
     pub fn hull(&self, other: &Self, margin: f32) -> Self {
         Self {

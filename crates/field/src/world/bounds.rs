@@ -245,12 +245,7 @@ impl Search<'_> {
                 pieces(&part, face).into_iter().for_each(&mut put);
                 continue;
             }
-            let outside = below(&part.cell, face, depths[slice]);
-            if face < 3 {
-                part.cell.low[axis] = outside
-            } else {
-                part.cell.high[axis] = outside
-            }
+            *part.cell.face_mut(face) = below(&part.cell, face, depths[slice]);
             put(part);
         }
     }

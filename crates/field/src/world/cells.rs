@@ -48,11 +48,7 @@ pub(super) fn pieces(part: &Part, face: usize) -> Vec<Part> {
     let mut pieces = Vec::with_capacity(PIECES);
     if count(axis) == 2 {
         let (mut inner, middle) = (cell, 0.5 * (cell.low[axis] + cell.high[axis]));
-        if face < 3 {
-            (cell.high[axis], inner.low[axis]) = (middle, middle);
-        } else {
-            (cell.low[axis], inner.high[axis]) = (middle, middle);
-        }
+        (*cell.face_mut((face + 3) % 6), *inner.face_mut(face)) = (middle, middle);
         pieces.push(piece(inner, false));
     }
     for place in 0..of_u * of_v {

@@ -125,7 +125,7 @@ pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) 
     let mut found = Bounds { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY; 3] };
     for _ in 0..ROUNDS {
         for face in 0..6 {
-            let (axis, is_high) = (face % 3, face >= 3);
+            let outwards = if face < 3 { -1.0 } else { 1.0 };
             let searched = Bounds {
                 low: found.low.map(|at| at.max(-FARTHEST)),
                 high: found.high.map(|at| at.min(FARTHEST)),
@@ -134,11 +134,7 @@ pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) 
             let mut first_without = |cuts: &[f32; CUTS]| {
                 let beyond = |cut: &f32| {
                     let mut part = searched;
-                    if is_high {
-                        part.low[axis] = *cut
-                    } else {
-                        part.high[axis] = -*cut
-                    };
+                    *part.face_mut((face + 3) % 6) = outwards * cut;
                     part
                 };
                 let open = search.open(&whole, &cuts.map(|cut| beyond(&cut)));
@@ -150,11 +146,7 @@ pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) 
             let start = number.checked_sub(1).and_then(|before| cuts.get(before)).copied().unwrap_or(end);
             let fine = std::array::from_fn(|cut| start + (end - start) * (cut + 1) as f32 / CUTS as f32);
             let end = fine.get(first_without(&fine)).copied().unwrap_or(end);
-            if is_high {
-                found.high[axis] = end
-            } else {
-                found.low[axis] = -end
-            };
+            *found.face_mut(face) = outwards * end;
         }
     }
     Ok(found)
