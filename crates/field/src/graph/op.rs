@@ -191,150 +191,143 @@ macro_rules! operators {
     };
 }
 
-const NONE: Properties = Properties::NONE;
-const COMMUTATIVE: Properties = Properties::COMMUTATIVE;
-const NEVER_NEGATIVE: Properties = Properties::NEVER_NEGATIVE;
-const WHOLE: Properties = Properties::WHOLE;
-const TRUTH: Properties = Properties::TRUTH;
-const READS_FRAME: Properties = Properties::READS_FRAME;
-const EXPENSIVE: Properties = Properties::EXPENSIVE;
-const CHOOSES: Properties = Properties::CHOOSES;
+use Properties as P;
 
 operators! {
     /// -a.
-    Neg = 16 "NEG" NONE,
+    Neg = 16 "NEG" P::NONE,
         value |a, _, _| -a, bounds |a, _, _| rules::neg(a), constant_slopes -1.0, 0.0,
         glsl "-$a";
     /// |a|.
-    Abs = 17 "ABS" NEVER_NEGATIVE,
+    Abs = 17 "ABS" P::NEVER_NEGATIVE,
         value |a, _, _| a.abs(), bounds |a, _, _| rules::abs(a),
         slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::abs(a),
         glsl "abs($a)";
     /// -1, 0 or 1; 0 for a NaN.
-    Sign = 18 "SIGN" WHOLE,
+    Sign = 18 "SIGN" P::WHOLE,
         value |a, _, _| truth(a > 0.0) - truth(a < 0.0), bounds |a, _, _| rules::sign(a),
         constant_slopes 0.0, 0.0, glsl "sign($a)";
     /// The largest whole number that is not above a.
-    Floor = 19 "FLOOR" WHOLE,
+    Floor = 19 "FLOOR" P::WHOLE,
         value |a, _, _| a.floor(), bounds |a, _, _| a.map_rising(f32::floor), constant_slopes 0.0, 0.0,
         glsl "floor($a)";
     /// The smallest whole number that is not below a.
-    Ceil = 20 "CEIL" WHOLE,
+    Ceil = 20 "CEIL" P::WHOLE,
         value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), constant_slopes 0.0, 0.0,
         glsl "ceil($a)";
     /// floor(a + 0.5): halves are rounded up. (In GLSL the direction depends on the driver.)
-    Round = 21 "ROUND" WHOLE,
+    Round = 21 "ROUND" P::WHOLE,
         value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), constant_slopes 0.0, 0.0,
         glsl "floor($a + 0.5)";
     /// The whole part, towards 0.
-    Trunc = 22 "TRUNC" WHOLE,
+    Trunc = 22 "TRUNC" P::WHOLE,
         value |a, _, _| a.trunc(), bounds |a, _, _| a.map_rising(f32::trunc), constant_slopes 0.0, 0.0,
         glsl "trunc($a)";
     /// a - floor(a); 1 for tiny negative a, by rounding.
-    Fract = 23 "FRACT" NEVER_NEGATIVE,
+    Fract = 23 "FRACT" P::NEVER_NEGATIVE,
         value |a, _, _| a - a.floor(), bounds |a, _, _| rules::fract(a), constant_slopes 1.0, 0.0,
         glsl "($a - floor($a))";
     /// a * a.
-    Square = 24 "SQUARE" NEVER_NEGATIVE,
+    Square = 24 "SQUARE" P::NEVER_NEGATIVE,
         value |a, _, _| a * a, bounds |a, _, _| rules::square(a), slopes |a, _, _, _| (2.0 * a, 0.0),
         slope_bounds |a, _, _, _| slopes::square(a),
         glsl "($a * $a)";
     /// The square root; 0 for negative a and for a NaN.
-    Sqrt = 25 "SQRT" NEVER_NEGATIVE,
+    Sqrt = 25 "SQRT" P::NEVER_NEGATIVE,
         value |a, _, _| sqrt(a), bounds |a, _, _| rules::sqrt(a),
         slopes |_, _, r, _| (if r > 0.0 { 0.5 / r } else { 0.0 }, 0.0),
         slope_bounds |_, _, r, _| slopes::sqrt(r),
         glsl "sqrt(max($a, 0.0))";
     /// e^a.
-    Exp = 26 "EXP" NEVER_NEGATIVE.and(EXPENSIVE),
+    Exp = 26 "EXP" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, _, _| a.exp(), bounds |a, _, _| rules::exponential(a, f32::exp), slopes |_, _, r, _| (r, 0.0),
         slope_bounds |_, _, r, _| slopes::first(r),
         glsl "exp($a)";
     /// 2^a.
-    Exp2 = 27 "EXP2" NEVER_NEGATIVE.and(EXPENSIVE),
+    Exp2 = 27 "EXP2" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, _, _| a.exp2(), bounds |a, _, _| rules::exponential(a, f32::exp2),
         slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
         slope_bounds |_, _, r, _| slopes::exp2(r),
         glsl "exp2($a)";
     /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
-    Log = 28 "LOG" EXPENSIVE,
+    Log = 28 "LOG" P::EXPENSIVE,
         value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::logarithm(a, f32::ln),
         slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, 1.0),
         glsl "log(max($a, 1.17549435e-38))";
     /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
-    Log2 = 29 "LOG2" EXPENSIVE,
+    Log2 = 29 "LOG2" P::EXPENSIVE,
         value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::logarithm(a, f32::log2),
         slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, std::f32::consts::LOG2_E),
         glsl "log2(max($a, 1.17549435e-38))";
     /// The sine of a in radians.
-    Sin = 30 "SIN" EXPENSIVE,
+    Sin = 30 "SIN" P::EXPENSIVE,
         value |a, _, _| a.sin(), bounds |a, _, _| rules::sin(a), slopes |a, _, _, _| (a.cos(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cos(a)),
         glsl "sin($a)";
     /// The cosine of a in radians.
-    Cos = 31 "COS" EXPENSIVE,
+    Cos = 31 "COS" P::EXPENSIVE,
         value |a, _, _| a.cos(), bounds |a, _, _| rules::cos(a), slopes |a, _, _, _| (-a.sin(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(rules::sin(a))),
         glsl "cos($a)";
     /// The tangent of a in radians.
-    Tan = 32 "TAN" EXPENSIVE,
+    Tan = 32 "TAN" P::EXPENSIVE,
         value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tan(r),
         glsl "tan($a)";
     /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's asin has an error of 4e-4 in Mesa.)
-    Asin = 33 "ASIN" EXPENSIVE,
+    Asin = 33 "ASIN" P::EXPENSIVE,
         value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
         slopes |a, _, _, _| (arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(slopes::arc(a)),
         glsl "atan(clamp($a, -1.0, 1.0), sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)))";
     /// The arc cosine of a clamped to -1..1; π/2 for a NaN.
-    Acos = 34 "ACOS" NEVER_NEGATIVE.and(EXPENSIVE),
+    Acos = 34 "ACOS" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
         slopes |a, _, _, _| (-arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(slopes::arc(a))),
         glsl "atan(sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)), clamp($a, -1.0, 1.0))";
     /// The arc tangent of a.
-    Atan = 35 "ATAN" EXPENSIVE,
+    Atan = 35 "ATAN" P::EXPENSIVE,
         value |a, _, _| a.atan(), bounds |a, _, _| a.map_rising(f32::atan).widened(),
         slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
         slope_bounds |a, _, _, _| slopes::atan(a),
         glsl "atan($a)";
     /// The hyperbolic sine of a.
-    Sinh = 36 "SINH" EXPENSIVE,
+    Sinh = 36 "SINH" P::EXPENSIVE,
         value |a, _, _| a.sinh(), bounds |a, _, _| a.map_rising(f32::sinh).widened(), slopes |a, _, _, _| (a.cosh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cosh(a)),
         glsl "sinh($a)";
     /// The hyperbolic cosine of a.
-    Cosh = 37 "COSH" NEVER_NEGATIVE.and(EXPENSIVE),
+    Cosh = 37 "COSH" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(a.map_rising(f32::sinh).widened()),
         glsl "cosh($a)";
     /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`](super::TANH_MAX); 0 for a NaN.
-    Tanh = 38 "TANH" EXPENSIVE,
+    Tanh = 38 "TANH" P::EXPENSIVE,
         value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tanh(r),
         glsl "tanh(clamp($a, -10.0, 10.0))";
     /// 1 where a is 0, else 0 (also for a NaN).
-    Not = 39 "NOT" TRUTH,
+    Not = 39 "NOT" P::TRUTH,
         value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), constant_slopes 0.0, 0.0,
         glsl "float($a == 0.0)";
     /// The band with the number floor(a), clamped to the list ([`LevelList::nearest`]); band 0 for a NaN.
-    Band = 40 "BAND" READS_FRAME.and(EXPENSIVE),
+    Band = 40 "BAND" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Band, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Band, a),
         constant_slopes 0.0, 0.0, glsl "level_of_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline ([`TableData`](super::TableData)).
-    Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
+    Spectrum = 41 "SPECTRUM" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.spectrum.at(a, 0.0),
         bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
     /// The waveform at a in 0..1, old to new, clamped; a cubic B-spline of the entries.
-    Waveform = 42 "WAVEFORM" READS_FRAME.and(EXPENSIVE),
+    Waveform = 42 "WAVEFORM" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.waveform.at(a, 0.0),
         bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
@@ -342,119 +335,119 @@ operators! {
         glsl "table_waveform($a)";
     /// The number of the parts of the song with the index floor(a), clamped; the first for a NaN
     /// ([`PartInput`](super::PartInput)).
-    Part = 47 "PART" READS_FRAME.and(EXPENSIVE),
+    Part = 47 "PART" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.part(a), bounds |a, _, frame| frame.part_bounds(a),
         constant_slopes 0.0, 0.0, glsl "table_part($a)";
 
     /// The number of the scene's texts and pictures with the index floor(a), clamped; the first for a NaN
     /// ([`ShapeAtlas`](super::ShapeAtlas)).
-    ShapeNumber = 48 "SHAPE_NUMBER" READS_FRAME.and(EXPENSIVE),
+    ShapeNumber = 48 "SHAPE_NUMBER" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.shapes.number(a), bounds |a, _, frame| frame.shapes.number_bounds(a),
         constant_slopes 0.0, 0.0, glsl "shape_number($a)";
     /// Like [`Op::Band`], for the levels of notes.
-    Note = 43 "NOTE" READS_FRAME.and(EXPENSIVE),
+    Note = 43 "NOTE" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Note, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Note, a),
         constant_slopes 0.0, 0.0, glsl "level_of_note($a)";
     /// The same for the levels of pitch classes.
-    Chroma = 44 "CHROMA" READS_FRAME.and(EXPENSIVE),
+    Chroma = 44 "CHROMA" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Chroma, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Chroma, a),
         constant_slopes 0.0, 0.0, glsl "level_of_chroma($a)";
     /// The same for the stereo positions of the bands.
-    Pan = 45 "PAN" READS_FRAME.and(EXPENSIVE),
+    Pan = 45 "PAN" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Pan, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Pan, a),
         constant_slopes 0.0, 0.0, glsl "level_of_pan($a)";
     /// The same for the difference between the channels in each band.
-    Width = 46 "WIDTH" READS_FRAME.and(EXPENSIVE),
+    Width = 46 "WIDTH" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Width, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Width, a),
         constant_slopes 0.0, 0.0, glsl "level_of_width($a)";
     /// a + b.
-    Add = 64 "ADD" COMMUTATIVE,
+    Add = 64 "ADD" P::COMMUTATIVE,
         value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), constant_slopes 1.0, 1.0,
         glsl "($a + $b)";
     /// a - b.
-    Sub = 65 "SUB" NONE,
+    Sub = 65 "SUB" P::NONE,
         value |a, b, _| a - b, bounds |a, b, _| rules::sub(a, b), constant_slopes 1.0, -1.0,
         glsl "($a - $b)";
     /// a * b.
-    Mul = 66 "MUL" COMMUTATIVE,
+    Mul = 66 "MUL" P::COMMUTATIVE,
         value |a, b, _| a * b, bounds |a, b, _| rules::mul(a, b), slopes |a, b, _, _| (b, a),
         slope_bounds |a, b, _, _| (b, a),
         glsl "($a * $b)";
     /// a / b; 0 where b is 0, so that the normalized vector of length 0 is 0.
-    Div = 67 "DIV" NONE,
+    Div = 67 "DIV" P::NONE,
         value |a, b, _| div(a, b), bounds |a, b, _| rules::div(a, b),
         slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
         slope_bounds |a, b, r, _| slopes::div(a, b, r),
         glsl "($b == 0.0 ? 0.0 : $a / $b)";
     /// The smaller operand.
-    Min = 68 "MIN" COMMUTATIVE.and(CHOOSES),
+    Min = 68 "MIN" P::COMMUTATIVE.and(P::CHOOSES),
         value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
         slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Min, a, b),
         glsl "min($a, $b)";
     /// The larger operand.
-    Max = 69 "MAX" COMMUTATIVE.and(CHOOSES),
+    Max = 69 "MAX" P::COMMUTATIVE.and(P::CHOOSES),
         value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
         glsl "max($a, $b)";
     /// GLSL's mod: a - b * floor(a / b), or a where b is 0. The result has the sign of b.
-    Mod = 70 "MOD" NONE,
+    Mod = 70 "MOD" P::NONE,
         value |a, b, _| modulo(a, b), bounds |a, b, _| rules::modulo(a, b),
         slopes |a, b, _, _| (1.0, -div(a, b).floor()),
         slope_bounds |a, b, _, _| slopes::modulo(a, b),
         glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
     /// a to the power of b. A base that is 0, negative or below [`SMALLEST`] gives 0, and 1 where b is 0.
-    Pow = 71 "POW" NEVER_NEGATIVE.and(EXPENSIVE),
+    Pow = 71 "POW" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
         slope_bounds |a, b, r, _| slopes::pow(a, b, r),
         glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
     /// The angle of (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative b, else 0.
-    Atan2 = 72 "ATAN2" EXPENSIVE,
+    Atan2 = 72 "ATAN2" P::EXPENSIVE,
         value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
         slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },
         slope_bounds |a, b, _, _| slopes::atan2(a, b),
         glsl "($a == 0.0 ? ($b < 0.0 ? 3.14159274 : 0.0) : atan($a, $b))";
     /// GLSL's step(a, b): 0 where b is below the edge a, else 1 (also for a NaN).
-    Step = 73 "STEP" TRUTH,
+    Step = 73 "STEP" P::TRUTH,
         value |a, b, _| 1.0 - truth(b < a), bounds |a, b, _| rules::not(rules::less(b, a)),
         constant_slopes 0.0, 0.0, glsl "($b < $a ? 0.0 : 1.0)";
     /// 1 where a < b, else 0.
-    Less = 74 "LESS" TRUTH,
+    Less = 74 "LESS" P::TRUTH,
         value |a, b, _| truth(a < b), bounds |a, b, _| rules::less(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a < $b)";
     /// 1 where a <= b, else 0.
-    LessEqual = 75 "LESS_EQUAL" TRUTH,
+    LessEqual = 75 "LESS_EQUAL" P::TRUTH,
         value |a, b, _| truth(a <= b), bounds |a, b, _| rules::less_equal(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a <= $b)";
     /// 1 where a = b, else 0.
-    Equal = 76 "EQUAL" COMMUTATIVE.and(TRUTH),
+    Equal = 76 "EQUAL" P::COMMUTATIVE.and(P::TRUTH),
         value |a, b, _| truth(a == b), bounds |a, b, _| rules::equal(a, b), constant_slopes 0.0, 0.0,
         glsl "float($a == $b)";
     /// b where a is not 0 (also where it is a NaN), else 0.
-    Mask = 77 "MASK" CHOOSES,
+    Mask = 77 "MASK" P::CHOOSES,
         value |a, b, _| if a == 0.0 { 0.0 } else { b }, bounds |a, b, _| rules::mask(a, b),
         slopes |a, _, _, _| (0.0, truth(a != 0.0)),
         slope_bounds |a, b, _, _| slopes::chosen(Op::Mask, a, b),
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)); see [`cell_hash`].
-    Hash = 78 "HASH" NEVER_NEGATIVE.and(EXPENSIVE),
+    Hash = 78 "HASH" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), constant_slopes 0.0, 0.0,
         glsl "cell_hash($a, $b)";
     /// The history of the spectrum at a (0 low .. 1 high) and age b (0 now .. 1 oldest); a bicubic B-spline.
-    History = 79 "HISTORY" READS_FRAME.and(EXPENSIVE),
+    History = 79 "HISTORY" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
     /// The distance to a text or picture at the coordinates a and b of the grid of all of them, clamped; bilinear.
-    Shape = 87 "SHAPE" READS_FRAME.and(EXPENSIVE),
+    Shape = 87 "SHAPE" P::READS_FRAME.and(P::EXPENSIVE),
         value |a, b, frame| frame.shapes.at(a, b), bounds |a, b, frame| frame.shape_bounds(a, b),
         slopes |a, b, _, frame| frame.shapes.slopes(a, b),
         slope_bounds |a, b, _, frame| frame.shapes.slope_bounds(a, b),
@@ -463,44 +456,44 @@ operators! {
     // Fused operators, which only `fuse.rs` makes. Each replaces two operators and rounds after both operations.
 
     /// a * a + b.
-    SquareAdd = 80 "SQUARE_ADD" NONE,
+    SquareAdd = 80 "SQUARE_ADD" P::NONE,
         value |a, b, _| a * a + b, bounds |a, b, _| rules::add(rules::square(a), b),
         slopes |a, _, _, _| (2.0 * a, 1.0),
         slope_bounds |a, _, _, _| (slopes::square(a).0, slopes::ONE),
         glsl "($a * $a + $b)";
     /// max(a, 0)^2 + b: one axis's part of the distance to a box's corner.
-    OutsideAdd = 81 "OUTSIDE_ADD" NONE,
+    OutsideAdd = 81 "OUTSIDE_ADD" P::NONE,
         value |a, b, _| { let a = a.max(0.0); a * a + b },
         bounds |a, b, _| rules::add(rules::square(rules::max(a, Interval::point(0.0))), b),
         slopes |a, _, _, _| (2.0 * a.max(0.0), 1.0),
         slope_bounds |a, _, _, _| (slopes::square(rules::max(a, Interval::point(0.0))).0, slopes::ONE),
         glsl "(max($a, 0.0) * max($a, 0.0) + $b)";
     /// (a - b)^2.
-    SquareDifference = 82 "SQUARE_DIFFERENCE" COMMUTATIVE.and(NEVER_NEGATIVE),
+    SquareDifference = 82 "SQUARE_DIFFERENCE" P::COMMUTATIVE.and(P::NEVER_NEGATIVE),
         value |a, b, _| (a - b) * (a - b), bounds |a, b, _| rules::square(rules::sub(a, b)),
         slopes |a, b, _, _| (2.0 * (a - b), -2.0 * (a - b)),
         slope_bounds |a, b, _, _| slopes::opposite(slopes::square(rules::sub(a, b)).0),
         glsl "(($a - $b) * ($a - $b))";
     /// |a - b|.
-    AbsDifference = 83 "ABS_DIFFERENCE" COMMUTATIVE.and(NEVER_NEGATIVE),
+    AbsDifference = 83 "ABS_DIFFERENCE" P::COMMUTATIVE.and(P::NEVER_NEGATIVE),
         value |a, b, _| (a - b).abs(), bounds |a, b, _| rules::abs(rules::sub(a, b)),
         slopes |a, b, _, _| if a < b { (-1.0, 1.0) } else { (1.0, -1.0) },
         slope_bounds |a, b, _, _| slopes::opposite(slopes::abs(rules::sub(a, b)).0),
         glsl "abs($a - $b)";
     /// |a| - b.
-    AbsSub = 84 "ABS_SUB" NONE,
+    AbsSub = 84 "ABS_SUB" P::NONE,
         value |a, b, _| a.abs() - b, bounds |a, b, _| rules::sub(rules::abs(a), b),
         slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, -1.0),
         slope_bounds |a, _, _, _| (slopes::abs(a).0, rules::neg(slopes::ONE)),
         glsl "(abs($a) - $b)";
     /// The square root of a (0 for negative a and for a NaN) minus b.
-    SqrtSub = 85 "SQRT_SUB" NONE,
+    SqrtSub = 85 "SQRT_SUB" P::NONE,
         value |a, b, _| sqrt(a) - b, bounds |a, b, _| rules::sub(rules::sqrt(a), b),
         slopes |a, _, _, _| (if a > 0.0 { 0.5 / a.sqrt() } else { 0.0 }, -1.0),
         slope_bounds |a, _, _, _| (slopes::sqrt(rules::sqrt(a)).0, rules::neg(slopes::ONE)),
         glsl "(sqrt(max($a, 0.0)) - $b)";
     /// The square root of a * a + b (0 where this sum is negative or a NaN): the last step of a length.
-    Length = 86 "LENGTH" NEVER_NEGATIVE,
+    Length = 86 "LENGTH" P::NEVER_NEGATIVE,
         value |a, b, _| sqrt(a * a + b), bounds |a, b, _| rules::sqrt(rules::add(rules::square(a), b)),
         slopes |a, _, r, _| if r > 0.0 { length_slopes(a, r) } else { (0.0, 0.0) },
         slope_bounds |a, _, r, _| slopes::length(a, r),
@@ -521,13 +514,8 @@ impl Op {
 
     /// Returns the operator that reads a level of the list.
     pub const fn of_levels(list: LevelList) -> Self {
-        match list {
-            LevelList::Band => Op::Band,
-            LevelList::Note => Op::Note,
-            LevelList::Chroma => Op::Chroma,
-            LevelList::Pan => Op::Pan,
-            LevelList::Width => Op::Width,
-        }
+        const ALL: [Op; LevelList::ALL.len()] = [Op::Band, Op::Note, Op::Chroma, Op::Pan, Op::Width];
+        ALL[list as usize]
     }
 
     /// Returns the list of levels that the operator reads.
