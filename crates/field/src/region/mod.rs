@@ -337,9 +337,6 @@ fn fold(
     let unknown = Arg::Value(program::PENUMBRA);
     let reads_frame =
         |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
-    // Replace numbers by an unknown value: the operator's result is unknown even if its operands are numbers. Keep
-    // other operands, because they take registers.
-    let no_number = |arg: Arg| if let Arg::Number(_) = arg { unknown } else { arg };
     let mut places = vec![Arg::Number(0.0); graph_nodes];
     let mut of_frame = vec![false; graph_nodes];
     for (index, node) in nodes {
@@ -351,6 +348,10 @@ fn fold(
             Node::Binary(_, a, b) => of_frame[a.index()] && of_frame[b.index()],
         };
         let folds = |of: NodeId| matches!(places[of.index()], Arg::Number(_));
+        // Replace numbers by an unknown value: the operator's result is unknown even if its operands are numbers. Keep
+        // other operands, because they take registers.
+        let operand =
+            |op: Op, of: NodeId| if reads_frame(op) && folds(of) { unknown } else { places[of.index()] };
         let is_constant = match *node {
             Node::Unary(op, a) => folds(a) && !reads_frame(op),
             Node::Binary(op, a, b) => folds(a) && folds(b) && !reads_frame(op),
@@ -370,14 +371,8 @@ fn fold(
                 _ => TYPICAL,
             }),
             Node::Input(_) | Node::Texture { .. } => of_point(*node),
-            Node::Unary(op, a) if reads_frame(op) => {
-                program.push(op, no_number(places[a.index()]), Arg::Number(0.0), frame)
-            }
-            Node::Binary(op, a, b) if reads_frame(op) => {
-                program.push(op, no_number(places[a.index()]), no_number(places[b.index()]), frame)
-            }
-            Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
-            Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
+            Node::Unary(op, a) => program.push(op, operand(op, a), Arg::Number(0.0), frame),
+            Node::Binary(op, a, b) => program.push(op, operand(op, a), operand(op, b), frame),
         };
     }
     places

@@ -264,12 +264,9 @@ pub(super) fn refill<T: Clone>(list: &mut Vec<T>, count: usize, element: T) {
 
 /// True if an operator can be constant in a cell although its operands are not.
 fn settles(op: Op) -> bool {
-    use Op::{Ceil, Floor, Fract, Mask, Max, Min, Mod, OutsideAdd, Round, Sign, Trunc};
-    let steps = matches!(op, Floor | Ceil | Round | Trunc | Sign | Fract | Mod);
-    let choices = matches!(op, Min | Max | Mask | OutsideAdd);
-    steps
-        || choices
-        || op.properties().has(Properties::TRUTH)
-        || op.properties().has(Properties::READS_FRAME)
-        || matches!(op, Op::Hash)
+    use Op::{Ceil, Floor, Fract, Hash, Mask, Max, Min, Mod, OutsideAdd, Round, Sign, Trunc};
+    let properties = op.properties();
+    matches!(op, Floor | Ceil | Round | Trunc | Sign | Fract | Mod | Min | Max | Mask | OutsideAdd | Hash)
+        || properties.has(Properties::TRUTH)
+        || properties.has(Properties::READS_FRAME)
 }
