@@ -449,8 +449,7 @@ struct SceneTexture {
 
 impl SceneTexture {
     fn upload(gl: &Gl, picture: &Arc<RgbaImage>, moves: bool) -> Result<Self> {
-        let texture =
-            if moves { texture::upload_moving(gl, picture)? } else { texture::upload(gl, picture)? };
+        let texture = texture::upload(gl, picture, moves)?;
         Ok(Self { gl: gl.clone(), texture, moves, shown: RefCell::new(picture.clone()) })
     }
 

@@ -6,6 +6,7 @@
 //! a single level.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use image::RgbaImage;
@@ -96,11 +97,10 @@ impl StandIns {
                 continue;
             }
             let texture = match self.pictures.entry(*stand_in) {
-                std::collections::hash_map::Entry::Occupied(known) => known.into_mut(),
-                std::collections::hash_map::Entry::Vacant(place) => {
-                    let upload =
-                        if stand_in.kind == Kind::Moving { texture::upload_moving } else { texture::upload };
-                    place.insert(upload(&self.gl, &RgbaImage::new(stand_in.size.0, stand_in.size.1))?)
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => {
+                    let picture = RgbaImage::new(stand_in.size.0, stand_in.size.1);
+                    place.insert(texture::upload(&self.gl, &picture, stand_in.kind == Kind::Moving)?)
                 }
             };
             pictures.push(texture.native());

@@ -10,9 +10,10 @@ use std::borrow::Cow;
 use glow::HasContext;
 use image::RgbaImage;
 
-use super::error::{GpuError, Result};
+use super::error::Result;
 use super::gl::Gl;
 use super::object::Texture;
+use super::target::Target;
 use crate::srgb;
 
 /// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
@@ -115,22 +116,40 @@ const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
 /// Uploads an sRGB image with all mip levels. Shaders sample it in linear light, with trilinear and anisotropic
 /// filtering, and the image repeats beyond 0..1. Software renderers get 16-bit floats in linear light. With sRGB texels
-/// they would convert eight texels per sample, which took a fifth of a frame.
+/// they would convert eight texels per sample, which took a fifth of a frame. If the texture `moves`, this is its first
+/// picture.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] if the image exceeds the driver's texture size; [`GpuError::Object`] if the driver cannot
-/// create another object.
-pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture> {
-    let levels = if gl.info().software { Levels::Computed } else { Levels::Generated };
-    upload_as(gl, picture, levels)
-}
-
-/// Uploads the first picture of a moving texture, like [`upload`].
-///
-/// # Errors
-/// Fails like [`upload`].
-pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture> {
-    upload_as(gl, picture, levels_of_moving(gl))
+/// [`TooLarge`](super::error::GpuError::TooLarge) if the image exceeds the driver's texture size;
+/// [`Object`](super::error::GpuError::Object) if the driver cannot create another object.
+pub fn upload(gl: &Gl, picture: &RgbaImage, moves: bool) -> Result<Texture> {
+    Target::check_size(gl, picture.dimensions())?;
+    let (levels, texture) = (levels_of(gl, moves), Texture::new(gl)?);
+    let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
+    let anisotropy = wanted.min(gl.info().anisotropy_max);
+    let smaller = if levels == Levels::Missing { glow::LINEAR } else { glow::LINEAR_MIPMAP_LINEAR };
+    // SAFETY: the texture was just created in the current context.
+    unsafe {
+        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+        fill(gl, picture, levels, false);
+        let parameters = [
+            (glow::TEXTURE_MIN_FILTER, smaller),
+            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+            (glow::TEXTURE_WRAP_S, glow::REPEAT),
+            (glow::TEXTURE_WRAP_T, glow::REPEAT),
+        ];
+        for (name, value) in parameters {
+            gl.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
+        }
+        if levels == Levels::Missing {
+            gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
+        }
+        if anisotropy > 1.0 {
+            gl.tex_parameter_f32(glow::TEXTURE_2D, TEXTURE_MAX_ANISOTROPY, anisotropy);
+        }
+    }
+    gl.check("uploading a texture")?;
+    Ok(texture)
 }
 
 /// Replaces the picture of a moving texture. `same_size` is true if the last picture had the same size.
@@ -138,10 +157,10 @@ pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture> {
 /// # Errors
 /// Fails like [`upload`].
 pub fn replace(gl: &Gl, texture: &Texture, picture: &RgbaImage, same_size: bool) -> Result<()> {
-    check_size(gl, picture)?;
+    Target::check_size(gl, picture.dimensions())?;
     // SAFETY: the texture exists in the current context.
     unsafe { gl.bind_texture(glow::TEXTURE_2D, Some(texture.native())) };
-    fill(gl, picture, levels_of_moving(gl), same_size);
+    fill(gl, picture, levels_of(gl, true), same_size);
     gl.check("uploading a picture")
 }
 
@@ -156,16 +175,12 @@ enum Levels {
     Missing,
 }
 
-fn levels_of_moving(gl: &Gl) -> Levels {
-    if gl.info().software { Levels::Missing } else { Levels::Generated }
-}
-
-fn check_size(gl: &Gl, picture: &RgbaImage) -> Result<()> {
-    let ((width, height), limit) = (picture.dimensions(), gl.info().texture_side_max);
-    if width > limit || height > limit {
-        return Err(GpuError::TooLarge { width, height, limit });
+fn levels_of(gl: &Gl, moves: bool) -> Levels {
+    match gl.info().software {
+        true if moves => Levels::Missing,
+        true => Levels::Computed,
+        false => Levels::Generated,
     }
-    Ok(())
 }
 
 /// Uploads the texels of the bound texture.
@@ -193,36 +208,6 @@ fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
             Levels::Missing => {}
         }
     }
-}
-
-fn upload_as(gl: &Gl, picture: &RgbaImage, levels: Levels) -> Result<Texture> {
-    check_size(gl, picture)?;
-    let texture = Texture::new(gl)?;
-    let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
-    let anisotropy = wanted.min(gl.info().anisotropy_max);
-    let smaller = if levels == Levels::Missing { glow::LINEAR } else { glow::LINEAR_MIPMAP_LINEAR };
-    // SAFETY: the texture was just created in the current context.
-    unsafe {
-        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-        fill(gl, picture, levels, false);
-        let parameters = [
-            (glow::TEXTURE_MIN_FILTER, smaller),
-            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, glow::REPEAT),
-            (glow::TEXTURE_WRAP_T, glow::REPEAT),
-        ];
-        for (name, value) in parameters {
-            gl.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
-        }
-        if levels == Levels::Missing {
-            gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
-        }
-        if anisotropy > 1.0 {
-            gl.tex_parameter_f32(glow::TEXTURE_2D, TEXTURE_MAX_ANISOTROPY, anisotropy);
-        }
-    }
-    gl.check("uploading a texture")?;
-    Ok(texture)
 }
 
 /// Uploads the lower mip levels of the bound texture.
