@@ -159,15 +159,9 @@ pub struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// Number of points.
-    pub fn len(&self) -> usize {
+    fn count(&self) -> usize {
         let slices = self.position.iter().chain(self.normal.iter().flatten());
         slices.map(|slice| slice.len()).min().unwrap_or(0)
-    }
-
-    /// True if the shortest slice is empty.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// One coordinate of the points from index `start` on, padded with 0.
@@ -252,7 +246,7 @@ impl<'a> Batch<'a> {
 
     /// Returns the values at `points`, a vector per output, bit for bit equal to the values of [`PointEvaluator`].
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
-        let count = points.len();
+        let count = points.count();
         let mut outputs: Vec<Vec<f32>> =
             self.tape.outputs.iter().map(|_| Vec::with_capacity(count)).collect();
         for start in (0..count).step_by(LANES) {

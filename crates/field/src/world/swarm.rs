@@ -122,13 +122,8 @@ impl SwarmPlan {
     }
 
     /// Number of points of all swarms.
-    pub fn len(&self) -> usize {
+    pub fn point_count(&self) -> usize {
         self.swarms.iter().map(|(count, _)| count).sum()
-    }
-
-    /// True if there is no point.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Computes a part of the points of a frame. Points that are invalid or invisible are left out.

@@ -24,7 +24,7 @@ fn plan(world: &World) -> SwarmPlan {
 
 fn points(text: &str, time: f32) -> Vec<Swarm<f32>> {
     let plan = plan(&world_of(text));
-    plan.points(&FrameInputs { time, ..FrameInputs::default() }, 0..plan.len())
+    plan.points(&FrameInputs { time, ..FrameInputs::default() }, 0..plan.point_count())
 }
 
 /// Returns the texels of all points that a ray may meet in a tree: 0 for the balls, 1 for everything faint.
@@ -90,7 +90,7 @@ fn assert_that_rays_find_all(text: &str) {
     let world = world_of(text);
     let plan = plan(&world);
     let inputs = FrameInputs { time: 3.0, ..FrameInputs::default() };
-    let points = plan.points(&inputs, 0..plan.len());
+    let points = plan.points(&inputs, 0..plan.point_count());
     let texels = plan.texels(&points, &inputs, &VIEW, 1 << 22);
     let least = HEAD + points.len() * POINT_TEXELS_MAX + 2;
     assert!(plan.texels(&points, &inputs, &VIEW, least).len() <= least);
@@ -148,7 +148,7 @@ fn rays_of_the_eye_find_every_point_in_the_list_of_their_tile() {
     let world = world_of(text);
     let plan = plan(&world);
     let inputs = FrameInputs::default();
-    let points = plan.points(&inputs, 0..plan.len());
+    let points = plan.points(&inputs, 0..plan.point_count());
     let whole = HEAD + points.len() * POINT_TEXELS_MAX + 2;
     for room in [1 << 22, 40_000, whole] {
         let texels = plan.texels(&points, &inputs, &VIEW, room);
@@ -188,7 +188,7 @@ fn mirrored_rays_find_every_point_in_the_list_of_their_tile() {
                              stretch = step(200, index) * 2 * (hash_3(vec3(index, 7, 2)) - 0.5) }";
     let plan = plan(&world_of(text));
     let inputs = FrameInputs::default();
-    let points = plan.points(&inputs, 0..plan.len());
+    let points = plan.points(&inputs, 0..plan.point_count());
     let view = SwarmView { mirror: Some((0, [0.0, 1.0, 0.0, 0.0])), ..VIEW };
     let least = HEAD + points.len() * POINT_TEXELS_MAX + 2;
     for room in [1 << 22, least] {
@@ -233,7 +233,7 @@ fn parts_of_several_swarms_are_the_whole() {
         "swarm a { count = 70  position = vec3(index, 1, 0) }\nswarm b { count = 5  position = vec3(index, 2, 0) }",
     );
     let (plan, inputs) = (plan(&world), FrameInputs::default());
-    let whole = plan.points(&inputs, 0..plan.len());
+    let whole = plan.points(&inputs, 0..plan.point_count());
     assert_eq!(whole.len(), 75);
     let parts = [0..3, 3..69, 69..72, 72..75].map(|part| plan.points(&inputs, part)).concat();
     assert_eq!(parts, whole);
@@ -275,7 +275,7 @@ fn a_blend_shrinks_and_dims_the_swarms_of_both_scenes() {
         assert!(blend.features.swarm);
         let params = blend.scene.params.iter().map(|param| param.default).collect();
         let plan = plan(&blend);
-        let found = plan.points(&FrameInputs { params, ..FrameInputs::default() }, 0..plan.len());
+        let found = plan.points(&FrameInputs { params, ..FrameInputs::default() }, 0..plan.point_count());
         let places: Vec<_> = found.iter().map(|point| point.position).collect();
         assert_eq!(places, [[0.0, 4.0, 0.0], [1.0, 4.0, 0.0]]);
         assert_eq!((found[1].size, found[1].glow), (0.5 * part, [8.0 * part; 3]));

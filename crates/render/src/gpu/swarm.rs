@@ -16,7 +16,7 @@ pub(super) fn texels(
     view: &SwarmView,
     texels_max: usize,
 ) -> Vec<[f32; 4]> {
-    let count = plan.len();
+    let count = plan.point_count();
     let part = count.div_ceil(processors()).max(SWARM_PART);
     let parts = (0..count).step_by(part).map(|start| start..(start + part).min(count));
     let mut points = std::thread::scope(|scope| {
