@@ -28,7 +28,7 @@ impl Lay {
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
             return renderer.show(size);
         }
-        renderer.show_placed(size, &self.map(renderer, area), self.placement.part())
+        renderer.show_in_part(size, WHOLE, &self.map(renderer, area), self.placement.part())
     }
 
     fn inner(&self, renderer: &Renderer) -> Area {

@@ -45,7 +45,7 @@ use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::frame::projection::Stereo;
-use crate::placement::{Area, Map, Placement, WHOLE};
+use crate::placement::{Area, Map, Placement};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
 pub(super) use canvas::Canvas;
@@ -487,19 +487,12 @@ impl Renderer {
         self.gl.check_context("showing a frame")
     }
 
-    /// Draws the image to the window's framebuffer of `window` pixels. `map` maps positions in the window to positions
-    /// in the image, both as fractions to the right and down. Only `part` of the image is visible; the rest is black.
+    /// Draws the image to `area` of the window's framebuffer, which has `window` pixels; the rest of the window does not
+    /// change. `map` maps positions in the area to positions in the image, both as fractions to the right and down. Only
+    /// `part` of the image is visible; the rest of the area is black.
     ///
     /// # Errors
     /// Fails if the driver reports an error, or if there is no memory for a copy with limited flashes.
-    pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<()> {
-        self.show_in_part(window, WHOLE, map, part)
-    }
-
-    /// Like [`Renderer::show_placed`], in `area` of the window only; the rest of the window does not change.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::show_placed`].
     pub fn show_in_part(&mut self, window: (u32, u32), area: Area, map: &Map, part: Area) -> Result<()> {
         let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
         if let Some((placing, picture)) = self.presenter.placed(passes, finished)? {
@@ -508,11 +501,11 @@ impl Renderer {
         self.gl.check_context("showing a frame")
     }
 
-    /// Sends the image to `reader`, placed as by [`Renderer::show_placed`] in a window of the reader's size, top row
+    /// Sends the image to `reader`, placed as by [`Renderer::show_in_part`] in a window of the reader's size, top row
     /// first. Returns `false` if the image was skipped because too many images are pending.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::show_placed`].
+    /// Same errors as [`Renderer::show_in_part`].
     pub fn send_placed(&mut self, reader: &mut PictureReader, map: &Map, part: Area) -> Result<bool> {
         let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
         let placed = self.presenter.placed(passes, finished)?;
