@@ -27,7 +27,7 @@ impl Graph {
             if !read[id.index()] {
                 continue;
             }
-            let tile = fusing.tile(*id);
+            let tile = fusing.fused(*id).unwrap_or(self.node(*id));
             for operand in tile.operands() {
                 read[operand.index()] = true;
             }
@@ -73,8 +73,8 @@ impl<'a> Fusing<'a> {
         Self { graph, readers }
     }
 
-    /// Returns the node `id`, fused with its operands if possible.
-    fn tile(&self, id: NodeId) -> Node {
+    /// Returns the node `id`, fused with its operands; `None` if that is not possible.
+    fn fused(&self, id: NodeId) -> Option<Node> {
         let own = |id: NodeId| (self.readers[id.index()] == 1).then(|| self.graph.node(id));
         let own_square = |id: NodeId| match own(id) {
             Some(Node::Unary(Op::Square, a)) => Some(a),
@@ -89,37 +89,35 @@ impl<'a> Fusing<'a> {
             let second = own_square(b).map(|square| (square, a));
             second.or_else(|| own_square(a).map(|square| (square, b)))
         };
-        match self.graph.node(id) {
-            Node::Unary(Op::Square, a) => match (own(a), own_outside(a)) {
-                (Some(Node::Binary(Op::Sub, a, b)), _) => Node::Binary(Op::SquareDifference, a, b),
-                (_, Some((outside, zero))) => Node::Binary(Op::OutsideAdd, outside, zero),
-                _ => self.graph.node(id),
+        Some(match self.graph.node(id) {
+            Node::Unary(Op::Square, a) => match (own(a)?, own_outside(a)) {
+                (Node::Binary(Op::Sub, a, b), _) => Node::Binary(Op::SquareDifference, a, b),
+                (_, outside) => outside.map(|(outside, zero)| Node::Binary(Op::OutsideAdd, outside, zero))?,
             },
-            Node::Unary(Op::Abs, a) => match own(a) {
-                Some(Node::Binary(Op::Sub, a, b)) => Node::Binary(Op::AbsDifference, a, b),
-                _ => self.graph.node(id),
+            Node::Unary(Op::Abs, a) => match own(a)? {
+                Node::Binary(Op::Sub, a, b) => Node::Binary(Op::AbsDifference, a, b),
+                _ => return None,
             },
-            Node::Unary(Op::Sqrt, a) => match own(a) {
-                Some(Node::Binary(Op::Add, a, b)) => match square_and_rest(a, b) {
-                    Some((square, rest)) => Node::Binary(Op::Length, square, rest),
-                    None => self.graph.node(id),
-                },
-                _ => self.graph.node(id),
+            Node::Unary(Op::Sqrt, a) => match own(a)? {
+                Node::Binary(Op::Add, a, b) => {
+                    square_and_rest(a, b).map(|(square, rest)| Node::Binary(Op::Length, square, rest))?
+                }
+                _ => return None,
             },
-            Node::Binary(Op::Add, a, b) => match square_and_rest(a, b) {
-                Some((square, rest)) => match own_outside(square) {
+            Node::Binary(Op::Add, a, b) => {
+                let (square, rest) = square_and_rest(a, b)?;
+                match own_outside(square) {
                     Some((outside, _)) => Node::Binary(Op::OutsideAdd, outside, rest),
                     None => Node::Binary(Op::SquareAdd, square, rest),
-                },
-                None => self.graph.node(id),
+                }
+            }
+            Node::Binary(Op::Sub, a, b) => match own(a)? {
+                Node::Unary(Op::Abs, a) => Node::Binary(Op::AbsSub, a, b),
+                Node::Unary(Op::Sqrt, a) => Node::Binary(Op::SqrtSub, a, b),
+                _ => return None,
             },
-            Node::Binary(Op::Sub, a, b) => match own(a) {
-                Some(Node::Unary(Op::Abs, a)) => Node::Binary(Op::AbsSub, a, b),
-                Some(Node::Unary(Op::Sqrt, a)) => Node::Binary(Op::SqrtSub, a, b),
-                _ => self.graph.node(id),
-            },
-            node => node,
-        }
+            _ => return None,
+        })
     }
 }
 
