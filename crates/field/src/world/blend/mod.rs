@@ -43,26 +43,16 @@ pub enum BlendKind {
 
 impl BlendKind {
     /// All kinds, with their names and descriptions.
-    pub const ALL: [(BlendKind, &'static str, &'static str); 4] = [
-        BlendKind::Melt.row(),
-        BlendKind::Portal(PortalShape::Ball).row(),
-        BlendKind::Portal(PortalShape::Plane).row(),
-        BlendKind::Portal(PortalShape::Own).row(),
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Melt, "melt", "every surface flows from one scene to the other"),
+        (Self::Portal(PortalShape::Ball), "ball", "the other scene is inside a growing ball"),
+        (Self::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
+        (Self::Portal(PortalShape::Own), "shape", "the other scene is inside a shape that it names"),
     ];
-
-    const fn row(self) -> (Self, &'static str, &'static str) {
-        let (name, meaning) = match self {
-            Self::Melt => ("melt", "every surface flows from one scene to the other"),
-            Self::Portal(PortalShape::Ball) => ("ball", "the other scene is inside a growing ball"),
-            Self::Portal(PortalShape::Plane) => ("plane", "the other scene is behind a moving plane"),
-            Self::Portal(PortalShape::Own) => ("shape", "the other scene is inside a shape that it names"),
-        };
-        (self, name, meaning)
-    }
 
     /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
-        self.row().1
+        Self::ALL.into_iter().find(|(kind, ..)| *kind == self).map_or("", |(_, name, _)| name)
     }
 
     /// Finds a kind by its name.
@@ -217,19 +207,15 @@ impl World {
 }
 
 fn params(from: &World, to: &World, fraction: f32) -> Vec<Param> {
-    let of_both = from.scene.params.iter().chain(&to.scene.params).cloned();
-    of_both.chain([fraction_param(fraction)]).collect()
-}
-
-fn fraction_param(fraction: f32) -> Param {
-    Param {
+    let fraction = Param {
         name: String::new(),
         default: if fraction > 0.0 { fraction.min(1.0) } else { 0.0 },
         min: 0.0,
         max: 1.0,
         is_number: true,
         span: Default::default(),
-    }
+    };
+    from.scene.params.iter().chain(&to.scene.params).cloned().chain([fraction]).collect()
 }
 
 fn whole(name: String, shape: NodeId) -> Object {
