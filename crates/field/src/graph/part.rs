@@ -22,24 +22,22 @@ impl Part {
     /// All parts, in the order in which frames hold them.
     pub const ALL: [Self; 4] = [Self::Drums, Self::Bass, Self::Vocals, Self::Other];
 
+    /// Names in a scene, and descriptions on the language's page.
+    const ROWS: [(&'static str, &'static str); 4] = [
+        ("drums", "drums, as in drums.beat"),
+        ("bass", "the bass instrument, as in bass.volume (bass alone is the input: low frequencies)"),
+        ("vocals", "voices, as in vocals.melody"),
+        ("other", "all other instruments, as in other.band(3)"),
+    ];
+
     /// Returns the name in a scene.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Drums => "drums",
-            Self::Bass => "bass",
-            Self::Vocals => "vocals",
-            Self::Other => "other",
-        }
+        Self::ROWS[self as usize].0
     }
 
     /// Returns the description on the language's page.
     pub const fn doc(self) -> &'static str {
-        match self {
-            Self::Drums => "drums, as in drums.beat",
-            Self::Bass => "the bass instrument, as in bass.volume (bass alone is the input: low frequencies)",
-            Self::Vocals => "voices, as in vocals.melody",
-            Self::Other => "all other instruments, as in other.band(3)",
-        }
+        Self::ROWS[self as usize].1
     }
 }
 
