@@ -63,15 +63,8 @@ impl Input {
 
     /// Index in [`Input::OF_POINT`]; `None` for inputs that are the same at all points of a frame.
     pub const fn of_point(self) -> Option<usize> {
-        match self {
-            Input::X => Some(0),
-            Input::Y => Some(1),
-            Input::Z => Some(2),
-            Input::NX => Some(3),
-            Input::NY => Some(4),
-            Input::NZ => Some(5),
-            _ => None,
-        }
+        let code = self.code() as usize;
+        if code < Self::OF_POINT.len() { Some(code) } else { None }
     }
 
     /// True if a scene may declare a value of the same name ([`SoundInput::may_be_hidden`]).
@@ -91,6 +84,8 @@ impl Input {
         }
     }
 
+    /// A number for each input. Those of the point begin with 0, in the order of [`Input::OF_POINT`].
+    #[inline(always)]
     const fn code(self) -> u32 {
         match self {
             Input::X => 0,

@@ -165,19 +165,9 @@ impl Own {
     }
 
     fn value(&self, input: Input) -> Option<NodeId> {
-        let ([x, y, z], [nx, ny, nz], [ex, ey, ez]) = (self.point, self.normal, self.eye);
-        Some(match input {
-            Input::X => x,
-            Input::Y => y,
-            Input::Z => z,
-            Input::NX => nx,
-            Input::NY => ny,
-            Input::NZ => nz,
-            Input::EyeX => ex,
-            Input::EyeY => ey,
-            Input::EyeZ => ez,
-            _ => return None,
-        })
+        let of_eye = [Input::EyeX, Input::EyeY, Input::EyeZ].iter().position(|eye| *eye == input);
+        let place = input.of_point().or(of_eye.map(|axis| Input::OF_POINT.len() + axis))?;
+        [self.point, self.normal, self.eye].as_flattened().get(place).copied()
     }
 }
 
@@ -199,12 +189,7 @@ pub(super) fn copied_at(
     before: Before,
     place: Vector,
 ) -> Result<NodeId> {
-    let value = |input| match input {
-        Input::X => Some(place[0]),
-        Input::Y => Some(place[1]),
-        Input::Z => Some(place[2]),
-        _ => None,
-    };
+    let value = |input: Input| place.get(input.of_point()?).copied();
     Ok(at_index(&copied_roots(graph, from, &[root], before, &value)?, root))
 }
 
@@ -274,12 +259,8 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId> {
     let zero = graph.constant(0.0);
     let order = graph.order(&[value])?;
-    let moved = graph.with_inputs(&[value], &order, |_, input| match input {
-        Input::X => Some(place[0]),
-        Input::Y => Some(place[1]),
-        Input::Z => Some(place[2]),
-        Input::NX | Input::NY | Input::NZ => Some(zero),
-        _ => None,
+    let moved = graph.with_inputs(&[value], &order, |_, input| {
+        input.of_point().map(|at| place.get(at).copied().unwrap_or(zero))
     });
     Ok(moved.first().copied().unwrap_or_default())
 }
