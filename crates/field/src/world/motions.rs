@@ -22,7 +22,8 @@ pub struct Motions {
 #[derive(Debug)]
 pub struct Moving<'m> {
     motions: &'m Motions,
-    states: Vec<MotionState>,
+    /// The state of each motion; `None` before the first known moment.
+    states: Vec<Option<MotionState>>,
 }
 
 impl Motions {
@@ -52,7 +53,7 @@ impl Motions {
 
     /// Begins before the first known moment.
     pub fn begin(&self) -> Moving<'_> {
-        Moving { motions: self, states: Vec::with_capacity(self.steps.len()) }
+        Moving { motions: self, states: vec![None; self.steps.len()] }
     }
 }
 
@@ -60,23 +61,16 @@ impl Moving<'_> {
     /// Advances by `seconds` to a moment, and writes the values into its inputs.
     pub fn step(&mut self, at: &mut FrameInputs, seconds: f32) {
         at.motions.resize(self.motions.steps.len(), 0.0);
-        for (number, (motion, operands)) in self.motions.steps.iter().enumerate() {
+        let steps = self.motions.steps.iter().zip(&mut self.states);
+        for (number, ((motion, operands), state)) in steps.enumerate() {
             let values = operands.values(at);
             let Some(values) = values.first_chunk() else { return };
-            let state = match self.states.get_mut(number) {
-                Some(state) => {
-                    *state = motion.step(*state, *values, seconds);
-                    *state
-                }
-                None => {
-                    let state = motion.begin(*values);
-                    self.states.push(state);
-                    state
-                }
+            let next = match state {
+                Some(state) => motion.step(*state, *values, seconds),
+                None => motion.begin(*values),
             };
-            if let Some(value) = at.motions.get_mut(number) {
-                *value = state.value;
-            }
+            at.motions[number] = next.value;
+            *state = Some(next);
         }
     }
 }
