@@ -201,11 +201,6 @@ impl Variant {
         region_registers: usize,
     ) -> String {
         let mut text = String::with_capacity(8192);
-        self.write((region_operators, region_compounds), region_registers, &mut text);
-        text
-    }
-
-    fn write(&self, region: (&BTreeSet<Op>, Compounds), region_registers: usize, text: &mut String) {
         // The shader masks register numbers, so an array's length must be a power of two.
         let rounded = |count: usize| if self.every_case { count } else { count.next_power_of_two() };
         let (registers, region_registers) = (rounded(self.registers), rounded(region_registers));
@@ -228,28 +223,30 @@ impl Variant {
         for (name, file, count) in
             [("REGION_", "region_file", region_registers), ("", "tape_file", registers)]
         {
-            select::write_registers(text, name, file, count, self.every_case);
+            select::write_registers(&mut text, name, file, count, self.every_case);
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
+        let region = (region_operators, region_compounds);
         let tape = (&self.operators, self.compounds);
         for (whose, (operators, compounds)) in [("region", region), ("tape", tape)] {
             let (rare, common): (Vec<Op>, Vec<Op>) =
                 operators.iter().partition(|op| self.every_case && is_rare(**op));
             self.write_function(
-                text,
+                &mut text,
                 whose,
                 "common",
                 common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound)),
             );
             if self.every_case {
-                self.write_function(text, whose, "rare", rare.iter().copied().map(Case::of));
+                self.write_function(&mut text, whose, "rare", rare.iter().copied().map(Case::of));
                 let numbers: Vec<String> =
                     rare.iter().map(|op| format!("number == {}", op.number())).collect();
                 let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };
                 let _ = writeln!(text, "bool {whose}_is_rare(int number) {{\n    return {test};\n}}");
             }
         }
+        text
     }
 
     fn write_function(&self, text: &mut String, whose: &str, which: &str, cases: impl Iterator<Item = Case>) {
