@@ -166,13 +166,7 @@ fn writing_of(locale: &str) -> Option<Writing> {
 /// The script that letters identify: kana occur only in Japanese, and Korean syllables only in Korean.
 fn writing_among(letters: &BTreeSet<char>) -> Option<Writing> {
     let any = |first: char, last: char| letters.range(first..=last).next().is_some();
-    if any('\u{3041}', '\u{30FF}') {
-        Some(JAPANESE)
-    } else if any('\u{AC00}', '\u{D7A3}') {
-        Some(KOREAN)
-    } else {
-        None
-    }
+    if any('\u{3041}', '\u{30FF}') { Some(JAPANESE) } else { any('\u{AC00}', '\u{D7A3}').then_some(KOREAN) }
 }
 
 fn rank(face: &FaceInfo, writing: Option<Writing>) -> Rank {
@@ -202,10 +196,8 @@ fn letters_in(database: &Database, id: ID, letters: &BTreeSet<char>) -> Vec<char
 /// True if `font` has a bitmap, a colour glyph or an outline of normal size for `letter`.
 fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     let Some(glyph) = font.charmap().map(letter).filter(|glyph| glyph.to_u32() != 0) else { return false };
-    if font.color_glyphs().get(glyph).is_some() {
-        return true;
-    }
-    if font.bitmap_strikes().glyph_for_size(Size::new(64.0), glyph).is_some() {
+    let has_bitmap = font.bitmap_strikes().glyph_for_size(Size::new(64.0), glyph).is_some();
+    if has_bitmap || font.color_glyphs().get(glyph).is_some() {
         return true;
     }
     // Size 1 gives metrics in font sizes.
