@@ -22,11 +22,9 @@ impl<'a> Deciding<'a> {
         let mut of_point = vec![false; root.index() + 1];
         for id in &order.nodes {
             of_point[id.index()] = match graph.node(*id) {
-                Node::Constant(_) => false,
                 Node::Input(input) => input.of_point().is_some(),
-                Node::Unary(_, a) => of_point[a.index()],
-                Node::Binary(_, a, b) => of_point[a.index()] || of_point[b.index()],
                 Node::Texture { .. } => true,
+                node => node.operands().any(|operand| of_point[operand.index()]),
             };
         }
         Ok(Self { graph, root, order, of_point })
