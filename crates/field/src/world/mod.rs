@@ -241,7 +241,16 @@ impl World {
             None => Bounds::around([0.0; 3], 0.0),
         };
         let (has_glow, has_media) = (glow.is_some(), medium.is_some());
-        let roots = roots(&mut scene, rest.as_ref(), glow, medium);
+        let nothing = scene.graph.constant(0.0);
+        let roots = Roots {
+            distance: rest.map_or([nothing; 2], |rest| [rest.bound, rest.estimate]),
+            object: rest.map_or(nothing, |rest| rest.object),
+            materials: scene.materials.iter().map(Material::numbers).collect(),
+            sky: scene.sky.color,
+            ambient: scene.sky.ambient,
+            glow: glow.unwrap_or([nothing; 4]),
+            medium,
+        };
         scene.graph.check().map_err(WorldError::of(name))?;
         let Traced { bounds, non_lipschitz, slopes, is_blend } = traced;
         let features = SceneFeatures::of(&scene, has_glow, has_media, is_blend);
@@ -346,25 +355,6 @@ fn untrusted(scene: &mut Scene, distance: NodeId) -> Option<NodeId> {
     let shapes = scene.objects.iter().filter(|object| !object.trusted).map(|object| object.shape);
     let shapes: Vec<NodeId> = shapes.collect();
     shapes.into_iter().reduce(|a, b| scene.graph.min(a, b))
-}
-
-fn roots(
-    scene: &mut Scene,
-    rest: Option<&Rest>,
-    glow: Option<[NodeId; 4]>,
-    medium: Option<media::MediumRoots>,
-) -> Roots {
-    let materials = scene.materials.iter().map(Material::numbers).collect();
-    let nothing = scene.graph.constant(0.0);
-    Roots {
-        distance: rest.map_or([nothing; 2], |rest| [rest.bound, rest.estimate]),
-        object: rest.map_or(nothing, |rest| rest.object),
-        materials,
-        sky: scene.sky.color,
-        ambient: scene.sky.ambient,
-        glow: glow.unwrap_or([nothing; 4]),
-        medium,
-    }
 }
 
 #[cfg(test)]
