@@ -82,7 +82,7 @@ pub(super) struct PostTargets {
     /// The light with trails, which is then swapped with `light`; made at the first use.
     trailed: Option<Target>,
     lens: Option<LensTargets>,
-    bloom: BloomTargets,
+    bloom: Vec<Target>,
     pub(super) finished: Target,
 }
 
@@ -226,7 +226,7 @@ impl PostTargets {
             lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
             light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
             trailed: None,
-            bloom: BloomTargets::new(gl, size)?,
+            bloom: bloom_targets(gl, size)?,
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
     }
@@ -250,19 +250,14 @@ pub(super) struct Bloom {
     pub(super) up: LazyProgram,
 }
 
-pub(super) struct BloomTargets {
-    levels: Vec<Target>,
-}
-
 impl Bloom {
     /// Scatters light. The result has half the width and height.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
         light: &'a Target,
-        targets: &'a BloomTargets,
+        levels: &'a [Target],
     ) -> Result<&'a Target> {
-        let levels = &targets.levels;
         let (mut source, mut program) = (light, &self.first);
         let mut largest = None;
         for level in levels {
@@ -286,11 +281,10 @@ fn fraction_of_smaller(levels: usize) -> f32 {
     weights(1) / weights(0)
 }
 
-impl BloomTargets {
-    pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
-        let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
-        Ok(Self { levels: level_sizes(size).into_iter().map(level).collect::<Result<_>>()? })
-    }
+/// The targets of the levels, largest first.
+fn bloom_targets(gl: &Gl, size: (u32, u32)) -> Result<Vec<Target>> {
+    let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+    level_sizes(size).into_iter().map(level).collect()
 }
 
 /// Sizes of the levels, largest first. There is at least one level.
