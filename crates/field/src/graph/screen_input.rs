@@ -16,9 +16,6 @@ pub enum ScreenInput {
 }
 
 impl ScreenInput {
-    /// All numbers.
-    pub const ALL: [Self; 5] = [Self::Width, Self::Height, Self::MouseX, Self::MouseY, Self::MousePressed];
-
     /// Returns the name as printed in a tape.
     pub const fn name(self) -> &'static str {
         match self {
