@@ -11,6 +11,25 @@ use super::order::Order;
 /// Up to this magnitude, [`Graph::pow`] turns a constant integer exponent into a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
+/// An operand of the builders: a node, or a number, which becomes a constant.
+pub trait Term {
+    /// Returns the node, which may be new.
+    fn node(self, graph: &mut Graph) -> NodeId;
+}
+
+impl Term for NodeId {
+    #[inline]
+    fn node(self, _: &mut Graph) -> NodeId {
+        self
+    }
+}
+
+impl Term for f32 {
+    fn node(self, graph: &mut Graph) -> NodeId {
+        graph.constant(self)
+    }
+}
+
 /// Declares methods that apply one operator, and simplify.
 macro_rules! operators {
     ($($(#[doc = $doc:literal])+ $name:ident = $simplified:ident $op:ident($($operand:ident),+);)+) => {
@@ -18,7 +37,8 @@ macro_rules! operators {
             $(
                 $(#[doc = $doc])+
                 #[inline]
-                pub fn $name(&mut self, $($operand: NodeId),+) -> NodeId {
+                pub fn $name(&mut self, $($operand: impl Term),+) -> NodeId {
+                    $(let $operand = $operand.node(self);)+
                     self.$simplified(Op::$op, $($operand),+)
                 }
             )+
@@ -71,7 +91,8 @@ impl Graph {
 
     /// Applies the two-operand operator `op` to `a` and `b`, and simplifies. A one-operand operator ignores `b`.
     #[inline]
-    pub fn binary(&mut self, op: Op, a: NodeId, b: NodeId) -> NodeId {
+    pub fn binary(&mut self, op: Op, a: impl Term, b: impl Term) -> NodeId {
+        let (a, b) = (a.node(self), b.node(self));
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
@@ -115,12 +136,7 @@ impl Graph {
         match self.as_constant(b) {
             Some(n) if n.fract() == 0.0 && n.abs() <= PRODUCT_EXPONENT_MAX => {
                 let product = self.whole_power(a, n.abs() as u32);
-                if n < 0.0 {
-                    let one = self.constant(1.0);
-                    self.div(one, product)
-                } else {
-                    product
-                }
+                if n < 0.0 { self.div(1.0, product) } else { product }
             }
             _ => self.simplified_binary(Op::Pow, a, b),
         }
@@ -154,7 +170,8 @@ impl Graph {
 
     /// a where c is not 0, else b. The sum MASK(c, a) + MASK(NOT c, b) is exact, because the unselected term is +0 even
     /// if its operand is a NaN.
-    pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
+    pub fn select(&mut self, c: NodeId, a: impl Term, b: impl Term) -> NodeId {
+        let (a, b) = (a.node(self), b.node(self));
         if a == b {
             return a;
         }
@@ -165,15 +182,14 @@ impl Graph {
     }
 
     /// min(max(a, low), high).
-    pub fn clamp(&mut self, a: NodeId, low: NodeId, high: NodeId) -> NodeId {
+    pub fn clamp(&mut self, a: NodeId, low: impl Term, high: impl Term) -> NodeId {
         let above = self.max(a, low);
         self.min(above, high)
     }
 
     /// a * (1 - t) + b * t, as GLSL defines mix.
     pub fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
-        let one = self.constant(1.0);
-        let rest = self.sub(one, t);
+        let rest = self.sub(1.0, t);
         let left = self.mul(a, rest);
         let right = self.mul(b, t);
         self.add(left, right)
@@ -181,15 +197,13 @@ impl Graph {
 
     /// GLSL's smoothstep: with t = clamp((x - low) / (high - low), 0, 1), t * t * (3 - 2 * t).
     pub fn smoothstep(&mut self, low: NodeId, high: NodeId, x: NodeId) -> NodeId {
-        let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        let (two, three) = (self.constant(2.0), self.constant(3.0));
         let along = self.sub(x, low);
         let width = self.sub(high, low);
         let ratio = self.div(along, width);
-        let t = self.clamp(ratio, zero, one);
+        let t = self.clamp(ratio, 0.0, 1.0);
         let squared = self.square(t);
-        let twice = self.mul(t, two);
-        let rest = self.sub(three, twice);
+        let twice = self.mul(t, 2.0);
+        let rest = self.sub(3.0, twice);
         self.mul(squared, rest)
     }
 

@@ -52,8 +52,7 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
         }
     }
     if media.len() > 1 {
-        let least = graph.constant(f32::MIN_POSITIVE);
-        let weight = graph.max(sum[2], least);
+        let weight = graph.max(sum[2], f32::MIN_POSITIVE);
         sum[MEDIUM_NUMBERS - 1] = graph.div(directed, weight);
     }
     for channel in 0..3 {
@@ -68,37 +67,30 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
 /// Returns the numbers of one medium, without ambient light.
 fn numbers(graph: &mut Graph, medium: &Medium) -> MediumRoots {
     let medium = medium.clone().in_ranges(|number, range| clamped(graph, number, range));
-    let zero = graph.constant(0.0);
-    let is_inside = graph.binary(Op::Less, medium.shape, zero);
-    let density = graph.select(is_inside, medium.density, zero);
+    let is_inside = graph.binary(Op::Less, medium.shape, 0.0);
+    let density = graph.select(is_inside, medium.density, 0.0);
     let scattered = graph.mul(density, medium.scatter);
     let [r, g, b] = medium.color.map(|part| graph.mul(scattered, part));
-    let [er, eg, eb] = medium.emission.map(|part| graph.select(is_inside, part, zero));
+    let [er, eg, eb] = medium.emission.map(|part| graph.select(is_inside, part, 0.0));
     [density, r, g, b, er, eg, eb, medium.phase]
 }
 
 fn clamped(graph: &mut Graph, number: NodeId, range: FieldRange) -> NodeId {
-    let least = graph.constant(range.least);
-    let number = graph.max(number, least);
-    if range.most.is_infinite() {
-        return number;
-    }
-    let most = graph.constant(range.most);
-    graph.min(number, most)
+    let number = graph.max(number, range.least);
+    if range.most.is_infinite() { number } else { graph.min(number, range.most) }
 }
 
 /// Returns the mean of the ambient light along the axes. It depends only on the frame, so the CPU computes it.
 fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3]> {
     let graph = &mut scene.graph;
     let mut mean = [graph.constant(0.0); 3];
-    let fraction = graph.constant(1.0 / 6.0);
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
             let mut direction = [0.0; 3];
             direction[axis] = sign;
             let light = facing(graph, &scene.sky.ambient, direction)?;
             for (mean, light) in mean.iter_mut().zip(light) {
-                let part = graph.mul(light, fraction);
+                let part = graph.mul(light, 1.0 / 6.0);
                 *mean = graph.add(*mean, part);
             }
         }
@@ -163,11 +155,10 @@ fn coarse_cuts() -> [f32; CUTS] {
 /// Returns an expression that is positive where there is no medium.
 fn absence(graph: &mut Graph, roots: &MediumRoots) -> NodeId {
     let [density, _, _, _, r, g, b, _] = *roots;
-    let thinnest = graph.constant(THINNEST);
     let light = graph.max(r, g);
     let light = graph.max(light, b);
     let there = graph.add(density, light);
-    graph.sub(thinnest, there)
+    graph.sub(THINNEST, there)
 }
 
 #[cfg(test)]

@@ -35,15 +35,14 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
     let graph = &mut scene.graph;
     let shapes: Vec<NodeId> = shining.iter().map(|(shape, _)| *shape).collect();
     let Some(nearest) = shapes.iter().copied().reduce(|a, b| graph.min(a, b)) else { return Ok(None) };
-    let shortest = graph.constant(REACH_MIN);
-    let reach = graph.max(scene.sky.reach, shortest);
+    let reach = graph.max(scene.sky.reach, REACH_MIN);
     // The shader takes no light beyond the reach, so a distance of the reach is as good as a larger one.
     let nearest = if non_lipschitz { nearest } else { graph.min(nearest, reach) };
     let emissions = facing_up.as_chunks::<3>().0;
     let light = match emissions {
         [one] => *one,
         several => {
-            let (tiny, one) = (graph.constant(1e-6), graph.constant(1.0));
+            let one = graph.constant(1.0);
             let reach_square = graph.unary(Op::Square, reach);
             let per_square = graph.div(one, reach_square);
             let weights: Vec<NodeId> = shapes
@@ -51,14 +50,13 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
                 .map(|&shape| {
                     let square = graph.unary(Op::Square, shape);
                     let window = if non_lipschitz { one } else { window(graph, square, per_square) };
-                    let square = graph.add(square, tiny);
+                    let square = graph.add(square, 1e-6);
                     graph.div(window, square)
                 })
                 .collect();
             let sum = weights.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap_or(one);
             // All weights are 0 beyond the reach.
-            let least = graph.constant(SUM_MIN);
-            let sum = graph.max(sum, least);
+            let sum = graph.max(sum, SUM_MIN);
             [0, 1, 2].map(|part| {
                 let mut light = zero;
                 for (emission, &weight) in several.iter().zip(&weights) {
@@ -76,10 +74,9 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
 
 /// Returns max(1 - (d / reach)², 0)², which has no kink at the reach, for the square of d and 1 / reach².
 fn window(graph: &mut Graph, square: NodeId, per_square: NodeId) -> NodeId {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let fraction = graph.mul(square, per_square);
-    let window = graph.sub(one, fraction);
-    let window = graph.max(window, zero);
+    let window = graph.sub(1.0, fraction);
+    let window = graph.max(window, 0.0);
     graph.unary(Op::Square, window)
 }
 

@@ -96,14 +96,11 @@ fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>> {
     let is_fixed = used.textures.is_empty() && used.inputs.iter().all(|input| input.of_point().is_none());
     let penumbra = graph.input(Input::NX);
     Ok(Some(if is_fixed {
-        let clear = graph.constant(CLEAR_OF_SHADOWS);
-        let clear = graph.mul(clear, glass);
+        let clear = graph.mul(CLEAR_OF_SHADOWS, glass);
         graph.mul(penumbra, clear)
     } else {
-        let shadows = graph.constant(0.1 * WITHOUT_GLASS);
-        let beyond = graph.sub(penumbra, shadows);
-        let zero = graph.constant(0.0);
-        graph.max(beyond, zero)
+        let beyond = graph.sub(penumbra, 0.1 * WITHOUT_GLASS);
+        graph.max(beyond, 0.0)
     }))
 }
 
@@ -116,15 +113,13 @@ const CLEAR_OF_SHADOWS: f32 = 1e6;
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
-    let one = graph.constant(1.0);
     let (first, others) = parts.split_first()?;
     let mut object = graph.constant(first.object as f32);
     let mut nearest = first.moved(graph);
     for part in others {
         let shape = part.moved(graph);
         let closer = graph.binary(Op::Less, shape, nearest);
-        let this = graph.constant(part.object as f32);
-        object = graph.select(closer, this, object);
+        object = graph.select(closer, part.object as f32, object);
         nearest = graph.min(nearest, shape);
     }
     let (mut bound, mut estimate): (Option<NodeId>, Option<NodeId>) = (None, None);
@@ -134,7 +129,7 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
         let mut step = shape;
         if let Some(left_out) = part.bound {
             let beyond = graph.div(penumbra, left_out);
-            let growth = graph.max(one, beyond);
+            let growth = graph.max(1.0, beyond);
             trusted = graph.mul(shape, growth);
             step = graph.min(shape, left_out);
         }

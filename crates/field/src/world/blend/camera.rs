@@ -4,6 +4,8 @@
 //! direction, and its length is interpolated. Between two cameras that look at an object from opposite sides, the
 //! camera therefore moves around the object and does not pass through its own target.
 
+use std::f32::consts::TAU;
+
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
@@ -46,33 +48,30 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     let away = line.vector(graph);
     let sharp = [(a, &lines[0]), (b, &lines[1])].map(|(camera, line)| nearness(graph, camera, line));
     let nearness = graph.mix(sharp[0], sharp[1], s);
-    let one = graph.constant(1.0);
     Camera {
         position: [0, 1, 2].map(|axis| graph.sub(target[axis], away[axis])),
         target,
         fov: graph.mix(a.fov, b.fov, s),
         roll: graph.mix(a.roll, b.roll, s),
         aperture: graph.mix(a.aperture, b.aperture, s),
-        focus: graph.div(one, nearness),
+        focus: graph.div(1.0, nearness),
         keep: graph.mix(a.keep, b.keep, s),
     }
 }
 
 fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
-    let (circle, half) = (graph.constant(std::f32::consts::TAU), graph.constant(0.5));
-    let circles = graph.div(turn, circle);
-    let circles = graph.add(circles, half);
+    let circles = graph.div(turn, TAU);
+    let circles = graph.add(circles, 0.5);
     let circles = graph.unary(Op::Floor, circles);
-    let whole = graph.mul(circles, circle);
+    let whole = graph.mul(circles, TAU);
     graph.sub(turn, whole)
 }
 
 /// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. If the focus
 /// distance is infinite, the camera focuses on its target.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
-    let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);
-    let is_finite = graph.binary(Op::LessEqual, size, largest);
+    let is_finite = graph.binary(Op::LessEqual, size, f32::MAX);
     let distance = graph.select(is_finite, camera.focus, line.length);
-    graph.div(one, distance)
+    graph.div(1.0, distance)
 }

@@ -48,21 +48,20 @@ pub(super) struct Melt {
 /// Returns the melt of two sides. If both have planes, each pair becomes a plane in between. If only one side has
 /// planes, they recede and fade into the sky.
 pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
-    let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
-    let remaining = graph.sub(one, s);
+    let remaining = graph.sub(1.0, s);
     let lost_a = lost(graph, depth::of(graph, a), [s, remaining]);
     let lost_b = lost(graph, depth::of(graph, b), [remaining, s]);
     let pairs = a.planes.len() * b.planes.len();
     let are_traced = pairs > PLANES_MAX;
     let mut planes = Vec::new();
-    let (mut owner_of_planes, mut haze) = (s, zero);
+    let (mut owner_of_planes, mut haze) = (s, graph.constant(0.0));
     if pairs == 0 {
         let (alone, lost, fraction) = match b.planes.is_empty() {
             true => (a, lost_a, s),
             false => (b, lost_b, remaining),
         };
         planes.extend(alone.planes.iter().map(|plane| graph.add(*plane, lost)));
-        owner_of_planes = if b.planes.is_empty() { zero } else { one };
+        owner_of_planes = graph.constant(if b.planes.is_empty() { 0.0 } else { 1.0 });
         haze = graph.square(fraction);
     } else if !are_traced {
         for &a in &a.planes {
@@ -86,10 +85,9 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
 /// then the fraction of the solids' own side.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // If the solids' own fraction is 0.2, q is half of the depth.
-    let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
-    let own_fraction = graph.max(own_fraction, least);
+    let own_fraction = graph.max(own_fraction, LEAST);
     let ratio = graph.div(other_fraction, own_fraction);
-    graph.mul(ratio, eighth)
+    graph.mul(ratio, 0.125 * depth)
 }
 
 #[derive(Clone, Copy)]
@@ -100,10 +98,9 @@ struct Yielding {
 }
 
 fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -> Yielding {
-    let [zero, one, reach] = [0.0, 1.0, REACH].map(|number| graph.constant(number));
-    let last = farthest(graph, lost, reach);
-    let slope = graph.div(lost, reach);
-    let slope = graph.add(slope, one);
+    let last = farthest(graph, lost);
+    let slope = graph.div(lost, REACH);
+    let slope = graph.add(slope, 1.0);
     let parts = [0, 1].map(|part| {
         let value = hollow(graph, own[part]);
         // This is x / (x + reach), in a form whose interval bounds are exact.
@@ -111,10 +108,10 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
             let offset = graph.add(value, lost);
             return [offset, offset];
         };
-        let away = graph.max(other[part], zero);
-        let away = graph.add(away, reach);
-        let near = graph.div(reach, away);
-        let away = graph.sub(one, near);
+        let away = graph.max(other[part], 0.0);
+        let away = graph.add(away, REACH);
+        let near = graph.div(REACH, away);
+        let away = graph.sub(1.0, near);
         let lost = graph.mul(lost, away);
         let offset = graph.add(value, lost);
         let distance = graph.div(offset, slope);
@@ -126,19 +123,17 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
 }
 
 /// Returns the distance from the other side beyond which no solids are left, if remote solids lose the depth `lost`.
-fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
-    let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
-    let lost = graph.max(lost, least);
-    let kept = graph.div(deepest, lost);
-    let rest = graph.sub(one, kept);
-    let rest = graph.max(rest, least);
-    let kept = graph.mul(kept, reach);
+fn farthest(graph: &mut Graph, lost: NodeId) -> NodeId {
+    let lost = graph.max(lost, LEAST);
+    let kept = graph.div(0.5 * HOLLOW, lost);
+    let rest = graph.sub(1.0, kept);
+    let rest = graph.max(rest, LEAST);
+    let kept = graph.mul(kept, REACH);
     graph.div(kept, rest)
 }
 
 fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
-    let hollow = graph.constant(-HOLLOW);
-    let farther_in = graph.sub(hollow, value);
+    let farther_in = graph.sub(-HOLLOW, value);
     graph.max(value, farther_in)
 }
 
@@ -151,28 +146,25 @@ fn owner(
     offset: [Option<NodeId>; 2],
     s: NodeId,
 ) -> [NodeId; 2] {
-    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let away = offset.map(|offset| offset.unwrap_or_else(|| graph.constant(f32::MAX)));
     let across = graph.sub(away[0], away[1]);
-    let seam = graph.constant(0.5 / SEAM);
-    let across = graph.mul(across, seam);
-    let across = graph.add(across, half);
-    let mut nearer = graph.clamp(across, zero, one);
-    let mut own_haze = zero;
+    let across = graph.mul(across, 0.5 / SEAM);
+    let across = graph.add(across, 0.5);
+    let mut nearer = graph.clamp(across, 0.0, 1.0);
+    let mut own_haze = graph.constant(0.0);
     if let Some(plane) = planes.iter().copied().reduce(|a, b| graph.min(a, b)) {
         let plane = graph.abs(plane);
         let solid = graph.min(away[0], away[1]);
         let solid = graph.abs(solid);
         let is_plane = graph.binary(Op::Less, plane, solid);
         nearer = graph.select(is_plane, owner_of_planes, nearer);
-        own_haze = graph.select(is_plane, haze, zero);
+        own_haze = graph.select(is_plane, haze, 0.0);
     }
     // Near the start and the end of the melt, limit the weight in proportion to the fraction.
-    let begin = graph.constant(1.0 / BEGIN);
-    let come = graph.mul(s, begin);
-    let remaining = graph.sub(one, s);
-    let remaining = graph.mul(remaining, begin);
-    let gone = graph.sub(one, remaining);
+    let come = graph.mul(s, 1.0 / BEGIN);
+    let remaining = graph.sub(1.0, s);
+    let remaining = graph.mul(remaining, 1.0 / BEGIN);
+    let gone = graph.sub(1.0, remaining);
     let nearer = graph.max(nearer, gone);
     [graph.min(nearer, come), own_haze]
 }

@@ -267,19 +267,18 @@ fn clear_of_the_eye(
     b: &Side,
 ) -> Result<Steps, crate::graph::GraphError> {
     let eye = [Input::EyeX, Input::EyeY, Input::EyeZ].map(|input| graph.input(input));
-    let (zero, half) = (graph.constant(0.0), graph.constant(0.5));
     let now = side::at(graph, rest[0], eye)?;
-    let mut distances = [zero; 2];
+    let mut distances = [graph.constant(0.0); 2];
     for (distance, side) in distances.iter_mut().zip([a, b]) {
         if let Some([bound, _]) = side.whole(graph) {
             let own = side::at(graph, bound, side.camera.position)?;
-            *distance = graph.max(own, zero);
+            *distance = graph.max(own, 0.0);
         }
     }
     let wanted = graph.min(distances[0], distances[1]);
-    let wanted = graph.mul(wanted, half);
+    let wanted = graph.mul(wanted, 0.5);
     let missing = graph.sub(wanted, now);
-    let missing = graph.max(missing, zero);
+    let missing = graph.max(missing, 0.0);
     Ok(rest.map(|part| graph.add(part, missing)))
 }
 
@@ -297,13 +296,11 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     let mut mixed = of(&mixed_all(graph, a, b, owner));
     mixed.haze = graph.max(mixed.haze, melt.haze);
     if a_own.reflect != b_own.reflect {
-        let one = graph.constant(1.0);
         let twice = graph.add(s, s);
         let on_b = graph.add(owner, owner);
-        let on_a = graph.add(one, one);
-        let on_a = graph.sub(on_a, on_b);
-        let (on_a, on_b) = (graph.min(on_a, one), graph.min(on_b, one));
-        let (gone, come) = (graph.sub(one, twice), graph.sub(twice, one));
+        let on_a = graph.sub(2.0, on_b);
+        let (on_a, on_b) = (graph.min(on_a, 1.0), graph.min(on_b, 1.0));
+        let (gone, come) = (graph.sub(1.0, twice), graph.sub(twice, 1.0));
         let (gone, come) = (graph.mul(gone, on_a), graph.mul(come, on_b));
         let (gone, come) = (graph.mul(a_own.reflect, gone), graph.mul(b_own.reflect, come));
         let alone = graph.max(gone, come);
@@ -316,16 +313,15 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
 /// Returns the light of nearby shining objects. Each side's light is already attenuated by that side's distance, so
 /// shaders get the distance 0.
 fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    let rest = graph.sub(one, s);
+    let rest = graph.sub(1.0, s);
     let mut light: Option<[NodeId; 3]> = None;
     for (glow, fraction) in [(a.glow, rest), (b.glow, s)] {
         let Some([r, g, b, distance]) = glow else { continue };
         // The same attenuation as in `shaders/occlusion.glsl`.
-        let away = graph.max(distance, zero);
+        let away = graph.max(distance, 0.0);
         let away = graph.div(away, reach);
-        let near = graph.sub(one, away);
-        let near = graph.max(near, zero);
+        let near = graph.sub(1.0, away);
+        let near = graph.max(near, 0.0);
         let square = graph.square(near);
         let near = graph.mul(square, near);
         let fraction = graph.mul(near, fraction);
@@ -336,14 +332,13 @@ fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Opti
         });
     }
     let [r, g, b] = light?;
-    Some([r, g, b, zero])
+    Some([r, g, b, graph.constant(0.0)])
 }
 
 /// Returns the media of both sides, weighted by the fractions. The side with the larger fraction sets the
 /// direction of scattering.
 fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoots> {
-    let (one, half) = (graph.constant(1.0), graph.constant(0.5));
-    let rest = graph.sub(one, s);
+    let rest = graph.sub(1.0, s);
     let weighted = |graph: &mut Graph, numbers: MediumRoots, fraction: NodeId| -> MediumRoots {
         let [.., phase] = numbers;
         let mut own = numbers.map(|number| graph.mul(number, fraction));
@@ -355,7 +350,7 @@ fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoot
     let a = a.medium.map(|numbers| weighted(graph, numbers, rest));
     let b = b.medium.map(|numbers| weighted(graph, numbers, s));
     let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
-    let is_second = graph.binary(Op::Less, half, s);
+    let is_second = graph.binary(Op::Less, 0.5, s);
     let mut sum: MediumRoots = std::array::from_fn(|number| graph.add(a[number], b[number]));
     if let ([.., own], [.., other], Some(last)) = (a, b, sum.last_mut()) {
         *last = graph.select(is_second, other, own);
@@ -366,13 +361,11 @@ fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoot
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
 /// because near the ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
 fn lights(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Light> {
-    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
-    let s = graph.sub(s, half);
+    let s = graph.sub(s, 0.5);
     let s = graph.add(s, s);
-    let s = graph.add(s, half);
-    let s = graph.max(s, zero);
-    let s = graph.min(s, one);
-    let rest = graph.sub(one, s);
+    let s = graph.add(s, 0.5);
+    let s = graph.clamp(s, 0.0, 1.0);
+    let rest = graph.sub(1.0, s);
     let mut lights: Vec<Light> = Vec::with_capacity(a.lights.len() + b.lights.len());
     for (side, fraction) in [(a, rest), (b, s)] {
         for light in &side.lights {
@@ -385,8 +378,7 @@ fn lights(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Light> {
 
 /// Returns the swarms of both sides. Balls shrink and light fades with the fraction.
 fn swarms(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Swarm> {
-    let one = graph.constant(1.0);
-    let rest = graph.sub(one, s);
+    let rest = graph.sub(1.0, s);
     let mut swarms: Vec<Swarm> = Vec::with_capacity(a.swarms.len() + b.swarms.len());
     for (side, fraction) in [(a, rest), (b, s)] {
         for swarm in &side.swarms {
@@ -401,8 +393,7 @@ fn swarms(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Swarm> {
 
 /// Mixes image settings. The tone map cannot be mixed, so it changes at the middle.
 fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
-    let half = graph.constant(0.5);
-    let is_second = graph.binary(Op::LessEqual, half, s);
+    let is_second = graph.binary(Op::LessEqual, 0.5, s);
     let tone_map = graph.select(is_second, b.tone_map, a.tone_map);
     let mixed = Picture::of(mixed_all(graph, &a.numbers(), &b.numbers(), s));
     Picture { tone_map, ..mixed }

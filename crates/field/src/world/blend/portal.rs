@@ -41,8 +41,7 @@ impl Seen {
         let length = graph.length(&view);
         let level = graph.length(&[view[0], view[2]]);
         // If the camera looks straight down, its right side is arbitrary.
-        let least = graph.constant(LEFT_MIN);
-        let level = graph.max(level, least);
+        let level = graph.max(level, LEFT_MIN);
         let (zero, left) = (graph.constant(0.0), graph.neg(view[0]));
         let right = [graph.div(view[2], level), zero, graph.div(left, level)];
         Self { off, right, view, length }
@@ -50,8 +49,7 @@ impl Seen {
 
     /// Returns the coordinates of the point along the directions right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
-        let least = graph.constant(LEFT_MIN);
-        let length = graph.max(self.length, least);
+        let length = graph.max(self.length, LEFT_MIN);
         let back = self.view.map(|part| graph.div(part, length));
         let back = back.map(|part| graph.neg(part));
         let [rx, ry, rz] = self.right;
@@ -73,9 +71,8 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
 
 /// Returns the portal's relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
-    let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
-    let rest = graph.sub(one, fraction);
-    let rest = graph.max(rest, least);
+    let rest = graph.sub(1.0, fraction);
+    let rest = graph.max(rest, LEFT_MIN);
     graph.div(fraction, rest)
 }
 
@@ -86,10 +83,9 @@ fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 }
 
 fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
-    let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
-    let rest = graph.sub(one, fraction);
-    let (begun, rest) = (graph.max(fraction, least), graph.max(rest, least));
-    let (begun, rest) = (graph.div(one, begun), graph.div(one, rest));
+    let rest = graph.sub(1.0, fraction);
+    let (begun, rest) = (graph.max(fraction, LEFT_MIN), graph.max(rest, LEFT_MIN));
+    let (begun, rest) = (graph.div(1.0, begun), graph.div(1.0, rest));
     let grown = graph.sub(rest, begun);
     let (reached, from) = (graph.mul(grown, seen.length), dot(graph, seen.off, seen.right));
     graph.sub(from, reached)
@@ -107,20 +103,17 @@ fn own_shape(
     s: NodeId,
 ) -> Result<NodeId> {
     let grown = growth(graph, s);
-    let least = graph.constant(LEFT_MIN);
-    let grown = graph.max(grown, least);
+    let grown = graph.max(grown, LEFT_MIN);
     let size = graph.mul(grown, seen.length);
-    let size = graph.max(size, least);
+    let size = graph.max(size, LEFT_MIN);
     let point = seen.point(graph).map(|part| graph.div(part, size));
     let value = side::copied_at(graph, &scene.graph, shape, before, point)?;
     let value = graph.mul(value, size);
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    let quarters = graph.constant(1.0 / QUARTER);
-    let out = graph.mul(s, quarters);
-    let filled = graph.sub(one, s);
-    let filled = graph.mul(filled, quarters);
-    let filled = graph.sub(one, filled);
-    let (out, filled) = (graph.min(out, one), graph.max(filled, zero));
+    let out = graph.mul(s, 1.0 / QUARTER);
+    let filled = graph.sub(1.0, s);
+    let filled = graph.mul(filled, 1.0 / QUARTER);
+    let filled = graph.sub(1.0, filled);
+    let (out, filled) = (graph.min(out, 1.0), graph.max(filled, 0.0));
     let (out, filled) = (ball(graph, seen, out), ball(graph, seen, filled));
     let value = graph.max(value, out);
     Ok(graph.min(value, filled))

@@ -293,9 +293,8 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
         let Growth { middle, half, power } = tamed.growth;
         let mut base = one;
         for (axis, middle) in p.into_iter().zip(middle) {
-            let (middle, part) = (graph.constant(middle / half), graph.constant(1.0 / half));
-            let off = graph.mul(axis, part);
-            let off = graph.sub(off, middle);
+            let off = graph.mul(axis, 1.0 / half);
+            let off = graph.sub(off, middle / half);
             let square = graph.square(off);
             base = graph.add(base, square);
         }
@@ -307,28 +306,24 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
     if tamed.reach.is_infinite() {
         return value;
     }
-    let reach = graph.constant(tamed.reach);
-    let value = graph.div(value, reach);
+    let value = graph.div(value, tamed.reach);
     let value = graph.unary(Op::Atan, value);
-    graph.mul(value, reach)
+    graph.mul(value, tamed.reach)
 }
 
 /// Returns the distance of a point from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
-    let zero = graph.constant(0.0);
     let off = [0, 1, 2].map(|axis| {
-        let middle = graph.constant(0.5 * (bounds.low[axis] + bounds.high[axis]));
-        let half = graph.constant(0.5 * (bounds.high[axis] - bounds.low[axis]));
-        let off = graph.sub(p[axis], middle);
+        let off = graph.sub(p[axis], 0.5 * (bounds.low[axis] + bounds.high[axis]));
         let off = graph.abs(off);
-        graph.sub(off, half)
+        graph.sub(off, 0.5 * (bounds.high[axis] - bounds.low[axis]))
     });
-    let beyond = off.map(|off| graph.max(off, zero));
+    let beyond = off.map(|off| graph.max(off, 0.0));
     let beyond = graph.length(&beyond);
     let [x, y, z] = off;
     let most = graph.max(x, y);
     let most = graph.max(most, z);
-    let inside = graph.min(most, zero);
+    let inside = graph.min(most, 0.0);
     graph.add(beyond, inside)
 }
 
