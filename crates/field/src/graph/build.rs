@@ -1,6 +1,7 @@
 //! Builders of expressions. Helpers such as [`Graph::mix`] combine several operators.
 
 use std::collections::HashMap;
+use std::ops::{Add, Div, Mul, Sub};
 
 use super::Graph;
 use super::frame_inputs::SILENT;
@@ -11,7 +12,7 @@ use super::order::Order;
 /// Up to this magnitude, [`Graph::pow`] turns a constant integer exponent into a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
-/// An operand of the builders: a node, or a number, which becomes a constant.
+/// An operand of the builders: a node, a number, which becomes a constant, or arithmetic of both.
 pub trait Term {
     /// Returns the node, which may be new.
     fn node(self, graph: &mut Graph) -> NodeId;
@@ -29,6 +30,39 @@ impl Term for f32 {
         graph.constant(self)
     }
 }
+
+/// Arithmetic such as `(1.0 - a) * b`. Its nodes are added where it is used, the operands first, from left to right.
+#[derive(Debug, Clone, Copy)]
+#[must_use]
+pub struct Pending<A, B>(Op, A, B);
+
+impl<A: Term, B: Term> Term for Pending<A, B> {
+    #[inline]
+    fn node(self, graph: &mut Graph) -> NodeId {
+        let Self(op, a, b) = self;
+        graph.binary(op, a, b)
+    }
+}
+
+macro_rules! arithmetic {
+    ($($op:ident $name:ident,)+) => {$(
+        arithmetic!($op $name [B: Term] NodeId, B);
+        arithmetic!($op $name [A: Term, B: Term, C: Term] Pending<A, B>, C);
+        arithmetic!($op $name [] f32, NodeId);
+        arithmetic!($op $name [A: Term, B: Term] f32, Pending<A, B>);
+    )+};
+    ($op:ident $name:ident [$($generics:tt)*] $a:ty, $b:ty) => {
+        impl<$($generics)*> $op<$b> for $a {
+            type Output = Pending<$a, $b>;
+
+            fn $name(self, b: $b) -> Self::Output {
+                Pending(Op::$op, self, b)
+            }
+        }
+    };
+}
+
+arithmetic! { Add add, Sub sub, Mul mul, Div div, }
 
 /// Declares methods that apply one operator, and simplify.
 macro_rules! operators {
@@ -85,7 +119,8 @@ impl Graph {
 
     /// Applies the one-operand operator `op` to `a`, and simplifies. A two-operand operator gets `a` twice.
     #[inline]
-    pub fn unary(&mut self, op: Op, a: NodeId) -> NodeId {
+    pub fn unary(&mut self, op: Op, a: impl Term) -> NodeId {
+        let a = a.node(self);
         if op.arity() == 2 { self.simplified_binary(op, a, a) } else { self.simplified_unary(op, a) }
     }
 
@@ -182,29 +217,21 @@ impl Graph {
     }
 
     /// min(max(a, low), high).
-    pub fn clamp(&mut self, a: NodeId, low: impl Term, high: impl Term) -> NodeId {
+    pub fn clamp(&mut self, a: impl Term, low: impl Term, high: impl Term) -> NodeId {
         let above = self.max(a, low);
         self.min(above, high)
     }
 
     /// a * (1 - t) + b * t, as GLSL defines mix.
     pub fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
-        let rest = self.sub(1.0, t);
-        let left = self.mul(a, rest);
-        let right = self.mul(b, t);
-        self.add(left, right)
+        self.add(a * (1.0 - t), b * t)
     }
 
     /// GLSL's smoothstep: with t = clamp((x - low) / (high - low), 0, 1), t * t * (3 - 2 * t).
     pub fn smoothstep(&mut self, low: NodeId, high: NodeId, x: NodeId) -> NodeId {
-        let along = self.sub(x, low);
-        let width = self.sub(high, low);
-        let ratio = self.div(along, width);
-        let t = self.clamp(ratio, 0.0, 1.0);
+        let t = self.clamp((x - low) / (high - low), 0.0, 1.0);
         let squared = self.square(t);
-        let twice = self.mul(t, 2.0);
-        let rest = self.sub(3.0, twice);
-        self.mul(squared, rest)
+        self.mul(squared, 3.0 - t * 2.0)
     }
 
     /// The scalar product, summed from the first component; 0 for empty slices. Unpaired components are ignored.

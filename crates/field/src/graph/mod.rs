@@ -30,7 +30,7 @@ mod table;
 mod table_extremes;
 mod unit_input;
 
-pub use build::{PRODUCT_EXPONENT_MAX, Term};
+pub use build::{PRODUCT_EXPONENT_MAX, Pending, Term};
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;

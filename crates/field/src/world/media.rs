@@ -45,8 +45,7 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
     let mut directed = zero;
     for medium in &media {
         let own = numbers(graph, medium);
-        let weighted = graph.mul(own[MEDIUM_NUMBERS - 1], own[2]);
-        directed = graph.add(directed, weighted);
+        directed = graph.add(directed, own[MEDIUM_NUMBERS - 1] * own[2]);
         for (sum, own) in sum.iter_mut().zip(own) {
             *sum = graph.add(*sum, own);
         }
@@ -56,8 +55,7 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
         sum[MEDIUM_NUMBERS - 1] = graph.div(directed, weight);
     }
     for channel in 0..3 {
-        let scattered = graph.mul(sum[1 + channel], ambient[channel]);
-        sum[4 + channel] = graph.add(sum[4 + channel], scattered);
+        sum[4 + channel] = graph.add(sum[4 + channel], sum[1 + channel] * ambient[channel]);
     }
     graph.check()?;
     scene.media = media;
@@ -90,8 +88,7 @@ fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3]> {
             direction[axis] = sign;
             let light = facing(graph, &scene.sky.ambient, direction)?;
             for (mean, light) in mean.iter_mut().zip(light) {
-                let part = graph.mul(light, 1.0 / 6.0);
-                *mean = graph.add(*mean, part);
+                *mean = graph.add(*mean, light * (1.0 / 6.0));
             }
         }
     }
@@ -157,8 +154,7 @@ fn absence(graph: &mut Graph, roots: &MediumRoots) -> NodeId {
     let [density, _, _, _, r, g, b, _] = *roots;
     let light = graph.max(r, g);
     let light = graph.max(light, b);
-    let there = graph.add(density, light);
-    graph.sub(THINNEST, there)
+    graph.sub(THINNEST, density + light)
 }
 
 #[cfg(test)]

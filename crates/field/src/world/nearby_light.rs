@@ -50,8 +50,7 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
                 .map(|&shape| {
                     let square = graph.unary(Op::Square, shape);
                     let window = if non_lipschitz { one } else { window(graph, square, per_square) };
-                    let square = graph.add(square, 1e-6);
-                    graph.div(window, square)
+                    graph.div(window, square + 1e-6)
                 })
                 .collect();
             let sum = weights.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap_or(one);
@@ -60,8 +59,7 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
             [0, 1, 2].map(|part| {
                 let mut light = zero;
                 for (emission, &weight) in several.iter().zip(&weights) {
-                    let fraction = graph.mul(emission[part], weight);
-                    light = graph.add(light, fraction);
+                    light = graph.add(light, emission[part] * weight);
                 }
                 graph.div(light, sum)
             })
@@ -74,9 +72,7 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
 
 /// Returns max(1 - (d / reach)², 0)², which has no kink at the reach, for the square of d and 1 / reach².
 fn window(graph: &mut Graph, square: NodeId, per_square: NodeId) -> NodeId {
-    let fraction = graph.mul(square, per_square);
-    let window = graph.sub(1.0, fraction);
-    let window = graph.max(window, 0.0);
+    let window = graph.max(1.0 - square * per_square, 0.0);
     graph.unary(Op::Square, window)
 }
 

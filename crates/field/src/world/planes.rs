@@ -96,11 +96,9 @@ fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>> {
     let is_fixed = used.textures.is_empty() && used.inputs.iter().all(|input| input.of_point().is_none());
     let penumbra = graph.input(Input::NX);
     Ok(Some(if is_fixed {
-        let clear = graph.mul(CLEAR_OF_SHADOWS, glass);
-        graph.mul(penumbra, clear)
+        graph.mul(penumbra, CLEAR_OF_SHADOWS * glass)
     } else {
-        let beyond = graph.sub(penumbra, 0.1 * WITHOUT_GLASS);
-        graph.max(beyond, 0.0)
+        graph.max(penumbra - 0.1 * WITHOUT_GLASS, 0.0)
     }))
 }
 
@@ -128,8 +126,7 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
         let mut trusted = shape;
         let mut step = shape;
         if let Some(left_out) = part.bound {
-            let beyond = graph.div(penumbra, left_out);
-            let growth = graph.max(1.0, beyond);
+            let growth = graph.max(1.0, penumbra / left_out);
             trusted = graph.mul(shape, growth);
             step = graph.min(shape, left_out);
         }

@@ -72,13 +72,11 @@ impl Alignment {
 
     pub(super) fn own_point(&self, graph: &mut Graph, p: Vector) -> Vector {
         let turned = self.own_direction(graph, p);
-        let offset = self.offset.map(|part| graph.constant(part));
-        [0, 1, 2].map(|axis| graph.add(turned[axis], offset[axis]))
+        [0, 1, 2].map(|axis| graph.add(turned[axis], self.offset[axis]))
     }
 
     pub(super) fn common_point(&self, graph: &mut Graph, p: Vector) -> Vector {
-        let offset = self.offset.map(|part| graph.constant(part));
-        let off = [0, 1, 2].map(|axis| graph.sub(p[axis], offset[axis]));
+        let off = [0, 1, 2].map(|axis| graph.sub(p[axis], self.offset[axis]));
         self.common_direction(graph, off)
     }
 
@@ -86,11 +84,7 @@ impl Alignment {
         if turn == Self::NONE.turn {
             return [x, y, z];
         }
-        let [cos, sin] = turn.map(|part| graph.constant(part));
-        let mut sum = |a: NodeId, b: NodeId, op: fn(&mut Graph, NodeId, NodeId) -> NodeId| {
-            let (a, b) = (graph.mul(cos, a), graph.mul(sin, b));
-            op(graph, a, b)
-        };
-        [sum(x, z, Graph::add), y, sum(z, x, Graph::sub)]
+        let [cos, sin] = turn;
+        [graph.add(cos * x, sin * z), y, graph.sub(cos * z, sin * x)]
     }
 }

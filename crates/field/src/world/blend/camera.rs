@@ -39,9 +39,8 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
     let turn = graph.sub(lines[1].yaw, lines[0].yaw);
     let turn = shorter_turn(graph, turn);
-    let turned = graph.mul(turn, s);
     let line = LineOfSight {
-        yaw: graph.add(lines[0].yaw, turned),
+        yaw: graph.add(lines[0].yaw, turn * s),
         pitch: graph.mix(lines[0].pitch, lines[1].pitch, s),
         length: graph.mix(lines[0].length, lines[1].length, s),
     };
@@ -60,11 +59,8 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
 }
 
 fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
-    let circles = graph.div(turn, TAU);
-    let circles = graph.add(circles, 0.5);
-    let circles = graph.unary(Op::Floor, circles);
-    let whole = graph.mul(circles, TAU);
-    graph.sub(turn, whole)
+    let circles = graph.unary(Op::Floor, turn / TAU + 0.5);
+    graph.sub(turn, circles * TAU)
 }
 
 /// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. If the focus

@@ -86,8 +86,7 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // If the solids' own fraction is 0.2, q is half of the depth.
     let own_fraction = graph.max(own_fraction, LEAST);
-    let ratio = graph.div(other_fraction, own_fraction);
-    graph.mul(ratio, 0.125 * depth)
+    graph.mul(other_fraction / own_fraction, 0.125 * depth)
 }
 
 #[derive(Clone, Copy)]
@@ -99,8 +98,7 @@ struct Yielding {
 
 fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -> Yielding {
     let last = farthest(graph, lost);
-    let slope = graph.div(lost, REACH);
-    let slope = graph.add(slope, 1.0);
+    let slope = graph.add(lost / REACH, 1.0);
     let parts = [0, 1].map(|part| {
         let value = hollow(graph, own[part]);
         // This is x / (x + reach), in a form whose interval bounds are exact.
@@ -109,14 +107,8 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
             return [offset, offset];
         };
         let away = graph.max(other[part], 0.0);
-        let away = graph.add(away, REACH);
-        let near = graph.div(REACH, away);
-        let away = graph.sub(1.0, near);
-        let lost = graph.mul(lost, away);
-        let offset = graph.add(value, lost);
-        let distance = graph.div(offset, slope);
-        let beyond = graph.sub(other[part], last);
-        let distance = graph.max(distance, beyond);
+        let offset = graph.add(value, lost * (1.0 - REACH / (away + REACH)));
+        let distance = graph.max(offset / slope, other[part] - last);
         [graph.max(value, distance), offset]
     });
     Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
@@ -126,15 +118,12 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
 fn farthest(graph: &mut Graph, lost: NodeId) -> NodeId {
     let lost = graph.max(lost, LEAST);
     let kept = graph.div(0.5 * HOLLOW, lost);
-    let rest = graph.sub(1.0, kept);
-    let rest = graph.max(rest, LEAST);
-    let kept = graph.mul(kept, REACH);
-    graph.div(kept, rest)
+    let rest = graph.max(1.0 - kept, LEAST);
+    graph.div(kept * REACH, rest)
 }
 
 fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
-    let farther_in = graph.sub(-HOLLOW, value);
-    graph.max(value, farther_in)
+    graph.max(value, -HOLLOW - value)
 }
 
 /// Computes [`Melt::owner`] and [`Melt::haze`]. The tuple holds the planes, and the owner and haze of points on them.
@@ -147,9 +136,7 @@ fn owner(
     s: NodeId,
 ) -> [NodeId; 2] {
     let away = offset.map(|offset| offset.unwrap_or_else(|| graph.constant(f32::MAX)));
-    let across = graph.sub(away[0], away[1]);
-    let across = graph.mul(across, 0.5 / SEAM);
-    let across = graph.add(across, 0.5);
+    let across = (away[0] - away[1]) * (0.5 / SEAM) + 0.5;
     let mut nearer = graph.clamp(across, 0.0, 1.0);
     let mut own_haze = graph.constant(0.0);
     if let Some(plane) = planes.iter().copied().reduce(|a, b| graph.min(a, b)) {
@@ -162,9 +149,6 @@ fn owner(
     }
     // Near the start and the end of the melt, limit the weight in proportion to the fraction.
     let come = graph.mul(s, 1.0 / BEGIN);
-    let remaining = graph.sub(1.0, s);
-    let remaining = graph.mul(remaining, 1.0 / BEGIN);
-    let gone = graph.sub(1.0, remaining);
-    let nearer = graph.max(nearer, gone);
+    let nearer = graph.max(nearer, 1.0 - (1.0 - s) * (1.0 / BEGIN));
     [graph.min(nearer, come), own_haze]
 }

@@ -276,9 +276,7 @@ fn clear_of_the_eye(
         }
     }
     let wanted = graph.min(distances[0], distances[1]);
-    let wanted = graph.mul(wanted, 0.5);
-    let missing = graph.sub(wanted, now);
-    let missing = graph.max(missing, 0.0);
+    let missing = graph.max(wanted * 0.5 - now, 0.0);
     Ok(rest.map(|part| graph.add(part, missing)))
 }
 
@@ -298,11 +296,9 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     if a_own.reflect != b_own.reflect {
         let twice = graph.add(s, s);
         let on_b = graph.add(owner, owner);
-        let on_a = graph.sub(2.0, on_b);
-        let (on_a, on_b) = (graph.min(on_a, 1.0), graph.min(on_b, 1.0));
-        let (gone, come) = (graph.sub(1.0, twice), graph.sub(twice, 1.0));
-        let (gone, come) = (graph.mul(gone, on_a), graph.mul(come, on_b));
-        let (gone, come) = (graph.mul(a_own.reflect, gone), graph.mul(b_own.reflect, come));
+        let (on_a, on_b) = (graph.min(2.0 - on_b, 1.0), graph.min(on_b, 1.0));
+        let gone = a_own.reflect * ((1.0 - twice) * on_a);
+        let come = b_own.reflect * ((twice - 1.0) * on_b);
         let alone = graph.max(gone, come);
         let both = graph.min(a_own.reflect, b_own.reflect);
         mixed.reflect = graph.max(both, alone);
@@ -319,12 +315,9 @@ fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Opti
         let Some([r, g, b, distance]) = glow else { continue };
         // The same attenuation as in `shaders/occlusion.glsl`.
         let away = graph.max(distance, 0.0);
-        let away = graph.div(away, reach);
-        let near = graph.sub(1.0, away);
-        let near = graph.max(near, 0.0);
+        let near = graph.max(1.0 - away / reach, 0.0);
         let square = graph.square(near);
-        let near = graph.mul(square, near);
-        let fraction = graph.mul(near, fraction);
+        let fraction = graph.mul(square * near, fraction);
         let own = [r, g, b].map(|part| graph.mul(part, fraction));
         light = Some(match light {
             None => own,
@@ -361,10 +354,8 @@ fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoot
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
 /// because near the ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
 fn lights(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Light> {
-    let s = graph.sub(s, 0.5);
-    let s = graph.add(s, s);
-    let s = graph.add(s, 0.5);
-    let s = graph.clamp(s, 0.0, 1.0);
+    let s = s - 0.5;
+    let s = graph.clamp(s + s + 0.5, 0.0, 1.0);
     let rest = graph.sub(1.0, s);
     let mut lights: Vec<Light> = Vec::with_capacity(a.lights.len() + b.lights.len());
     for (side, fraction) in [(a, rest), (b, s)] {

@@ -50,45 +50,35 @@ impl Seen {
     /// Returns the coordinates of the point along the directions right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let length = graph.max(self.length, LEFT_MIN);
-        let back = self.view.map(|part| graph.div(part, length));
-        let back = back.map(|part| graph.neg(part));
+        let back = self.view.map(|part| graph.neg(part / length));
         let [rx, ry, rz] = self.right;
         let [bx, by, bz] = back;
-        let mut cross = |[a, b]: [NodeId; 2], [c, d]: [NodeId; 2]| {
-            let (left, right) = (graph.mul(a, d), graph.mul(b, c));
-            graph.sub(left, right)
-        };
+        let mut cross = |[a, b]: [NodeId; 2], [c, d]: [NodeId; 2]| graph.sub(a * d, b * c);
         let up = [cross([ry, rz], [by, bz]), cross([rz, rx], [bz, bx]), cross([rx, ry], [bx, by])];
         [self.right, up, back].map(|axis| dot(graph, self.off, axis))
     }
 }
 
 fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
-    let parts = [0, 1, 2].map(|axis| graph.mul(a[axis], b[axis]));
-    let sum = graph.add(parts[0], parts[1]);
-    graph.add(sum, parts[2])
+    let [x, y, z] = [0, 1, 2].map(|axis| graph.mul(a[axis], b[axis]));
+    graph.add(x + y, z)
 }
 
 /// Returns the portal's relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
-    let rest = graph.sub(1.0, fraction);
-    let rest = graph.max(rest, LEFT_MIN);
+    let rest = graph.max(1.0 - fraction, LEFT_MIN);
     graph.div(fraction, rest)
 }
 
 fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
-    let grown = growth(graph, fraction);
-    let (reached, from) = (graph.mul(grown, seen.length), graph.length(&seen.off));
-    graph.sub(from, reached)
+    let (grown, from) = (growth(graph, fraction), graph.length(&seen.off));
+    graph.sub(from, grown * seen.length)
 }
 
 fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
-    let rest = graph.sub(1.0, fraction);
-    let (begun, rest) = (graph.max(fraction, LEFT_MIN), graph.max(rest, LEFT_MIN));
-    let (begun, rest) = (graph.div(1.0, begun), graph.div(1.0, rest));
-    let grown = graph.sub(rest, begun);
-    let (reached, from) = (graph.mul(grown, seen.length), dot(graph, seen.off, seen.right));
-    graph.sub(from, reached)
+    let (begun, rest) = (graph.max(fraction, LEFT_MIN), graph.max(1.0 - fraction, LEFT_MIN));
+    let from = dot(graph, seen.off, seen.right);
+    graph.sub(from, (1.0 / rest - 1.0 / begun) * seen.length)
 }
 
 /// Returns the distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may
@@ -104,16 +94,12 @@ fn own_shape(
 ) -> Result<NodeId> {
     let grown = growth(graph, s);
     let grown = graph.max(grown, LEFT_MIN);
-    let size = graph.mul(grown, seen.length);
-    let size = graph.max(size, LEFT_MIN);
+    let size = graph.max(grown * seen.length, LEFT_MIN);
     let point = seen.point(graph).map(|part| graph.div(part, size));
     let value = side::copied_at(graph, &scene.graph, shape, before, point)?;
     let value = graph.mul(value, size);
-    let out = graph.mul(s, 1.0 / QUARTER);
-    let filled = graph.sub(1.0, s);
-    let filled = graph.mul(filled, 1.0 / QUARTER);
-    let filled = graph.sub(1.0, filled);
-    let (out, filled) = (graph.min(out, 1.0), graph.max(filled, 0.0));
+    let filled = 1.0 - (1.0 - s) * (1.0 / QUARTER);
+    let (out, filled) = (graph.min(s * (1.0 / QUARTER), 1.0), graph.max(filled, 0.0));
     let (out, filled) = (ball(graph, seen, out), ball(graph, seen, filled));
     let value = graph.max(value, out);
     Ok(graph.min(value, filled))

@@ -287,15 +287,12 @@ fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId> {
 }
 
 fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: NormalizedValue) -> NodeId {
-    let one = graph.constant(1.0);
     let mut scale = graph.constant(tamed.scale);
     if tamed.growth.power > 0 {
         let Growth { middle, half, power } = tamed.growth;
-        let mut base = one;
+        let mut base = graph.constant(1.0);
         for (axis, middle) in p.into_iter().zip(middle) {
-            let off = graph.mul(axis, 1.0 / half);
-            let off = graph.sub(off, middle / half);
-            let square = graph.square(off);
+            let square = graph.square(axis * (1.0 / half) - middle / half);
             base = graph.add(base, square);
         }
         for _ in 0..power {
@@ -306,16 +303,14 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
     if tamed.reach.is_infinite() {
         return value;
     }
-    let value = graph.div(value, tamed.reach);
-    let value = graph.unary(Op::Atan, value);
+    let value = graph.unary(Op::Atan, value / tamed.reach);
     graph.mul(value, tamed.reach)
 }
 
 /// Returns the distance of a point from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     let off = [0, 1, 2].map(|axis| {
-        let off = graph.sub(p[axis], 0.5 * (bounds.low[axis] + bounds.high[axis]));
-        let off = graph.abs(off);
+        let off = graph.abs(p[axis] - 0.5 * (bounds.low[axis] + bounds.high[axis]));
         graph.sub(off, 0.5 * (bounds.high[axis] - bounds.low[axis]))
     });
     let beyond = off.map(|off| graph.max(off, 0.0));
