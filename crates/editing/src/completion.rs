@@ -50,7 +50,7 @@ fn plain(name: &str, head: String, text: &str) -> Proposal {
 
 static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
     let functions =
-        entries().into_iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
+        entries().iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
     let inputs = inputs().chain(parts()).map(|(name, doc)| plain(name, name.to_owned(), doc));
     let fields = section_fields().flat_map(|(section, fields)| {
         fields.iter().map(move |field| {
@@ -72,14 +72,19 @@ static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
 static OF_PARTS: LazyLock<Vec<Proposal>> =
     LazyLock::new(|| part_inputs().map(|(name, doc)| plain(name, format!("part.{name}"), doc)).collect());
 
-fn of_entry(entry: Entry) -> About {
+fn of_entry(entry: &Entry) -> About {
     let accuracy = match entry.accuracy {
         Some(Accuracy::Exact) => "exact",
         Some(Accuracy::Bound) => "a bound",
         None => "",
     };
     let facts = [accuracy, &entry.source].into_iter().filter(|fact| !fact.is_empty()).collect::<Vec<_>>();
-    About { head: entry.signature, text: entry.doc, facts: facts.join(" · "), is_function: true }
+    About {
+        head: entry.signature.clone(),
+        text: entry.doc.clone(),
+        facts: facts.join(" · "),
+        is_function: true,
+    }
 }
 
 /// Returns candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces.

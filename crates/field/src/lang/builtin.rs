@@ -2,6 +2,8 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
+use std::sync::LazyLock;
+
 use super::shape::{ShapeCall, SongText};
 use crate::graph::{Input, LevelList, MotionKind, Op, ScreenInput, SoundInput};
 
@@ -115,38 +117,15 @@ const OTHERS: &[InputRow] = &[
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];
 
-pub(super) const INPUTS: &[InputRow] = &{
-    let mut rows = [const { row("", Constant(0.0), NOTHING, "") }; OTHERS.len() + named_sounds()];
-    let mut at = 0;
-    while at < OTHERS.len() {
-        rows[at] = OTHERS[at];
-        at += 1;
-    }
-    let mut number = 0;
-    while number < SoundInput::ALL.len() {
-        let input = SoundInput::ALL[number];
-        if !is_component(input) {
-            rows[at] = row(input.name(), One(Input::Sound(input)), FRAME, input.doc());
-            at += 1;
-        }
-        number += 1;
-    }
-    rows
-};
+pub(super) static INPUTS: LazyLock<Vec<InputRow>> = LazyLock::new(|| {
+    let named = SoundInput::ALL.into_iter().filter(|input| !is_component(input.name()));
+    let sounds = named.map(|input| row(input.name(), One(Input::Sound(input)), FRAME, input.doc()));
+    OTHERS.iter().copied().chain(sounds).collect()
+});
 
-/// True if scenes read the number as a component of a vector or by a function, not by its own name.
-const fn is_component(input: SoundInput) -> bool {
-    let name = input.name().as_bytes();
-    name.len() > 2 && (name[name.len() - 2] == b'.' || name[name.len() - 1] == b')')
-}
-
-const fn named_sounds() -> usize {
-    let (mut count, mut number) = (0, 0);
-    while number < SoundInput::ALL.len() {
-        count += !is_component(SoundInput::ALL[number]) as usize;
-        number += 1;
-    }
-    count
+/// True if scenes read a number of the sound as a component of a vector or by a function, not by its own name.
+fn is_component(name: &str) -> bool {
+    name.ends_with(')') || name.rfind('.').is_some_and(|point| point + 2 == name.len())
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -193,239 +172,94 @@ pub(super) enum MatrixFunction {
     Determinant,
 }
 
-/// A function: name, parameters on the language's page, meaning, minimum and maximum number of arguments, and
-/// description.
+/// A function: name, meaning, and minimum and maximum number of arguments. `library/builtin.txt` declares and describes
+/// the functions in the same order.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
-    pub parameters: &'static str,
     pub builtin: Builtin,
     pub arguments: (usize, usize),
-    pub doc: &'static str,
 }
 
-const fn function(
-    name: &'static str,
-    parameters: &'static str,
-    builtin: Builtin,
-    arguments: (usize, usize),
-    doc: &'static str,
-) -> BuiltinRow {
-    BuiltinRow { name, parameters, builtin, arguments, doc }
+const fn function(name: &'static str, builtin: Builtin, arguments: (usize, usize)) -> BuiltinRow {
+    BuiltinRow { name, builtin, arguments }
 }
 
-const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
-    function(name, "a", Builtin::Each(op), (1, 1), doc)
+const fn each(name: &'static str, op: Op) -> BuiltinRow {
+    function(name, Builtin::Each(op), (1, 1))
 }
 
 const fn levels(list: LevelList) -> BuiltinRow {
-    function(list.name(), "i", Builtin::Levels(list), (1, 1), list.doc())
+    function(list.name(), Builtin::Levels(list), (1, 1))
 }
 
 use Builtin::{
-    Atan, Construct, Dot, History, Length, Matrix, Motion, Pair, Pow, Previous, Round, Table, Texture,
+    Atan, Construct, Dot, Float, History, Length, Matrix, Motion, Pair, Pow, Previous, Round, Shape, Table,
+    Texture,
 };
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
-    each("abs", Op::Abs, "the magnitude"),
-    each("sign", Op::Sign, "-1, 0 or 1"),
-    each("floor", Op::Floor, "the largest whole number that is not above a"),
-    each("ceil", Op::Ceil, "the smallest whole number that is not below a"),
-    function(
-        "round",
-        "a, radius",
-        Round,
-        (1, 2),
-        "the nearest whole number, halves rounded up; with a radius, a shape that is rounded by it and grows by it",
-    ),
-    each("trunc", Op::Trunc, "the whole part, rounded towards 0"),
-    each("fract", Op::Fract, "a - floor(a)"),
-    each("sqrt", Op::Sqrt, "the square root; 0 for negative a"),
-    each("exp", Op::Exp, "e to the power of a"),
-    each("exp2", Op::Exp2, "2 to the power of a"),
-    each("log", Op::Log, "the natural logarithm"),
-    each("log2", Op::Log2, "the binary logarithm"),
-    each("sin", Op::Sin, "the sine of an angle in radians"),
-    each("cos", Op::Cos, "the cosine of an angle in radians"),
-    each("tan", Op::Tan, "the tangent of an angle in radians"),
-    each("asin", Op::Asin, "the angle whose sine is a"),
-    each("acos", Op::Acos, "the angle whose cosine is a"),
-    each("sinh", Op::Sinh, "the hyperbolic sine"),
-    each("cosh", Op::Cosh, "the hyperbolic cosine"),
-    each("tanh", Op::Tanh, "the hyperbolic tangent"),
-    function("atan", "y, x", Atan, (1, 2), "the angle of the vector (x, y), or the angle whose tangent is y"),
-    function(
-        "pow",
-        "a, b",
-        Pow,
-        (2, 2),
-        "a to the power of b, the same as a ^ b; 0 for negative a unless b is a whole number",
-    ),
-    function("mod", "a, b", Pair(Op::Mod), (2, 2), "a - b * floor(a / b), the same as a % b"),
-    function("min", "a, b, …", Pair(Op::Min), (2, 2), "the smallest of any number of values"),
-    function("max", "a, b, …", Pair(Op::Max), (2, 2), "the largest of any number of values"),
-    function("sum", "a, b, …", Pair(Op::Add), (2, 2), "the sum of any number of values"),
-    function("product", "a, b, …", Pair(Op::Mul), (2, 2), "the product of any number of values"),
-    function("step", "edge, a", Pair(Op::Step), (2, 2), "0 where a is below the edge, else 1"),
-    function(
-        "mix",
-        "a, b, share",
-        Builtin::Three(Three::Mix),
-        (3, 3),
-        "a where share is 0, b where it is 1, linear in between",
-    ),
-    function("clamp", "a, low, high", Builtin::Three(Three::Clamp), (3, 3), "a limited to low..high"),
-    function(
-        "smoothstep",
-        "low, high, a",
-        Builtin::Three(Three::Smoothstep),
-        (3, 3),
-        "0 up to low, 1 from high on, a smooth curve in between",
-    ),
-    function("length", "v", Length, (1, 1), "the length of a vector"),
-    function("dot", "a, b", Dot, (2, 2), "the scalar product"),
-    function("vec2", "x, y", Construct(2), (1, 2), "a vector of two numbers"),
-    function("vec3", "x, y, z", Construct(3), (1, 3), "a vector of three numbers"),
-    function("vec4", "x, y, z, w", Construct(4), (1, 4), "a vector of four numbers"),
-    function(
-        "mat2",
-        "a, b",
-        Matrix(MatrixFunction::Construct(2)),
-        (1, 4),
-        "a matrix of two columns, from vectors or from four numbers by columns; one number fills the diagonal",
-    ),
-    function(
-        "mat3",
-        "a, b, c",
-        Matrix(MatrixFunction::Construct(3)),
-        (1, 9),
-        "a matrix of three columns, from vectors or from nine numbers by columns; one number fills the diagonal",
-    ),
-    function(
-        "transpose",
-        "m",
-        Matrix(MatrixFunction::Transpose),
-        (1, 1),
-        "the matrix with rows and columns exchanged",
-    ),
-    function(
-        "inverse",
-        "m",
-        Matrix(MatrixFunction::Inverse),
-        (1, 1),
-        "the matrix that undoes m; zeros if its determinant is 0",
-    ),
-    function(
-        "determinant",
-        "m",
-        Matrix(MatrixFunction::Determinant),
-        (1, 1),
-        "the factor by which m scales volumes",
-    ),
-    function("float", "a", Builtin::Float, (1, 1), "the number itself; 1 for a condition that holds, else 0"),
-    function("int", "a", Builtin::Each(Op::Trunc), (1, 1), "the whole part, the same as trunc(a)"),
-    function(
-        "cell_hash",
-        "a, b",
-        Pair(Op::Hash),
-        (2, 2),
-        "a pseudo-random number in 0..1 for the cell (floor(a), floor(b))",
-    ),
+    each("abs", Op::Abs),
+    each("sign", Op::Sign),
+    each("floor", Op::Floor),
+    each("ceil", Op::Ceil),
+    function("round", Round, (1, 2)),
+    each("trunc", Op::Trunc),
+    each("fract", Op::Fract),
+    each("sqrt", Op::Sqrt),
+    each("exp", Op::Exp),
+    each("exp2", Op::Exp2),
+    each("log", Op::Log),
+    each("log2", Op::Log2),
+    each("sin", Op::Sin),
+    each("cos", Op::Cos),
+    each("tan", Op::Tan),
+    each("asin", Op::Asin),
+    each("acos", Op::Acos),
+    each("sinh", Op::Sinh),
+    each("cosh", Op::Cosh),
+    each("tanh", Op::Tanh),
+    function("atan", Atan, (1, 2)),
+    function("pow", Pow, (2, 2)),
+    function("mod", Pair(Op::Mod), (2, 2)),
+    function("min", Pair(Op::Min), (2, 2)),
+    function("max", Pair(Op::Max), (2, 2)),
+    function("sum", Pair(Op::Add), (2, 2)),
+    function("product", Pair(Op::Mul), (2, 2)),
+    function("step", Pair(Op::Step), (2, 2)),
+    function("mix", Builtin::Three(Three::Mix), (3, 3)),
+    function("clamp", Builtin::Three(Three::Clamp), (3, 3)),
+    function("smoothstep", Builtin::Three(Three::Smoothstep), (3, 3)),
+    function("length", Length, (1, 1)),
+    function("dot", Dot, (2, 2)),
+    function("vec2", Construct(2), (1, 2)),
+    function("vec3", Construct(3), (1, 3)),
+    function("vec4", Construct(4), (1, 4)),
+    function("mat2", Matrix(MatrixFunction::Construct(2)), (1, 4)),
+    function("mat3", Matrix(MatrixFunction::Construct(3)), (1, 9)),
+    function("transpose", Matrix(MatrixFunction::Transpose), (1, 1)),
+    function("inverse", Matrix(MatrixFunction::Inverse), (1, 1)),
+    function("determinant", Matrix(MatrixFunction::Determinant), (1, 1)),
+    function("float", Float, (1, 1)),
+    each("int", Op::Trunc),
+    function("cell_hash", Pair(Op::Hash), (2, 2)),
     levels(LevelList::Band),
     levels(LevelList::Note),
     levels(LevelList::Chroma),
     levels(LevelList::Pan),
     levels(LevelList::Width),
-    function(
-        "spectrum",
-        "u",
-        Table(Op::Spectrum),
-        (1, 1),
-        "the spectrum at u in 0..1: 30 Hz to 16 kHz on a logarithmic scale, 512 points",
-    ),
-    function(
-        "waveform",
-        "u",
-        Table(Op::Waveform),
-        (1, 1),
-        "the waveform at u in 0..1, from old to new: values -1..1, 512 points, 43 ms around the current moment",
-    ),
-    function(
-        "history",
-        "u, age",
-        History,
-        (2, 2),
-        "an earlier spectrum at u; age is 0 for now and 1 for 10 s ago",
-    ),
-    function(
-        "follow",
-        "a, rise, fall",
-        Motion(MotionKind::Follow),
-        (2, 3),
-        "a number that follows a with inertia: rise and fall are the time constants in seconds; without fall, rise is both",
-    ),
-    function(
-        "spring",
-        "a, stiffness, damping",
-        Motion(MotionKind::Spring),
-        (2, 3),
-        "a number that a damped spring pulls to a, with stiffness * (a - spring) - damping * speed; without damping it does not overshoot",
-    ),
-    function(
-        "since",
-        "event",
-        Motion(MotionKind::Since),
-        (1, 1),
-        "seconds since a condition last began to hold, such as `kick > 0.3`, or since a number last rose above 0.5; 6 at most",
-    ),
-    function(
-        "texture",
-        "file, uv",
-        Texture,
-        (2, 2),
-        "colour and alpha of an image, a video, a camera or the cover at uv, repeated beyond 0..1; in materials and the sky",
-    ),
-    function(
-        "previous",
-        "uv",
-        Previous,
-        (1, 1),
-        "the light of the last frame at uv, vec3, 0..16: uv is 0..1 from the lower left corner, `pixel / resolution` is the same place, the edge goes on beyond; black in the first frame; in materials and the sky",
-    ),
-    function(
-        "text",
-        "words, p, font",
-        Builtin::Shape(ShapeCall::Text),
-        (2, 3),
-        "the 2D distance to a text at p, a vec2: capital letters are 1 high, and the text is centred; in the program's font, or in the font of that name or file",
-    ),
-    function(
-        "image",
-        "file, p",
-        Builtin::Shape(ShapeCall::Image),
-        (2, 2),
-        "the 2D distance to the opaque parts of a picture at p, or to its bright parts if it is opaque everywhere: PNG, JPEG or SVG, 1 high and centred",
-    ),
-    function(
-        "title",
-        "p, font",
-        Builtin::Shape(ShapeCall::Song(SongText::Title)),
-        (1, 2),
-        "the 2D distance to the title of the song, like a text",
-    ),
-    function(
-        "artist",
-        "p, font",
-        Builtin::Shape(ShapeCall::Song(SongText::Artist)),
-        (1, 2),
-        "the 2D distance to the name of the song's artist, like a text",
-    ),
-    function(
-        "lyrics",
-        "p, font",
-        Builtin::Shape(ShapeCall::Song(SongText::Lyrics)),
-        (1, 2),
-        "the 2D distance to the line of the lyrics that is sung now, like a text",
-    ),
+    function("spectrum", Table(Op::Spectrum), (1, 1)),
+    function("waveform", Table(Op::Waveform), (1, 1)),
+    function("history", History, (2, 2)),
+    function("follow", Motion(MotionKind::Follow), (2, 3)),
+    function("spring", Motion(MotionKind::Spring), (2, 3)),
+    function("since", Motion(MotionKind::Since), (1, 1)),
+    function("texture", Texture, (2, 2)),
+    function("previous", Previous, (1, 1)),
+    function("text", Shape(ShapeCall::Text), (2, 3)),
+    function("image", Shape(ShapeCall::Image), (2, 2)),
+    function("title", Shape(ShapeCall::Song(SongText::Title)), (1, 2)),
+    function("artist", Shape(ShapeCall::Song(SongText::Artist)), (1, 2)),
+    function("lyrics", Shape(ShapeCall::Song(SongText::Lyrics)), (1, 2)),
 ];
 
 /// Functions that combine any number of values: the name, and how many final arguments (a radius) are not values.

@@ -55,7 +55,7 @@ pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, FieldRange, Holds};
 pub use foreign::is_glsl;
 pub use formatting::formatted;
-pub use library::{Accuracy, Entry, PICTURES, entries, inputs, is_part, part_inputs, parts};
+pub use library::{Accuracy, Entry, entries, examples, inputs, is_part, part_inputs, parts};
 pub(crate) use lower::{FORGOTTEN, VISIBLE, outlasting};
 pub use lower::{plural, section_fields};
 pub use material::{Material, material_glsl};

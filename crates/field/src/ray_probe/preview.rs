@@ -55,7 +55,7 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::PICTURES;
+    use crate::lang::examples;
 
     #[test]
     fn a_ball_is_round_and_lit_from_above() {
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn every_function_with_a_picture_has_a_visible_preview() {
-        for (name, formula) in PICTURES {
+        for (name, formula) in examples() {
             let picture = preview(formula, 16).unwrap_or_else(|| panic!("{name} cannot be drawn"));
             let covered = picture.iter().filter(|pixel| pixel[3] > 127).count();
             assert!((8..256).contains(&covered), "{name} covers {covered} of 256 pixels");

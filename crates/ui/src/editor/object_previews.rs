@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use mariana_field::lang::PICTURES;
+use mariana_field::lang::examples;
 use mariana_field::ray_probe::preview;
 use mariana_work::{Worker, in_order};
 
@@ -29,7 +29,7 @@ impl ObjectPreviews {
     }
 
     pub(super) fn request(&mut self, name: &str) {
-        if let Some((name, formula)) = PICTURES.iter().find(|(known, _)| *known == name)
+        if let Some((name, formula)) = examples().find(|(known, _)| *known == name)
             && !self.known.contains_key(name)
         {
             self.known.insert(name, None);

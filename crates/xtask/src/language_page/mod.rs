@@ -4,7 +4,7 @@
 //! cargo xtask language-page [FOLDER]
 //! ```
 //!
-//! Writes `language.md` and, in `shapes/`, an image of each function in [`mariana_field::lang::PICTURES`]. `FOLDER`
+//! Writes `language.md` and, in `shapes/`, an image of each function in [`mariana_field::lang::examples`]. `FOLDER`
 //! defaults to `docs`. The text comes from doc comments in the code (`mariana_field::lang::entries`) and from
 //! `intro.md` here. Every run writes the same bytes.
 
@@ -19,7 +19,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use mariana_field::graph::FrameInputs;
 
-use mariana_field::lang::PICTURES;
+use mariana_field::lang::examples;
 
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder = arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("docs"), PathBuf::from);
@@ -27,12 +27,12 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     std::fs::create_dir_all(&shapes)?;
     std::fs::write(folder.join("language.md"), reference::text())?;
 
-    let next = AtomicUsize::new(0);
+    let (next, examples): (_, Vec<_>) = (AtomicUsize::new(0), examples().collect());
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     let sizes = std::thread::scope(|scope| {
         let work = || -> Result<usize, String> {
             let mut bytes = 0;
-            while let Some((name, formula)) = PICTURES.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while let Some((name, formula)) = examples.get(next.fetch_add(1, Ordering::Relaxed)) {
                 bytes += picture(&shapes, name, formula)?;
             }
             Ok(bytes)
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
             .collect::<Result<Vec<usize>, String>>()
     })
     .map_err(anyhow::Error::msg)?;
-    println!("{} images, {} bytes", PICTURES.len(), sizes.iter().sum::<usize>());
+    println!("{} images, {} bytes", examples.len(), sizes.iter().sum::<usize>());
     Ok(())
 }
 

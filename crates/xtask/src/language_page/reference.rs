@@ -4,8 +4,6 @@ use std::fmt::Write;
 
 use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs, part_inputs, parts};
 
-use mariana_field::lang::PICTURES;
-
 /// Generates `docs/language.md`.
 pub fn text() -> String {
     let mut text = include_str!("intro.md").replace("\r\n", "\n");
@@ -27,14 +25,14 @@ pub fn text() -> String {
     }
     let entries = entries();
     for group in entries.chunk_by(|a, b| a.group == b.group) {
-        let (shown, plain): (Vec<_>, Vec<_>) = group.iter().partition(|entry| formula(entry).is_some());
+        let (shown, plain): (Vec<_>, Vec<_>) = group.iter().partition(|entry| entry.example.is_some());
         let title = group.first().map_or("", |entry| entry.group);
         line(&mut text, format_args!("\n## {title}"));
         if !shown.is_empty() {
             text.push_str("\n| | |\n|---|---|\n");
             for entry in shown {
                 let name = entry.name;
-                let formula = formula(entry).unwrap_or("");
+                let formula = entry.example.unwrap_or("");
                 line(
                     &mut text,
                     format_args!(
@@ -68,10 +66,6 @@ fn excerpt() -> String {
 
 fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     let _ = writeln!(text, "{content}");
-}
-
-fn formula(entry: &Entry) -> Option<&'static str> {
-    PICTURES.iter().find(|(name, _)| *name == entry.name).map(|(_, formula)| *formula)
 }
 
 fn described(entry: &Entry) -> String {

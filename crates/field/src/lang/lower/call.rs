@@ -349,7 +349,7 @@ impl Lowering<'_> {
             Callee::Library(index) => {
                 self.library.functions.get(index).map(|function| self.parameters(&function.parameters))
             }
-            Callee::Builtin(index) => BUILTINS.get(index).map(|row| row.parameters.to_owned()),
+            Callee::Builtin(_) => return library::signature_of_builtin(self.name(name)).to_owned(),
         };
         format!("{}({})", self.name(name), parameters.unwrap_or_default())
     }

@@ -101,7 +101,7 @@ pub(super) fn points(count: u32) -> impl Iterator<Item = [f32; 3]> {
 fn no_shape_overestimates_and_exact_ones_have_slope_one() {
     let accuracy = |call: &str| {
         let name = call.split('(').next().unwrap();
-        entries().into_iter().find(|entry| entry.name == name).and_then(|entry| entry.accuracy)
+        entries().iter().find(|entry| entry.name == name).and_then(|entry| entry.accuracy)
     };
     for (call, _) in SHAPES {
         let scene = scene(call);
