@@ -75,14 +75,18 @@ pub(super) enum Expr {
     Record(u32, u32),
     /// A statement of a block: `let name = value`.
     Let(Symbol, ExprId),
-    /// A statement: the number of an [`Assignment`].
-    Assign(u32),
-    /// A statement: the number of a [`Loop`].
-    Loop(u32),
-    /// A statement: the number of a [`When`].
-    When(u32),
+    /// The number of a [`Statement`].
+    Statement(u32),
     /// A statement: ends the innermost loop.
     Break,
+}
+
+/// A statement that is too large for an [`Expr`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Statement {
+    Assign(Assignment),
+    Loop(Loop),
+    When(When),
 }
 
 /// An index in `extra` of consecutive statements, and their number.
@@ -125,9 +129,7 @@ pub(super) struct Ast {
     pub extra: Vec<u32>,
     /// Records about names, in the order of the text. `None` unless an editor needs them.
     pub name_events: Option<Vec<NameEvent>>,
-    assignments: Vec<Assignment>,
-    loops: Vec<Loop>,
-    whens: Vec<When>,
+    statements: Vec<Statement>,
 }
 
 impl Ast {
@@ -168,31 +170,13 @@ impl Ast {
         self.extra.get(index as usize).copied().unwrap_or(0)
     }
 
-    pub(super) fn push_assignment(&mut self, assignment: Assignment, span: Span) -> ExprId {
-        self.assignments.push(assignment);
-        self.push(Expr::Assign(self.assignments.len() as u32 - 1), span)
+    pub(super) fn push_statement(&mut self, statement: Statement, span: Span) -> ExprId {
+        self.statements.push(statement);
+        self.push(Expr::Statement(self.statements.len() as u32 - 1), span)
     }
 
-    pub(super) fn assignment(&self, index: u32) -> Option<Assignment> {
-        self.assignments.get(index as usize).copied()
-    }
-
-    pub(super) fn push_loop(&mut self, of: Loop, span: Span) -> ExprId {
-        self.loops.push(of);
-        self.push(Expr::Loop(self.loops.len() as u32 - 1), span)
-    }
-
-    pub(super) fn loop_at(&self, index: u32) -> Option<Loop> {
-        self.loops.get(index as usize).copied()
-    }
-
-    pub(super) fn push_when(&mut self, when: When, span: Span) -> ExprId {
-        self.whens.push(when);
-        self.push(Expr::When(self.whens.len() as u32 - 1), span)
-    }
-
-    pub(super) fn when(&self, index: u32) -> Option<When> {
-        self.whens.get(index as usize).copied()
+    pub(super) fn statement(&self, index: u32) -> Option<Statement> {
+        self.statements.get(index as usize).copied()
     }
 }
 

@@ -3,7 +3,7 @@
 //! Both sides of an `if` are lowered, and each name that they change becomes a choice between its two values. An early
 //! end of a loop is a condition as well: from there on, assignments keep the old value where the condition holds.
 
-use super::super::ast::{Assignment, Expr, ExprId, Loop, Statements, When};
+use super::super::ast::{Assignment, Expr, ExprId, Loop, Statement, Statements, When};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::source::Span;
@@ -87,21 +87,12 @@ impl BlockLowering<'_, '_> {
                 let by = self.outer.origins.since(from);
                 self.outer.scope.bind_made(symbol, value, by);
             }
-            Expr::Assign(index) => {
-                if let Some(assignment) = self.outer.ast.assignment(index) {
-                    self.assign(assignment, span);
-                }
-            }
-            Expr::Loop(index) => {
-                if let Some(of) = self.outer.ast.loop_at(index) {
-                    self.repeat(of, span);
-                }
-            }
-            Expr::When(index) => {
-                if let Some(when) = self.outer.ast.when(index) {
-                    self.when(when, span);
-                }
-            }
+            Expr::Statement(index) => match self.outer.ast.statement(index) {
+                Some(Statement::Assign(assignment)) => self.assign(assignment, span),
+                Some(Statement::Loop(of)) => self.repeat(of, span),
+                Some(Statement::When(when)) => self.when(when, span),
+                None => {}
+            },
             Expr::Break => {
                 let Flow { path, in_loop, .. } = self.flow;
                 if !in_loop {

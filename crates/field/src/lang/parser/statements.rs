@@ -1,7 +1,7 @@
 //! Parses blocks and their statements: lets, assignments, loops with state, and `if` with braces.
 
 use super::super::ast::{
-    Assignment, BinaryOp, Expr, ExprId, Loop, Name, NameEvent, NameKind, Statements, When,
+    Assignment, BinaryOp, Expr, ExprId, Loop, Name, NameEvent, NameKind, Statement, Statements, When,
 };
 use super::super::diagnostic::Diagnostic;
 use super::super::source::Span;
@@ -189,7 +189,7 @@ impl StatementParser<'_, '_> {
         self.outer.end_of_entry();
         let span = self.outer.since(start);
         let &Target { name, components, op, .. } = target;
-        self.outer.ast.push_assignment(Assignment { name, components, op, value }, span)
+        self.outer.ast.push_statement(Statement::Assign(Assignment { name, components, op, value }), span)
     }
 
     /// Parses `for i in 0..8 while condition { … }`.
@@ -208,7 +208,8 @@ impl StatementParser<'_, '_> {
             return self.outer.error_node();
         };
         let span = self.outer.since(start);
-        self.outer.ast.push_loop(Loop { variable: variable.symbol, first, end, condition, body }, span)
+        let of = Loop { variable: variable.symbol, first, end, condition, body };
+        self.outer.ast.push_statement(Statement::Loop(of), span)
     }
 
     #[cold]
@@ -258,7 +259,8 @@ impl StatementParser<'_, '_> {
             no = other;
         }
         let span = self.outer.since(start);
-        Parsed::Statement(self.outer.ast.push_when(When { condition, yes, no }, span))
+        let when = Statement::When(When { condition, yes, no });
+        Parsed::Statement(self.outer.ast.push_statement(when, span))
     }
 
     /// True if the braces at the current token hold statements instead of a value.

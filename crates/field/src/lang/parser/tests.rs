@@ -1,4 +1,4 @@
-use super::super::ast::{Assignment, Ast, BinaryOp, Expr, ExprId, Item, Loop, Statements, When};
+use super::super::ast::{Assignment, Ast, BinaryOp, Expr, ExprId, Item, Loop, Statement, Statements, When};
 use super::super::diagnostic::Diagnostics;
 use super::super::lexer::tokenize;
 use super::super::library::library;
@@ -63,23 +63,22 @@ fn shown(ast: &Ast, names: &Interner, id: ExprId) -> String {
             format!("(record{})", fields.collect::<String>())
         }
         Expr::Let(name, value) => format!("{}={}", names.name(name), show(value)),
-        Expr::Assign(index) => {
-            let Assignment { name, components, op, value } = ast.assignment(index).unwrap();
-            let components = components.map_or(String::new(), |one| format!(".{}", names.name(one)));
-            let op = op.map_or("", BinaryOp::sign);
-            format!("{}{components}<{op}-{}", names.name(name), show(value))
-        }
-        Expr::Loop(index) => {
-            let Loop { variable, first, end, condition, body } = ast.loop_at(index).unwrap();
-            let condition = condition.map_or(String::new(), |one| format!(" while {}", show(one)));
-            let body = statements(ast, names, body);
-            format!("[{} {} {}{condition}: {body}]", names.name(variable), show(first), show(end))
-        }
-        Expr::When(index) => {
-            let When { condition, yes, no } = ast.when(index).unwrap();
-            let [yes, no] = [yes, no].map(|side| statements(ast, names, side));
-            format!("[{}? {yes}: {no}]", show(condition))
-        }
+        Expr::Statement(index) => match ast.statement(index).unwrap() {
+            Statement::Assign(Assignment { name, components, op, value }) => {
+                let components = components.map_or(String::new(), |one| format!(".{}", names.name(one)));
+                let op = op.map_or("", BinaryOp::sign);
+                format!("{}{components}<{op}-{}", names.name(name), show(value))
+            }
+            Statement::Loop(Loop { variable, first, end, condition, body }) => {
+                let condition = condition.map_or(String::new(), |one| format!(" while {}", show(one)));
+                let body = statements(ast, names, body);
+                format!("[{} {} {}{condition}: {body}]", names.name(variable), show(first), show(end))
+            }
+            Statement::When(When { condition, yes, no }) => {
+                let [yes, no] = [yes, no].map(|side| statements(ast, names, side));
+                format!("[{}? {yes}: {no}]", show(condition))
+            }
+        },
         Expr::Break => "break".to_owned(),
         Expr::For(at) => {
             let name = names.name(Symbol(ast.extra(at)));
