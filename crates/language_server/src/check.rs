@@ -10,7 +10,7 @@ use mariana_field::lang::{self, Compiled, Fault, NameKind, Sources, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Snapshot, included_path};
-use crate::positions::Unit;
+use crate::positions::range;
 use crate::uri::uri_of;
 
 /// A version of a document that is to be compiled.
@@ -20,7 +20,6 @@ pub struct Check {
     pub(crate) text: Arc<str>,
     pub(crate) revision: u64,
     pub(crate) snapshot: Snapshot,
-    pub(crate) unit: Unit,
     /// True if the client shows related locations of a diagnostic.
     pub(crate) shows_related: bool,
 }
@@ -50,12 +49,8 @@ impl Check {
             let (Some(uri), Some(buffer)) = (self.uri_of(&compiled.sources, file), texts.0.get(file)) else {
                 continue;
             };
-            let value = self.diagnostic(
-                one,
-                &compiled.sources,
-                &texts,
-                self.unit.range(buffer, visible(buffer, bytes)),
-            );
+            let place = range(buffer, visible(buffer, bytes));
+            let value = self.diagnostic(one, &compiled.sources, &texts, place);
             diagnostics.entry(uri).or_default().push(value);
         }
         Checked { uri: self.uri.clone(), revision: self.revision, diagnostics, included }
@@ -135,7 +130,7 @@ impl Check {
         let (file, bytes) = sources.place_in_file(span)?;
         let buffer = texts.0.get(file)?;
         let uri = self.uri_of(sources, file)?;
-        Some(json!({ "uri": uri, "range": self.unit.range(buffer, visible(buffer, bytes)) }))
+        Some(json!({ "uri": uri, "range": range(buffer, visible(buffer, bytes)) }))
     }
 }
 

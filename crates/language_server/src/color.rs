@@ -4,10 +4,10 @@ use mariana_editing::{TripleKind, triples, written_part};
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
+use crate::positions;
 use crate::protocol::{Color, ColorParams, TextEdit};
 
 pub(crate) fn colors(documents: &mut Documents, uri: &str) -> Value {
-    let unit = documents.unit;
     let Some(document) = documents.get_mut(uri) else { return json!([]) };
     let mut found = Vec::new();
     for line in 0..document.buffer.line_count() {
@@ -18,7 +18,8 @@ pub(crate) fn colors(documents: &mut Documents, uri: &str) -> Value {
                 continue;
             }
             let [red, green, blue] = values.map(to_srgb);
-            let range = unit.range(&document.buffer, start + triple.range.start..start + triple.range.end);
+            let range =
+                positions::range(&document.buffer, start + triple.range.start..start + triple.range.end);
             found.push(json!({ "range": range, "color": Color { red, green, blue, alpha: 1.0 } }));
         }
     }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::documents::Documents;
 use crate::hover::markdown;
+use crate::positions;
 use crate::protocol::{AtPosition, TextEdit};
 
 /// Kinds of the protocol.
@@ -26,10 +27,9 @@ pub(crate) fn completion(documents: &mut Documents, params: &AtPosition, snippet
 
 fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Option<Vec<Value>> {
     let uri = &params.text_document.uri;
-    let unit = documents.unit;
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.get_mut(uri)?;
-    let byte = unit.offset(&document.buffer, params.position);
+    let byte = positions::offset(&document.buffer, params.position);
     let (range, found) = proposals(&document.buffer, &mut document.colors, byte, true);
     let offset = context.offset(byte);
     let (names, sources) = (&context.parsed.names, &context.parsed.sources);
@@ -71,7 +71,7 @@ fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Opti
         };
         let has_parameters = snippets && about.is_function && !calls;
         let new_text = if has_parameters { format!("{}($0)", one.name) } else { one.name.clone() };
-        let edit = TextEdit { range: unit.range(&document.buffer, range.clone()), new_text };
+        let edit = TextEdit { range: positions::range(&document.buffer, range.clone()), new_text };
         json!({
             "label": one.name,
             "kind": kind,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use mariana_editing::{Buffer, Colors};
 use mariana_field::lang::{self, Names, Sources};
 
-use crate::positions::{Span, Unit};
+use crate::positions::{Span, offset, range};
 use crate::protocol::{Change, Location};
 use crate::uri::{path_of, uri_of};
 
@@ -40,7 +40,7 @@ impl Document {
         Self { uri, path, version, buffer, colors: Colors::default(), text: text.into() }
     }
 
-    fn change(&mut self, unit: Unit, changes: Vec<Change>) {
+    fn change(&mut self, changes: Vec<Change>) {
         for change in changes {
             match change.range {
                 None => {
@@ -48,8 +48,8 @@ impl Document {
                     self.colors = Colors::default();
                 }
                 Some(Span { start, end }) => {
-                    let start = unit.offset(&self.buffer, start);
-                    let end = unit.offset(&self.buffer, end).max(start);
+                    let start = offset(&self.buffer, start);
+                    let end = offset(&self.buffer, end).max(start);
                     self.colors.forget_behind(self.buffer.line_of(start));
                     self.buffer.replace(start..end, change.text.as_bytes());
                 }
@@ -120,12 +120,11 @@ pub(crate) struct Documents {
     open: BTreeMap<String, Document>,
     pub(crate) parsed: BTreeMap<String, Arc<Parsed>>,
     files: Arc<dyn Files>,
-    pub unit: Unit,
 }
 
 impl Documents {
     pub(crate) fn new(files: Arc<dyn Files>) -> Self {
-        Self { open: BTreeMap::new(), parsed: BTreeMap::new(), files, unit: Unit::default() }
+        Self { open: BTreeMap::new(), parsed: BTreeMap::new(), files }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -152,9 +151,8 @@ impl Documents {
 
     /// Changes a document; false if it is not open.
     pub(crate) fn change(&mut self, uri: &str, version: Option<i64>, changes: Vec<Change>) -> bool {
-        let unit = self.unit;
         let Some(document) = self.open.get_mut(uri) else { return false };
-        document.change(unit, changes);
+        document.change(changes);
         document.version = version.unwrap_or(document.version + 1);
         let path = document.path.clone();
         self.forget_parsed(uri, path.as_deref());
@@ -242,7 +240,7 @@ impl Documents {
             let Some((file, bytes)) = parsed.sources.place_in_file(span) else { continue };
             let text = texts.entry(file).or_insert_with(|| self.text_of(parsed, file));
             let Some((uri, buffer)) = text else { continue };
-            found.push(Location { uri: uri.clone(), range: self.unit.range(buffer, bytes) });
+            found.push(Location { uri: uri.clone(), range: range(buffer, bytes) });
         }
         found
     }

@@ -5,6 +5,7 @@ use mariana_field::lang::{Meaning, NameKind, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, Parsed};
+use crate::positions;
 use crate::protocol::AtPosition;
 
 pub(crate) fn hover(documents: &mut Documents, params: &AtPosition) -> Value {
@@ -13,10 +14,9 @@ pub(crate) fn hover(documents: &mut Documents, params: &AtPosition) -> Value {
 
 fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let uri = &params.text_document.uri;
-    let unit = documents.unit;
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.get(uri)?;
-    let byte = unit.offset(&document.buffer, params.position);
+    let byte = positions::offset(&document.buffer, params.position);
     let (span, about) = match context.parsed.names.at(context.offset(byte)) {
         Some((span, meaning)) => (span, about(&context.parsed, span, meaning)?),
         None => {
@@ -27,7 +27,7 @@ fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let (_, bytes) = context.parsed.sources.place_in_file(span)?;
     Some(json!({
         "contents": { "kind": "markdown", "value": markdown(&about) },
-        "range": unit.range(&document.buffer, bytes),
+        "range": positions::range(&document.buffer, bytes),
     }))
 }
 

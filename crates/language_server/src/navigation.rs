@@ -7,6 +7,7 @@ use mariana_field::lang::Meaning;
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, included_path};
+use crate::positions::{self, offset};
 use crate::protocol::{AtPosition, Location, ReferencesParams};
 use crate::uri::uri_of;
 
@@ -31,7 +32,7 @@ fn included(documents: &Documents, uri: &str, context: &Context, span: mariana_f
     let scene = documents.get(uri).and_then(|document| document.path.clone());
     let file = context.parsed.sources.files().iter().find(|file| file.name == name);
     let target = file.and(scene).and_then(|scene| uri_of(&included_path(Path::new(&scene), &name)));
-    target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": crate::positions::Span::default() }))
+    target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": positions::Span::default() }))
 }
 
 pub(crate) fn references(documents: &mut Documents, params: &ReferencesParams) -> Value {
@@ -75,7 +76,6 @@ pub(crate) fn places(
 pub(crate) fn at(documents: &mut Documents, params: &AtPosition) -> (Vec<Context>, usize) {
     let uri = &params.text_document.uri;
     let contexts = documents.contexts(uri);
-    let unit = documents.unit;
-    let byte = documents.get(uri).map_or(0, |document| unit.offset(&document.buffer, params.position));
+    let byte = documents.get(uri).map_or(0, |document| offset(&document.buffer, params.position));
     (contexts, byte)
 }

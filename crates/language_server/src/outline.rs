@@ -4,6 +4,7 @@ use mariana_field::lang::NameKind;
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
+use crate::positions::range;
 
 /// Kinds of the protocol.
 fn symbol_kind(kind: NameKind) -> u8 {
@@ -22,7 +23,7 @@ fn symbol_kind(kind: NameKind) -> u8 {
 pub(crate) fn outline(documents: &mut Documents, uri: &str) -> Value {
     let Some(parsed) = documents.parsed(uri) else { return json!([]) };
     let Some(document) = documents.get(uri) else { return json!([]) };
-    let (unit, buffer) = (documents.unit, &document.buffer);
+    let buffer = &document.buffer;
     let declared = parsed.names.declarations.iter().filter(|one| one.local.is_none());
     let symbols = declared.filter_map(|one| {
         let (file, name) = parsed.sources.place_in_file(one.name)?;
@@ -31,8 +32,8 @@ pub(crate) fn outline(documents: &mut Documents, uri: &str) -> Value {
             json!({
                 "name": parsed.sources.text(one.name),
                 "kind": symbol_kind(one.kind),
-                "range": unit.range(buffer, item.start..item.end.max(name.end)),
-                "selectionRange": unit.range(buffer, name),
+                "range": range(buffer, item.start..item.end.max(name.end)),
+                "selectionRange": range(buffer, name),
             })
         })
     });

@@ -164,15 +164,8 @@ pub(crate) struct InitializeParams {
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct ClientCapabilities {
-    pub general: General,
     pub text_document: Value,
     pub workspace: Value,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
-pub(crate) struct General {
-    pub position_encodings: Vec<String>,
 }
 
 impl ClientCapabilities {

@@ -4,6 +4,7 @@ use mariana_field::lang::{Meaning, NameKind, WordKind};
 use serde_json::{Value, json};
 
 use crate::documents::{Documents, Parsed};
+use crate::positions;
 
 /// The types of tokens, in the order of their numbers in the protocol's messages.
 pub(crate) const TYPES: [&str; 8] =
@@ -19,7 +20,6 @@ pub(crate) fn tokens(documents: &mut Documents, uri: &str) -> Value {
 
 fn data(documents: &mut Documents, uri: &str) -> Option<Vec<usize>> {
     let parsed = documents.parsed(uri)?;
-    let unit = documents.unit;
     let document = documents.get_mut(uri)?;
     let mut data = Vec::new();
     let (mut last_line, mut last_start) = (0, 0);
@@ -30,10 +30,10 @@ fn data(documents: &mut Documents, uri: &str) -> Option<Vec<usize>> {
         for word in document.colors.words(&document.buffer, line) {
             let Some(of) = type_of(&parsed, word.kind, begin + word.start) else { continue };
             let bytes = document.buffer.line(line);
-            units += unit.length_of(bytes.get(counted..word.start).unwrap_or_default());
+            units += positions::units(bytes.get(counted..word.start).unwrap_or_default());
             counted = word.start;
             let start = units;
-            let length = unit.length_of(bytes.get(word.start..word.end).unwrap_or_default());
+            let length = positions::units(bytes.get(word.start..word.end).unwrap_or_default());
             if length == 0 {
                 continue;
             }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::check::{Check, Checked};
 use crate::documents::{Documents, Files};
 use crate::framing::Unreadable;
-use crate::positions::Unit;
+use crate::positions::range;
 use crate::protocol::{
     ChangedParams, ClientCapabilities, Failure, InitializeParams, OfDocument, OpenedParams, TextEdit, answer,
     code, notification, parameters,
@@ -183,10 +183,9 @@ impl Server {
     fn initialize(&mut self, params: InitializeParams) -> Value {
         self.state = State::Ready;
         self.client = params.capabilities;
-        self.documents.unit = Unit::among(&self.client.general.position_encodings);
         json!({
             "capabilities": {
-                "positionEncoding": self.documents.unit.name(),
+                "positionEncoding": "utf-16",
                 "textDocumentSync": { "openClose": true, "change": 2 },
                 "hoverProvider": true,
                 "completionProvider": { "triggerCharacters": ["."] },
@@ -295,7 +294,6 @@ impl Server {
                 text: document.text.clone(),
                 revision: self.diagnosing.revisions.get(&uri).copied().unwrap_or_default(),
                 snapshot: self.documents.snapshot(),
-                unit: self.documents.unit,
                 shows_related: self.client.has_for_documents("/publishDiagnostics/relatedInformation"),
                 uri,
             });
@@ -393,7 +391,7 @@ fn formatting(documents: &Documents, uri: &str) -> Value {
     let head = same_lines(&mut before.split_inclusive('\n'), &mut after.split_inclusive('\n'));
     let (rest, new) = (before.get(head..).unwrap_or_default(), after.get(head..).unwrap_or_default());
     let tail = same_lines(&mut rest.split_inclusive('\n').rev(), &mut new.split_inclusive('\n').rev());
-    let range = documents.unit.range(&document.buffer, head..before.len() - tail);
+    let range = range(&document.buffer, head..before.len() - tail);
     let new_text = new.get(..new.len() - tail).unwrap_or_default().to_owned();
     json!([TextEdit { range, new_text }])
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use crate::documents::Documents;
 use crate::hover::{about, markdown};
 use crate::limits;
+use crate::positions::offset;
 use crate::protocol::AtPosition;
 
 pub(crate) fn signature(documents: &mut Documents, params: &AtPosition) -> Value {
@@ -14,10 +15,9 @@ pub(crate) fn signature(documents: &mut Documents, params: &AtPosition) -> Value
 
 fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let uri = &params.text_document.uri;
-    let unit = documents.unit;
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.get_mut(uri)?;
-    let byte = unit.offset(&document.buffer, params.position);
+    let byte = offset(&document.buffer, params.position);
     let last = document.buffer.line_of(byte);
     let (mut closed, mut argument) = (0_usize, 0_usize);
     let mut opening = false;
