@@ -106,10 +106,9 @@ impl<'a> SceneBuilder<'a> {
         if !self.may_declare(name) {
             return;
         }
-        let max = self.lowering.limits.scene_params_max;
-        if self.lowering.declared.params.len() >= max {
-            let message = format!("the scene has more than {max} parameters");
-            self.lowering.reports.stop(name.span, message, "declare some of them with `let`");
+        let (count, max) = (self.lowering.declared.params.len(), self.lowering.limits.scene_params_max);
+        let hint = "declare some of them with `let`";
+        if self.lowering.reports.is_full(count, max, "parameters", hint, name.span) {
             return;
         }
         self.lowering.declared.globals[name.symbol.index()].broken = true;

@@ -71,11 +71,7 @@ impl SceneBuilder<'_> {
         let material = if a.material == b.material {
             a.material
         } else {
-            let max = self.lowering.limits.scene_materials_max;
-            if self.parts.materials.len() >= max {
-                let message =
-                    format!("the scene has more than {max} materials, including mixtures made by `melt`");
-                self.lowering.reports.stop(b.span, message, "use one material whose fields depend on `p`");
+            if self.has_all_materials("materials, including mixtures made by `melt`", b.span) {
                 return None;
             }
             let difference = self.lowering.graph.sub(a.shape, b.shape);

@@ -45,6 +45,15 @@ impl Reports<'_> {
         value
     }
 
+    /// Reports a list that has no room for one more entry. `what` names the entries.
+    pub(super) fn is_full(&mut self, count: usize, max: usize, what: &str, hint: &str, span: Span) -> bool {
+        let is_full = count >= max;
+        if is_full {
+            self.stop(span, format!("the scene has more than {max} {what}"), hint);
+        }
+        is_full
+    }
+
     /// Reports a loop with too many iterations.
     pub(super) fn loop_too_long(&mut self, iterations: i64, limits: &Limits, hint: &str, span: Span) -> bool {
         let max = limits.scene_loop_max;

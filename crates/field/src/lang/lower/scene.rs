@@ -234,15 +234,9 @@ impl<'a> SceneBuilder<'a> {
     }
 
     pub(super) fn add_object(&mut self, object: Object) {
-        let max = self.lowering.limits.scene_objects_max;
-        if self.parts.objects.len() >= max {
-            let message = format!("the scene has more than {max} objects");
-            self.lowering.reports.stop(
-                object.span,
-                message,
-                "combine shapes of the same material with `union`",
-            );
-        } else {
+        let (count, max) = (self.parts.objects.len(), self.lowering.limits.scene_objects_max);
+        let hint = "combine shapes of the same material with `union`";
+        if !self.lowering.reports.is_full(count, max, "objects", hint, object.span) {
             self.parts.objects.push(object);
         }
     }

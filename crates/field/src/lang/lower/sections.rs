@@ -108,13 +108,11 @@ impl Values {
 impl SceneBuilder<'_> {
     pub(super) fn section(&mut self, section: Section, name: Option<Name>, span: Span, values: &Values) {
         let title = name.map_or(String::new(), |name| self.lowering.name(name.symbol).to_owned());
+        let limits = self.lowering.limits;
         match section {
             Section::Object => self.object(title, span, values),
             Section::Material => {
-                let max = self.lowering.limits.scene_materials_max;
-                if self.parts.materials.len() >= max {
-                    let message = format!("the scene has more than {max} materials");
-                    self.lowering.reports.stop(span, message, "use one material whose fields depend on `p`");
+                if self.has_all_materials("materials", span) {
                     return;
                 }
                 let material = Material::of(title, self.lowering.numbers(Material::FIELDS, values));
@@ -127,22 +125,19 @@ impl SceneBuilder<'_> {
                 }
             }
             Section::Light => {
-                let max = self.lowering.limits.scene_lights_max;
-                if self.parts.lights.len() >= max {
-                    let message = format!("the scene has more than {max} lights");
-                    self.lowering.reports.stop(span, message, "use materials with `emission` instead");
-                } else if let Some(kind) = self.light_kind(&title, span, values) {
+                let (count, max) = (self.parts.lights.len(), limits.scene_lights_max);
+                let hint = "use materials with `emission` instead";
+                if !self.lowering.reports.is_full(count, max, "lights", hint, span)
+                    && let Some(kind) = self.light_kind(&title, span, values)
+                {
                     let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
                     self.parts.lights.push(light);
                 }
             }
             Section::Medium => {
-                let max = self.lowering.limits.scene_media_max;
-                if self.parts.media.len() >= max {
-                    let message = format!("the scene has more than {max} media");
-                    let hint = "add the densities of several media in one, and mix their colours by `p`";
-                    self.lowering.reports.stop(span, message, hint);
-                } else {
+                let (count, max) = (self.parts.media.len(), limits.scene_media_max);
+                let hint = "add the densities of several media in one, and mix their colours by `p`";
+                if !self.lowering.reports.is_full(count, max, "media", hint, span) {
                     let medium = self.lowering.numbers(Medium::FIELDS, values);
                     self.parts.media.push(Medium::of(medium));
                 }
@@ -150,14 +145,12 @@ impl SceneBuilder<'_> {
             Section::Swarm => self.swarm(span, values),
             Section::Camera => {
                 let camera = Camera::of(self.lowering.numbers(Camera::FIELDS, values));
-                let max = self.lowering.limits.scene_cameras_max;
+                let (count, max) = (self.parts.cameras.len(), limits.scene_cameras_max);
+                let hint = "move one camera instead";
                 if name.is_none() {
                     only(&mut self.lowering.reports, &mut self.parts.camera, camera, section, span);
-                } else if self.parts.cameras.len() < max {
+                } else if !self.lowering.reports.is_full(count, max, "named cameras", hint, span) {
                     self.parts.cameras.push((title, camera));
-                } else {
-                    let message = format!("the scene has more than {max} named cameras");
-                    self.lowering.reports.stop(span, message, "move one camera instead");
                 }
             }
             Section::Sky => {
@@ -182,12 +175,18 @@ impl SceneBuilder<'_> {
         }
     }
 
+    /// Reports a material beyond the limit. `what` names the materials.
+    pub(super) fn has_all_materials(&mut self, what: &str, span: Span) -> bool {
+        let (count, max) = (self.parts.materials.len(), self.lowering.limits.scene_materials_max);
+        let hint = "use one material whose fields depend on `p`";
+        self.lowering.reports.is_full(count, max, what, hint, span)
+    }
+
     fn swarm(&mut self, span: Span, values: &Values) {
         let limits = self.lowering.limits;
-        let (max, points_max) = (limits.scene_swarms_max, limits.scene_swarm_points_max);
-        if self.parts.swarms.len() >= max {
-            let message = format!("the scene has more than {max} swarms");
-            self.lowering.reports.stop(span, message, "let `index` decide what each point of one swarm does");
+        let (count, points_max) = (self.parts.swarms.len(), limits.scene_swarm_points_max);
+        let hint = "let `index` decide what each point of one swarm does";
+        if self.lowering.reports.is_full(count, limits.scene_swarms_max, "swarms", hint, span) {
             return;
         }
         let numbers = self.lowering.numbers(Swarm::FIELDS, values);
