@@ -81,19 +81,17 @@ pub fn scene_around(text: &str, shown: Shown) -> Result<SceneAround> {
     };
     let of_picture =
         picture.filter(|_| shown == Shown::Picture).map(|picture| scene_of_picture(&file, picture));
-    let (mut around, problem) = match of_picture {
-        None => (of_shape()?, None),
-        Some(Ok(around)) => (around, None),
+    let (mut around, is_picture, problem) = match of_picture {
+        None => (of_shape()?, false, None),
+        Some(Ok(around)) => (around, true, None),
         Some(Err(problem)) => match of_shape() {
-            Ok(around) => (around, Some(problem)),
+            Ok(around) => (around, false, Some(problem)),
             Err(_) => return Err(problem),
         },
     };
-    around.left_out.splice(0..0, left_out(&file, around.is_picture));
-    let choice = match (
-        shape.filter(|shape| picture.is_some() && is_distance_for_sure(shape)),
-        around.is_picture,
-    ) {
+    around.left_out.splice(0..0, left_out(&file, is_picture));
+    let shape = shape.filter(|shape| picture.is_some() && is_distance_for_sure(shape));
+    around.choice = match (shape, is_picture) {
         (Some(shape), true) => Some(format!(
             "draws the shader's own picture; `mariana import --as shape` makes an object of its distance `{}`",
             shape.name
@@ -107,13 +105,7 @@ pub fn scene_around(text: &str, shown: Shown) -> Result<SceneAround> {
     if let Some(problem) = problem {
         around.left_out.insert(0, format!("the shader's own picture: {}", problem.message));
     }
-    Ok(SceneAround { body: around.body, choice, left_out: around.left_out })
-}
-
-struct Around {
-    body: String,
-    is_picture: bool,
-    left_out: Vec<String>,
+    Ok(around)
 }
 
 fn nothing_found(file: &GlslFile) -> Problem {
@@ -128,7 +120,7 @@ fn nothing_found(file: &GlslFile) -> Problem {
 fn uniforms(file: &GlslFile) -> String {
     let mut scene = String::new();
     let mut sliders = 0..LIMITS.scene_params_max;
-    for slider in file.sliders.iter().filter(|slider| !is_taken(&slider.name)) {
+    for slider in file.globals.sliders.iter().filter(|slider| !is_taken(&slider.name)) {
         let Slider { name, values, range: [least, most], is_smooth } = slider;
         let _ = match values.as_slice() {
             [value] if *is_smooth && sliders.next().is_some() => {
@@ -166,13 +158,13 @@ impl TextureReader for Slopes {
 }
 
 /// A scene of sky alone. A shader computes colours of the screen, but a sky is light.
-fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
+fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneAround> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
     let mut session = Session::of_picture();
     session.last_frame = Some(0);
     let colour = executed(&mut graph, &mut session, file, picture, pixel)?;
-    let sky = match file.is_isf {
+    let sky = match file.globals.is_isf {
         true => format!("let c = {}(pixel)  color = srgb(c.rgb * clamp(c.a, 0, 1))", picture.name),
         false => format!("color = srgb({}(pixel).rgb)", picture.name),
     };
@@ -189,7 +181,7 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around> {
     if is_flat {
         left_out.push("everything but one colour: the picture is the same at all pixels".to_owned());
     }
-    Ok(Around { body: scene, is_picture: true, left_out })
+    Ok(SceneAround { body: scene, choice: None, left_out })
 }
 
 /// True for a picture of one colour that never changes.
@@ -213,7 +205,7 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     colours.iter().all(|one| Some(one) == colours.first())
 }
 
-fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {
+fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<SceneAround> {
     let sampled = Sampled::of(file, function)?;
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
@@ -241,19 +233,19 @@ fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around> {
         scene,
         "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
     );
-    Ok(Around { body: scene, is_picture: false, left_out: Vec::new() })
+    Ok(SceneAround { body: scene, choice: None, left_out: Vec::new() })
 }
 
 /// A sentence for each part of the file that the scene leaves out.
 fn left_out(file: &GlslFile, is_picture: bool) -> Vec<String> {
     let mut left_out = Vec::new();
     let listed = |names: Vec<&str>| format!("`{}`", names.get(..6).unwrap_or(&names).join("`, `"));
-    if file.draws() && !is_picture {
+    if file.globals.has_drawing && !is_picture {
         left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
-        if !file.unset.is_empty() {
+        if !file.globals.unset.is_empty() {
             left_out.push(format!(
                 "values of {} that its drawing code computes; they start at 0 or the value of a plain assignment",
-                listed(file.unset.iter().map(String::as_str).collect())
+                listed(file.globals.unset.iter().map(String::as_str).collect())
             ));
         }
     }
@@ -267,7 +259,7 @@ fn left_out(file: &GlslFile, is_picture: bool) -> Vec<String> {
             left_out.push(format!("`{}`: {}", function.name, problem.message));
         }
     }
-    if !is_picture && !file.samplers.is_empty() {
+    if !is_picture && !file.globals.samplers.is_empty() {
         left_out.push("textures, except tables of noise".to_owned());
     }
     left_out

@@ -259,7 +259,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 continue;
             };
             let len = len as usize;
-            let origin = file.outside.get(name);
+            let origin = file.globals.outside.get(name);
             let own =
                 given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
             match (own.filter(|_| origin.is_some()), origin, global.init) {
@@ -275,7 +275,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 }
                 (None, Some(origin), _) => {
                     let number = handle.index() as u32;
-                    if file.samplers.contains_key(name) {
+                    if file.globals.samplers.contains_key(name) {
                         self.memory.parts.extend(std::iter::repeat_n(Part::Int(number as i32), len));
                         continue;
                     }

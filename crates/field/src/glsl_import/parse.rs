@@ -7,13 +7,13 @@ use std::ops::Range;
 use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
 use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
 
-use super::isf::{Inputs, Slider};
+use super::isf::Inputs;
 use super::items::{self, Origin, shortened};
 use super::outside::{self, Channel};
 use super::preprocess::{PRELUDE, preprocess};
 use super::problem::{Problem, Result};
 use super::quiet::catch_quietly;
-use super::rewrite::{BROKEN, DRAWING, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
+use super::rewrite::{BROKEN, DRAWING, Globals, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
 use super::tokens::tokenize;
 use crate::limits::Limits;
 
@@ -97,19 +97,11 @@ pub struct GlslFile {
     pub(super) module: Module,
     pub(super) written: Written,
     pub(super) problems: Vec<Problem>,
-    pub(super) outside: HashMap<String, Origin>,
-    /// Globals that read textures, with their channels.
-    pub(super) samplers: BTreeMap<String, Channel>,
-    /// The inputs of an ISF shader that a user sets.
-    pub(super) sliders: Vec<Slider>,
-    /// True for an ISF shader. Its alpha blends the colour with black.
-    pub(super) is_isf: bool,
+    pub(super) globals: Globals,
     /// Functions that give globals their values, in the order of the text.
     pub(super) starts: Vec<Handle<Function>>,
     pub(super) special: HashMap<Handle<Function>, Special>,
     functions: Vec<GlslFunction>,
-    pub(super) unset: Vec<String>,
-    has_drawing: bool,
 }
 
 impl GlslFile {
@@ -203,22 +195,7 @@ impl GlslFile {
                 }
             }
         }
-        let Program { outside, samplers, sliders, is_isf, has_drawing, unset, .. } = program;
-        let unset = unset.into_iter().collect();
-        Ok(Self {
-            module,
-            written,
-            problems,
-            outside,
-            samplers,
-            sliders,
-            is_isf,
-            starts,
-            special,
-            functions,
-            unset,
-            has_drawing,
-        })
+        Ok(Self { module, written, problems, globals: program.globals, starts, special, functions })
     }
 
     /// Returns the functions of the file. A function that draws is there as a function of the pixel that returns its
@@ -241,7 +218,8 @@ impl GlslFile {
 
     /// Returns the names of all uniforms. A scene may set them with parameters and lets of the same name.
     pub fn uniforms(&self) -> impl Iterator<Item = &str> {
-        self.outside.iter().filter(|(_, origin)| **origin == Origin::Uniform).map(|(name, _)| name.as_str())
+        let uniforms = self.globals.outside.iter().filter(|(_, origin)| **origin == Origin::Uniform);
+        uniforms.map(|(name, _)| name.as_str())
     }
 
     /// Returns the uniforms that have neither a value in the file nor a meaning in a scene: name and number of
@@ -254,7 +232,7 @@ impl GlslFile {
                 GlslType::Vector(size) => usize::from(size),
                 _ => 1,
             };
-            let is_open = self.outside.get(name) == Some(&Origin::Uniform)
+            let is_open = self.globals.outside.get(name) == Some(&Origin::Uniform)
                 && outside::is_open(name)
                 && !self.is_sampler(name)
                 && !with_values.contains(name);
@@ -265,7 +243,7 @@ impl GlslFile {
 
     /// True if a value from outside, such as the time, may differ between frames.
     pub fn reads_frame(&self) -> bool {
-        !self.outside.is_empty()
+        !self.globals.outside.is_empty()
     }
 
     /// Returns the function that draws the picture.
@@ -277,28 +255,23 @@ impl GlslFile {
     pub fn reads_pixel(&self) -> bool {
         let reads =
             |(name, origin): (&String, &Origin)| *origin == Origin::Varying || outside::is_of_pixel(name);
-        self.outside.iter().any(reads)
+        self.globals.outside.iter().any(reads)
     }
 
     /// The samplers of an ISF shader that read an image.
     pub(super) fn pictures(&self) -> impl Iterator<Item = &str> {
-        let pictures = self.samplers.iter().filter(|(_, channel)| **channel == Channel::Picture);
+        let pictures = self.globals.samplers.iter().filter(|(_, channel)| **channel == Channel::Picture);
         pictures.map(|(name, _)| name.as_str()).filter(|name| !outside::is_taken(name))
     }
 
     /// True for the name of a texture.
     pub fn is_sampler(&self, name: &str) -> bool {
-        self.samplers.contains_key(name)
+        self.globals.samplers.contains_key(name)
     }
 
     /// True if functions of the file may read the last frame.
     pub fn reads_last_frame(&self) -> bool {
-        self.samplers.values().any(|channel| *channel == Channel::LastFrame)
-    }
-
-    /// True if the file has a function that draws a picture, such as `mainImage`.
-    pub fn draws(&self) -> bool {
-        self.has_drawing
+        self.globals.samplers.values().any(|channel| *channel == Channel::LastFrame)
     }
 }
 

@@ -93,50 +93,61 @@ pub(super) const IMAGE_IN_SCENES: &str = "mainImage";
 /// Functions that draw a picture. A scene has its own camera and light.
 pub(super) const DRAWING: [&str; 6] = ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
 
-/// The items of a file, and their globals.
-pub(super) struct Program<'a> {
-    items: Vec<Item<'a>>,
+/// The globals of a file that come from outside or from its drawing functions.
+#[derive(Debug, Default)]
+pub(super) struct Globals {
     /// Names of globals that the GLSL does not set itself.
     pub outside: HashMap<String, Origin>,
     /// Globals without a value, in the order of the text.
     pub unset: BTreeSet<String>,
-    /// Statements of drawing functions that may set globals.
-    sets: Vec<Vec<Token<'a>>>,
     /// Globals that read textures, with their channels.
     pub samplers: BTreeMap<String, Channel>,
+    /// The inputs of an ISF shader that a user sets.
     pub sliders: Vec<Slider>,
+    /// True for an ISF shader. Its alpha blends the colour with black.
     pub is_isf: bool,
-    given: Vec<String>,
+    /// True if the file has a function that draws a picture, such as `mainImage`.
     pub has_drawing: bool,
+}
+
+/// The items of a file, and their globals.
+pub(super) struct Program<'a> {
+    items: Vec<Item<'a>>,
+    pub globals: Globals,
+    /// Statements of drawing functions that may set globals.
+    sets: Vec<Vec<Token<'a>>>,
+    given: Vec<String>,
     /// The function that returns the colour of a pixel, and the index of the function that it calls.
     image: Option<(String, usize)>,
 }
 
 impl<'a> Program<'a> {
     pub(super) fn new(items: Vec<Item<'a>>, inputs: Inputs) -> Self {
-        let (mut origins, mut unset, mut samplers) = (HashMap::new(), BTreeSet::new(), BTreeMap::new());
+        let Inputs { sliders, is_isf, channels, .. } = inputs;
+        let mut globals = Globals { sliders, is_isf, ..Globals::default() };
         let mut declared = BTreeSet::new();
         for item in &items {
             if let Item::Global(global) = item {
-                declared.insert(global.name.text);
+                let name = global.name.text;
+                declared.insert(name);
                 if is_sampler(global.of.text) {
-                    samplers.insert(global.name.text.to_owned(), outside::channel(global.name.text));
+                    globals.samplers.insert(name.to_owned(), outside::channel(name));
                 }
                 if matches!(global.origin, Origin::Uniform | Origin::Varying) {
-                    origins.insert(global.name.text.to_owned(), global.origin);
+                    globals.outside.insert(name.to_owned(), global.origin);
                 } else if global.value.is_empty() {
-                    unset.insert(global.name.text.to_owned());
+                    globals.unset.insert(name.to_owned());
                 }
             }
         }
         let image = image(&items);
         let mut used = BTreeSet::new();
-        let (mut sets, mut has_drawing) = (Vec::new(), false);
+        let mut sets = Vec::new();
         for (index, item) in items.iter().enumerate() {
             match item {
                 Item::Function { name, header, body } if DRAWING.contains(&name.text) => {
-                    has_drawing = true;
-                    sets.extend(settings(body, &unset));
+                    globals.has_drawing = true;
+                    sets.extend(settings(body, &globals.unset));
                     if image.as_ref().is_some_and(|(_, drawing)| *drawing == index) {
                         let is_parameter = |word: &&str| header.iter().any(|token| token.is(word));
                         used.extend(body.iter().map(|token| token.text).filter(|word| !is_parameter(word)));
@@ -162,15 +173,14 @@ impl<'a> Program<'a> {
             if used.contains(name) && !declared.contains(name) && !defines(name) {
                 let (of, array) = of.split_at(of.find('[').unwrap_or(of.len()));
                 given.push(format!("{} {name}{array};\n", renamed(of, false)));
-                origins.insert(name.to_owned(), Origin::Uniform);
+                globals.outside.insert(name.to_owned(), Origin::Uniform);
                 if is_sampler(of) {
-                    samplers.insert(name.to_owned(), outside::channel(name));
+                    globals.samplers.insert(name.to_owned(), outside::channel(name));
                 }
             }
         }
-        samplers.extend(inputs.channels);
-        let Inputs { sliders, is_isf, .. } = inputs;
-        Self { items, outside: origins, unset, samplers, sliders, is_isf, sets, given, has_drawing, image }
+        globals.samplers.extend(channels);
+        Self { items, globals, sets, given, image }
     }
 
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells

@@ -98,7 +98,7 @@ impl<'m> SamplerRead<'_, 'm, '_> {
             return known;
         }
         let by_name =
-            self.of.file.samplers.get(self.global_name(number)).copied().unwrap_or(Channel::Unknown);
+            self.of.file.globals.samplers.get(self.global_name(number)).copied().unwrap_or(Channel::Unknown);
         let of_size = |size| at.iter().any(|&node| unscaled(self.of.graph, node, size).is_some());
         let told = match *at {
             _ if by_name != Channel::Unknown => by_name,

@@ -80,7 +80,7 @@ fn globals_that_a_drawing_function_sets_have_its_value() {
     let text = "float tt; float glow; float map(vec3 p) { glow += 1.0; return p.x + tt; }
         void mainImage(out vec4 c, in vec2 f) { tt = 3.0 * 2.0; glow = 0.5; vec2 uv = f; c = vec4(map(vec3(uv, 0.0))); }";
     assert_eq!(value(text, "map", [1.0, 0.0, 0.0]), [7.0]);
-    assert!(parsed(text).draws());
+    assert!(parsed(text).globals.has_drawing);
 }
 
 #[test]
