@@ -262,7 +262,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             let origin = file.globals.outside.get(name);
             let own =
                 given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
-            match (own.filter(|_| origin.is_some()), origin, global.init) {
+            let parts = match (own.filter(|_| origin.is_some()), origin, global.init) {
                 (Some((_, nodes)), ..) => {
                     let kind =
                         file.module.types.get_handle(global.ty).ok().and_then(|of| of.inner.scalar_kind());
@@ -270,25 +270,26 @@ impl<'m, 'g> Executor<'m, 'g> {
                     let round =
                         |&node: &NodeId| if is_float { node } else { self.graph.unary(Op::Round, node) };
                     let nodes: Vec<NodeId> = nodes.iter().map(round).collect();
-                    self.memory.parts.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
-                    kept.push((start, len, self.memory.parts.get(start..).unwrap_or_default().to_vec()));
+                    let parts: Vec<Part> = nodes.into_iter().cycle().take(len).map(Part::Node).collect();
+                    kept.push((start, parts.clone()));
+                    parts
+                }
+                (None, Some(_), _) if file.globals.samplers.contains_key(name) => {
+                    vec![Part::Int(handle.index() as i32); len]
                 }
                 (None, Some(origin), _) => {
-                    let number = handle.index() as u32;
-                    if file.globals.samplers.contains_key(name) {
-                        self.memory.parts.extend(std::iter::repeat_n(Part::Int(number as i32), len));
-                        continue;
-                    }
                     let known = outside::known(self.graph, name, len, *origin, self.session.in_picture);
-                    let unset = Part::Unset(number);
-                    match known {
-                        Some(nodes) => self.memory.parts.extend(nodes.into_iter().map(Part::Node)),
-                        None => self.memory.parts.extend(std::iter::repeat_n(unset, len)),
-                    }
+                    let unset = || vec![Part::Unset(handle.index() as u32); len];
+                    known.map_or_else(unset, |nodes| nodes.into_iter().map(Part::Node).collect())
                 }
-                (None, None, Some(init)) => self.constant(init, &place)?,
-                (None, None, None) => self.zeros(global.ty, &place)?,
-            }
+                (None, None, Some(init)) => self.global_value(init, &place)?,
+                (None, None, None) => {
+                    let parts = self.zeros(global.ty, &place)?;
+                    self.step(parts.len(), || place.clone())?;
+                    parts
+                }
+            };
+            self.memory.parts.extend(parts);
             self.memory.parts.resize(start + len, Part::Node(self.zero));
             if self.memory.parts.len() > self.budget.memory_max {
                 return Err(too_large(place));
@@ -306,8 +307,8 @@ impl<'m, 'g> Executor<'m, 'g> {
             }
             self.memory.forget_changes();
         }
-        for (start, len, parts) in kept {
-            for (place, part) in self.memory.parts.iter_mut().skip(start).take(len).zip(parts) {
+        for (start, parts) in kept {
+            for (place, part) in self.memory.parts.iter_mut().skip(start).zip(parts) {
                 *place = part;
             }
         }
@@ -412,10 +413,12 @@ impl<'m, 'g> Executor<'m, 'g> {
     /// Runs the body of the current frame's function.
     fn run(&mut self, function: &'m Function, place: &Range<u32>) -> Result<()> {
         for (_, local) in function.local_variables.iter() {
-            match local.init {
-                Some(init) => self.local_constant(init, place)?,
+            let parts = match local.init {
+                Some(init) => self.parts_of(init)?,
                 None => self.zeros(local.ty, place)?,
-            }
+            };
+            self.step(parts.len(), || place.clone())?;
+            self.memory.parts.extend(parts);
             if self.memory.parts.len() > self.budget.memory_max {
                 return Err(too_large(place.clone()));
             }

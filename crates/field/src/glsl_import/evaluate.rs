@@ -165,25 +165,10 @@ impl Executor<'_, '_> {
 
     fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>> {
         let place = self.place(of);
+        if let Some(parts) = self.composed(expression, &place, |this, of, _| this.parts_of(of))? {
+            return Ok(parts);
+        }
         Ok(match expression {
-            Expression::Literal(literal) => vec![self.literal(*literal, &place)?],
-            Expression::Constant(constant) => {
-                let module = &self.file.module;
-                let mut parts = Vec::new();
-                if let Ok(constant) = module.constants.try_get(*constant) {
-                    self.global_value(constant.init, &mut parts, &place)?;
-                }
-                parts
-            }
-            Expression::ZeroValue(of) => self.zero_parts(*of, &place)?,
-            Expression::Compose { components, .. } => {
-                let mut parts = Vec::new();
-                for component in components {
-                    parts.extend(self.parts_of(*component)?);
-                }
-                parts
-            }
-            Expression::Splat { size, value } => vec![self.part(*value, 0)?; *size as usize],
             Expression::Swizzle { size, vector, pattern } => {
                 let components = pattern.iter().take(*size as usize);
                 let parts = components.map(|component| self.part(*vector, *component as usize));
@@ -389,13 +374,8 @@ impl Executor<'_, '_> {
         Ok(Part::Node(self.graph.constant(value as f32)))
     }
 
-    fn zero_parts(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>> {
-        let mut parts = Vec::new();
-        self.add_zeros(of, place, &mut parts)?;
-        Ok(parts)
-    }
-
-    fn add_zeros(&self, of: Handle<Type>, place: &Range<u32>, parts: &mut Vec<Part>) -> Result<()> {
+    /// Returns the value 0 of a type.
+    pub(super) fn zeros(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>> {
         let module = &self.file.module;
         let wrong = || {
             Problem::unsupported(place.clone(), "this variable has a type that a formula does not have")
@@ -407,86 +387,52 @@ impl Executor<'_, '_> {
             ScalarKind::Uint => Part::Uint(0),
             _ => Part::Node(self.zero),
         };
-        match &module.types.get_handle(of).map_err(|_| wrong())?.inner {
-            TypeInner::Scalar(scalar) => parts.push(zero(scalar.kind)),
-            TypeInner::Vector { scalar, .. } | TypeInner::Matrix { scalar, .. } => {
-                parts.extend(std::iter::repeat_n(zero(scalar.kind), len as usize));
-            }
+        Ok(match &module.types.get_handle(of).map_err(|_| wrong())?.inner {
+            TypeInner::Scalar(scalar)
+            | TypeInner::Vector { scalar, .. }
+            | TypeInner::Matrix { scalar, .. } => vec![zero(scalar.kind); len as usize],
             TypeInner::Array { base, size: naga::ArraySize::Constant(count), .. } => {
-                let mut element = Vec::new();
-                self.add_zeros(*base, place, &mut element)?;
-                for _ in 0..count.get() {
-                    parts.extend_from_slice(&element);
-                }
+                self.zeros(*base, place)?.repeat(count.get() as usize)
             }
             TypeInner::Struct { members, .. } => {
-                for member in members {
-                    self.add_zeros(member.ty, place, parts)?;
-                }
+                let members = members.iter().map(|member| self.zeros(member.ty, place));
+                members.collect::<Result<Vec<_>>>()?.concat()
             }
             _ => return Err(wrong()),
-        }
-        Ok(())
+        })
     }
 
-    /// Adds a variable with the value 0 to memory.
-    pub(super) fn zeros(&mut self, of: Handle<Type>, place: &Range<u32>) -> Result<()> {
-        let parts = self.zero_parts(of, place)?;
-        self.step(parts.len(), || place.clone())?;
-        self.memory.parts.extend(parts);
-        Ok(())
-    }
-
-    /// Adds a variable with a constant value of the module to memory.
-    pub(super) fn constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<()> {
-        let mut parts = Vec::new();
-        self.global_value(init, &mut parts, place)?;
-        self.memory.parts.extend(parts);
-        Ok(())
-    }
-
-    /// Adds a variable with a constant value of the current function to memory.
-    pub(super) fn local_constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<()> {
-        let parts = self.parts_of(init)?;
-        self.step(parts.len(), || place.clone())?;
-        self.memory.parts.extend(parts);
-        Ok(())
-    }
-
-    fn global_value(
-        &mut self,
-        of: Handle<Expression>,
-        parts: &mut Vec<Part>,
-        place: &Range<u32>,
-    ) -> Result<()> {
+    /// Returns a constant value of the module.
+    pub(super) fn global_value(&mut self, of: Handle<Expression>, place: &Range<u32>) -> Result<Vec<Part>> {
         self.step(1, || place.clone())?;
         let module = &self.file.module;
-        let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(()) };
-        match expression {
-            Expression::Literal(literal) => parts.push(self.literal(*literal, place)?),
-            Expression::Constant(constant) => {
-                if let Ok(constant) = module.constants.try_get(*constant) {
-                    self.global_value(constant.init, parts, place)?;
-                }
-            }
-            Expression::ZeroValue(of) => parts.extend(self.zero_parts(*of, place)?),
+        let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(Vec::new()) };
+        self.composed(expression, place, Self::global_value)?.ok_or_else(|| {
+            Problem::unsupported(place.clone(), "this constant is computed in an unsupported way")
+        })
+    }
+
+    /// Returns the value of an expression that is a constant, or is composed of others, which `parts_of` returns; `None`
+    /// for another expression.
+    fn composed(
+        &mut self,
+        expression: &Expression,
+        place: &Range<u32>,
+        mut parts_of: impl FnMut(&mut Self, Handle<Expression>, &Range<u32>) -> Result<Vec<Part>>,
+    ) -> Result<Option<Vec<Part>>> {
+        Ok(Some(match expression {
+            Expression::Literal(literal) => vec![self.literal(*literal, place)?],
+            Expression::Constant(constant) => match self.file.module.constants.try_get(*constant) {
+                Ok(constant) => self.global_value(constant.init, place)?,
+                Err(_) => Vec::new(),
+            },
+            Expression::ZeroValue(of) => self.zeros(*of, place)?,
             Expression::Compose { components, .. } => {
-                for component in components {
-                    self.global_value(*component, parts, place)?;
-                }
+                let parts = components.iter().map(|component| parts_of(self, *component, place));
+                parts.collect::<Result<Vec<_>>>()?.concat()
             }
-            Expression::Splat { size, value } => {
-                for _ in 0..*size as usize {
-                    self.global_value(*value, parts, place)?;
-                }
-            }
-            _ => {
-                return Err(Problem::unsupported(
-                    place.clone(),
-                    "this constant is computed in an unsupported way",
-                ));
-            }
-        }
-        Ok(())
+            Expression::Splat { size, value } => parts_of(self, *value, place)?.repeat(*size as usize),
+            _ => return Ok(None),
+        }))
     }
 }

@@ -53,11 +53,7 @@ fn inner_size(module: &Module, inner: &TypeInner) -> Option<u32> {
             size(module, *base)?.checked_mul(count.get())?
         }
         TypeInner::Struct { members, .. } => {
-            let mut sum = 0_u32;
-            for member in members {
-                sum = sum.checked_add(size(module, member.ty)?)?;
-            }
-            sum
+            members.iter().try_fold(0_u32, |sum, member| sum.checked_add(size(module, member.ty)?))?
         }
         _ => return None,
     };
@@ -121,15 +117,9 @@ pub(super) fn infos(module: &Module, function: &Function) -> Vec<Option<Info>> {
 /// Offset and number of parts of a struct's member.
 pub(super) fn member(module: &Module, of: Handle<Type>, index: u32) -> Option<(u32, u32)> {
     let TypeInner::Struct { members, .. } = &module.types.get_handle(of).ok()?.inner else { return None };
-    let mut offset = 0;
-    for (at, member) in members.iter().enumerate() {
-        let len = size(module, member.ty)?;
-        if at == index as usize {
-            return Some((offset, len));
-        }
-        offset += len;
-    }
-    None
+    let (member, before) = members.get(..=index as usize)?.split_last()?;
+    let offset = before.iter().map(|member| size(module, member.ty)).sum::<Option<u32>>()?;
+    Some((offset, size(module, member.ty)?))
 }
 
 // The values of variables on the path that is being executed, and how they came about.
