@@ -37,6 +37,7 @@ mod names;
 mod origins;
 mod parser;
 mod path;
+mod pieces;
 mod scene;
 mod shape;
 mod source;

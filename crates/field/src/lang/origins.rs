@@ -104,21 +104,11 @@ impl Origins {
     }
 
     pub(super) fn of_object(&mut self, object: usize, head: Stretch, whole: Stretch) {
-        if self.objects.len() <= object {
-            self.objects.resize_with(object + 1, Vec::new);
-        }
-        if let Some(blocks) = self.objects.get_mut(object) {
-            blocks.push((head, whole));
-        }
+        push_at(&mut self.objects, object, (head, whole));
     }
 
     pub(super) fn of_material(&mut self, material: usize, block: Stretch) {
-        if self.materials.len() <= material {
-            self.materials.resize_with(material + 1, Vec::new);
-        }
-        if let Some(blocks) = self.materials.get_mut(material) {
-            blocks.push(block);
-        }
+        push_at(&mut self.materials, material, block);
     }
 
     pub(super) fn of_mixture(&mut self, material: usize, parts: [usize; 2]) {
@@ -199,6 +189,11 @@ impl Origins {
         let (base, length) = self.files.get(file)?;
         Some((file, (offset - base).min(*length) as usize))
     }
+}
+
+fn push_at<T>(lists: &mut Vec<Vec<T>>, index: usize, one: T) {
+    lists.resize_with(lists.len().max(index + 1), Vec::new);
+    lists[index].push(one);
 }
 
 #[cfg(test)]

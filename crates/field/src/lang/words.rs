@@ -3,10 +3,9 @@
 //! The words come from the compiler's lexer. Each line is split separately, so that an editor needs only the visible
 //! lines. Only a comment between `/*` and `*/` can continue on the next line.
 
-use super::diagnostic::Diagnostics;
-use super::symbol::Interner;
-use super::token::{Kind, Token};
-use super::{lexer, library, parser};
+use super::pieces::{Piece, PieceKind, pieces};
+use super::token::Kind;
+use super::{library, parser};
 
 /// The kind of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,55 +55,33 @@ pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
         found.push(Word { kind: WordKind::Comment, start: 0, end: begin });
     }
     let rest = line.get(begin..).unwrap_or_default();
-    let (mut names, mut tokens, mut mistakes) = (Interner::default(), Vec::new(), Diagnostics::new(1));
-    lexer::tokenize(rest, 0, rest.len(), &mut names, &mut tokens, &mut mistakes);
-    let mut at = 0;
-    let mut open = false;
-    for token in &tokens {
-        let (start, end) = (token.span.start as usize, token.span.end as usize);
-        open = comments(rest, at, start, begin, &mut found);
-        if token.kind != Kind::End {
-            let kind = kind_of(*token, rest.get(start..end).unwrap_or_default());
-            found.push(Word { kind, start: begin + start, end: begin + end });
-        }
-        at = end;
-    }
-    (found, open)
+    let pieces = pieces(rest);
+    found.extend(pieces.iter().map(|piece| {
+        let end =
+            if piece.kind == PieceKind::LineComment { rest.len() } else { piece.start + piece.text.len() };
+        Word { kind: kind_of(piece), start: begin + piece.start, end: begin + end }
+    }));
+    let is_open = |last: &Piece<'_>| last.kind == PieceKind::LineComment && last.text.starts_with("/*");
+    (found, pieces.last().is_some_and(is_open))
 }
 
-/// Adds the comments between two tokens, and returns true if the last comment is not closed.
-fn comments(text: &str, from: usize, to: usize, begin: usize, found: &mut Vec<Word>) -> bool {
-    let mut at = from;
-    while let Some(gap) = text.get(at..to) {
-        let Some(blank) = gap.find(|c: char| !c.is_whitespace() && c != '\u{feff}') else { break };
-        let (start, rest) = (at + blank, gap.get(blank..).unwrap_or_default());
-        let closed =
-            rest.strip_prefix("/*").map(|inner| inner.find("*/").map(|length| start + 2 + length + 2));
-        let end = closed.unwrap_or(Some(to));
-        found.push(Word { kind: WordKind::Comment, start: begin + start, end: begin + end.unwrap_or(to) });
-        match end {
-            None => return true,
-            Some(end) => at = end,
-        }
-    }
-    false
-}
-
-fn kind_of(token: Token, text: &str) -> WordKind {
-    match token.kind {
-        Kind::Number => WordKind::Number,
-        Kind::Text => WordKind::Text,
+fn kind_of(piece: &Piece<'_>) -> WordKind {
+    match piece.kind {
+        PieceKind::LineComment | PieceKind::BlockComment => WordKind::Comment,
+        PieceKind::Reserved => WordKind::Keyword,
+        PieceKind::Token(Kind::Number) => WordKind::Number,
+        PieceKind::Token(Kind::Text) => WordKind::Text,
         // A text without its closing quote.
-        Kind::Unknown if text.starts_with('"') => WordKind::Text,
-        Kind::Unknown => WordKind::Unknown,
-        Kind::Name => kind_of_name(text),
-        _ => WordKind::Sign,
+        PieceKind::Token(Kind::Unknown) if piece.text.starts_with('"') => WordKind::Text,
+        PieceKind::Token(Kind::Unknown) => WordKind::Unknown,
+        PieceKind::Token(Kind::Name) => kind_of_name(piece.text),
+        PieceKind::Token(_) => WordKind::Sign,
     }
 }
 
 fn kind_of_name(name: &str) -> WordKind {
     let library = library::library();
-    if super::token::RESERVED.contains(&name) || parser::is_keyword(name) {
+    if parser::is_keyword(name) {
         return WordKind::Keyword;
     }
     let Some(symbol) = library.names.get(name) else { return WordKind::Name };

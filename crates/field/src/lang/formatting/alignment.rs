@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::super::pieces::{behind, width};
 use super::layout::{Line, Start};
-use super::pieces::{behind, width};
 
 /// Columns of one level of indentation.
 const INDENT: usize = 2;

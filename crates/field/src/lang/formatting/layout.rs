@@ -1,7 +1,7 @@
 //! Arranges the pieces of each line: where the line begins, and the blanks between its pieces.
 
+use super::super::pieces::{Piece, PieceKind};
 use super::super::token::Kind;
-use super::pieces::{Piece, PieceKind};
 use super::spacing::{Role, blanks, continues, role};
 
 /// Where a line begins, relative to an earlier line with this index.

@@ -1,8 +1,9 @@
 //! The blanks between two pieces of a line.
 
+use super::super::ast::BinaryOp;
 use super::super::parser::is_keyword;
+use super::super::pieces::{Piece, PieceKind};
 use super::super::token::Kind;
-use super::pieces::{Piece, PieceKind};
 
 /// The meaning of a piece in its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,28 +24,7 @@ pub(super) enum Role {
 }
 
 fn is_binary(kind: PieceKind) -> bool {
-    use Kind::{
-        And, Caret, Equal, Greater, GreaterEqual, Less, LessEqual, Minus, NotEqual, Or, Percent, Plus, Slash,
-        Star,
-    };
-    matches!(
-        kind,
-        PieceKind::Token(
-            Plus | Minus
-                | Star
-                | Slash
-                | Percent
-                | Caret
-                | Equal
-                | NotEqual
-                | Less
-                | LessEqual
-                | Greater
-                | GreaterEqual
-                | And
-                | Or
-        )
-    )
+    matches!(kind, PieceKind::Token(kind) if BinaryOp::infix(kind).is_some())
 }
 
 /// True if a piece after a complete expression continues this expression.

@@ -3,11 +3,11 @@ use std::path::Path;
 use proptest::prelude::*;
 
 use super::super::library;
+use super::super::pieces::{PieceKind, pieces};
 use super::super::tests::mutated;
 use super::super::token::Kind;
 use super::super::{Scene, compile, no_includes};
 use super::formatted;
-use super::pieces::{PieceKind, pieces};
 
 /// All shipped scenes and the texts of the library.
 fn shipped() -> Vec<(String, String)> {

@@ -1,18 +1,17 @@
 //! Splits a text into tokens and comments, with the blanks between them.
 
-use super::super::diagnostic::{Diagnostics, columns};
-use super::super::lexer;
-use super::super::library;
-use super::super::source::BYTE_ORDER_MARK;
-use super::super::token::{Kind, RESERVED};
-use crate::limits::LIMITS;
+use super::diagnostic::{Diagnostics, columns};
+use super::lexer;
+use super::source::BYTE_ORDER_MARK;
+use super::symbol::Interner;
+use super::token::{Kind, RESERVED};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PieceKind {
     /// A token that is not a reserved word.
     Token(Kind),
     Reserved,
-    /// A comment to the end of the line.
+    /// A comment to the end of the line, or a `/*` that is never closed.
     LineComment,
     /// A comment between `/*` and `*/`.
     BlockComment,
@@ -21,6 +20,8 @@ pub(super) enum PieceKind {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece<'a> {
     pub kind: PieceKind,
+    /// The first byte in the text.
+    pub start: usize,
     pub text: &'a str,
     /// Line breaks between the previous piece and this piece.
     pub breaks: usize,
@@ -58,11 +59,10 @@ impl Piece<'_> {
     }
 }
 
-/// Returns the tokens and comments of a text without mistakes.
+/// Returns the tokens and comments of a text. Mistakes are ignored here: compiling the text reports them.
 pub(super) fn pieces(text: &str) -> Vec<Piece<'_>> {
-    let mut names = library::library().names.clone();
-    let (mut tokens, mut mistakes) = (Vec::new(), Diagnostics::new(1));
-    lexer::tokenize(text, 0, LIMITS.scene_tokens_max, &mut names, &mut tokens, &mut mistakes);
+    let (mut names, mut tokens, mut mistakes) = (Interner::default(), Vec::new(), Diagnostics::new(1));
+    lexer::tokenize(text, 0, text.len(), &mut names, &mut tokens, &mut mistakes);
     let mut cutter = Cutter { text, at: 0, column: 0, pieces: Vec::with_capacity(tokens.len()) };
     for token in &tokens {
         let (start, end) = (token.span.start as usize, token.span.end as usize);
@@ -116,7 +116,7 @@ impl<'a> Cutter<'a> {
             None => (0, self.column + width(gap)),
         };
         let blanks = gap.chars().filter(|letter| matches!(letter, ' ' | '\t')).count();
-        self.pieces.push(Piece { kind, text, breaks, blanks, newline, column });
+        self.pieces.push(Piece { kind, start, text, breaks, blanks, newline, column });
         self.at = end;
         self.column = behind(column, text);
     }
