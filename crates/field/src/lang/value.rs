@@ -31,10 +31,6 @@ impl Vector {
         Self { parts: [part; 4], size: Size::One }
     }
 
-    pub(super) fn of<const N: usize>(parts: [NodeId; N]) -> Option<Self> {
-        Self::from_slice(&parts)
-    }
-
     #[inline]
     pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
         Some(match *parts {
@@ -200,6 +196,12 @@ impl Composites {
 impl Value {
     pub(super) fn scalar(part: NodeId) -> Self {
         Self::Vector(Vector::scalar(part))
+    }
+
+    /// Returns the vector of these parts; [`Value::Unknown`] unless there are one to four.
+    #[inline]
+    pub(super) fn of(parts: &[NodeId]) -> Self {
+        Vector::from_slice(parts).map_or(Self::Unknown, Self::Vector)
     }
 
     pub(super) fn described(self) -> &'static str {

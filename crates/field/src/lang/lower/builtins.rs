@@ -39,23 +39,18 @@ impl Lowering<'_> {
             }
             return Value::Unknown;
         }
-        if row.builtin == Builtin::Texture {
-            return TextureRead { outer: self, mark, first, span }.value();
-        }
-        if row.builtin == Builtin::Previous {
-            return TextureRead { outer: self, mark, first, span }.last_frame();
-        }
-        if let Builtin::Shape(call) = row.builtin {
-            return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
-        }
-        if let Builtin::Motion(kind) = row.builtin {
-            return MotionCall { outer: self, row, kind, mark, first, span }.value();
-        }
-        if let Builtin::Matrix(function) = row.builtin {
-            return self.matrix_function(row, function, mark, span);
-        }
-        if let (Builtin::Float, Some(Value::Bool(part))) = (row.builtin, self.arguments.get(mark)) {
-            return Value::scalar(*part);
+        match (row.builtin, self.arguments.get(mark)) {
+            (Builtin::Texture, _) => return TextureRead { outer: self, mark, first, span }.value(),
+            (Builtin::Previous, _) => return TextureRead { outer: self, mark, first, span }.last_frame(),
+            (Builtin::Shape(call), _) => {
+                return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
+            }
+            (Builtin::Motion(kind), _) => {
+                return MotionCall { outer: self, row, kind, mark, first, span }.value();
+            }
+            (Builtin::Matrix(function), _) => return self.matrix_function(row, function, mark, span),
+            (Builtin::Float, Some(Value::Bool(part))) => return Value::scalar(*part),
+            _ => {}
         }
         let mut vectors = [None; 4];
         for (index, slot) in vectors.iter_mut().enumerate().take(count) {
@@ -267,7 +262,7 @@ fn triple(graph: &mut Graph, three: Three, a: Vector, b: Vector, c: Vector) -> V
             Three::Smoothstep => graph.smoothstep(a, b, c),
         };
     }
-    Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+    Value::of(parts.get(..len).unwrap_or(&parts))
 }
 
 // Lowers matrices and records.

@@ -100,11 +100,9 @@ impl Lowering<'_> {
             self.arguments.push(Value::Unknown);
             return;
         }
-        if self.budget.depth >= self.limits.scene_depth_max {
-            self.too_deep(span);
+        if !self.descend(span) {
             return;
         }
-        self.budget.depth += 1;
         let mark = self.scope.bindings.len();
         for number in start..end {
             if self.reports.stopped {

@@ -86,23 +86,26 @@ impl Lowering<'_> {
             }
             _ => {}
         }
-        if self.budget.depth >= self.limits.scene_depth_max {
-            return self.too_deep(span);
+        if !self.descend(span) {
+            return Value::Unknown;
         }
-        self.budget.depth += 1;
         let value = self.expr(id);
         self.budget.depth -= 1;
         value
     }
 
-    #[cold]
-    pub(super) fn too_deep(&mut self, span: Span) -> Value {
-        if self.reports.stopped {
-            return Value::Unknown;
+    /// Goes one level deeper. Returns false at the limit; otherwise the caller goes back.
+    #[inline]
+    pub(super) fn descend(&mut self, span: Span) -> bool {
+        let may_descend = self.budget.depth < self.limits.scene_depth_max;
+        if may_descend {
+            self.budget.depth += 1;
+        } else if !self.reports.stopped {
+            let max = self.limits.scene_depth_max;
+            let message = format!("expressions and function calls are nested deeper than {max} levels");
+            self.reports.stop(span, message, "nest fewer function calls");
         }
-        let max = self.limits.scene_depth_max;
-        let message = format!("expressions and function calls are nested deeper than {max} levels");
-        self.reports.stop(span, message, "nest fewer function calls")
+        may_descend
     }
 
     fn nested(&mut self, expr: Expr, span: Span) -> Value {
@@ -130,10 +133,9 @@ impl Lowering<'_> {
             Expr::PartBand(part, index) => self.part_band(part, index, span),
             Expr::Block(first, count, result) => self.block(first, count, result, span),
             Expr::Call(name, first, count) => {
-                if self.budget.depth >= self.limits.scene_depth_max {
-                    return self.too_deep(span);
+                if !self.descend(span) {
+                    return Value::Unknown;
                 }
-                self.budget.depth += 1;
                 let value = self.call(name, first, count, span);
                 self.budget.depth -= 1;
                 value
@@ -306,7 +308,7 @@ impl Lowering<'_> {
             }
             *part = vector.part(index);
         }
-        Vector::from_slice(parts.get(..text.len()).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+        Value::of(parts.get(..text.len()).unwrap_or(&parts))
     }
 
     #[cold]

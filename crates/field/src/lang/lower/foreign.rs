@@ -7,7 +7,7 @@ use super::super::diagnostic::{Diagnostic, Fault};
 use super::super::foreign::ForeignFile;
 use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
-use super::super::value::{Value, Vector};
+use super::super::value::Value;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::TextureRead;
@@ -143,7 +143,7 @@ impl ForeignCall<'_, '_> {
         }
         match function.result {
             Some(GlslType::Bool) => nodes.first().map_or(Value::Unknown, |&node| Value::Bool(node)),
-            _ => Vector::from_slice(&nodes).map_or(Value::Unknown, Value::Vector),
+            _ => Value::of(&nodes),
         }
     }
 

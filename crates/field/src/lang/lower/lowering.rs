@@ -264,18 +264,11 @@ impl<'a> Lowering<'a> {
                     InputValue::One(input) => Value::scalar(self.graph.input(input)),
                     InputValue::Constant(value) => Value::scalar(self.graph.constant(value)),
                     InputValue::Many(inputs) => {
-                        let mut parts = inputs.iter().map(|&input| self.graph.input(input));
-                        let first = parts.next();
-                        let parts: [Option<NodeId>; 3] = [first, parts.next(), parts.next()];
-                        match parts {
-                            [Some(a), Some(b), Some(c)] => {
-                                Vector::of([a, b, c]).map_or(Value::Unknown, Value::Vector)
-                            }
-                            [Some(a), Some(b), None] => {
-                                Vector::of([a, b]).map_or(Value::Unknown, Value::Vector)
-                            }
-                            _ => Value::Unknown,
+                        let mut parts = [NodeId::default(); 3];
+                        for (part, &input) in parts.iter_mut().zip(inputs) {
+                            *part = self.graph.input(input);
                         }
+                        Value::of(parts.get(..inputs.len()).unwrap_or_default())
                     }
                 }
             }

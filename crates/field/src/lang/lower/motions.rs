@@ -42,7 +42,7 @@ impl MotionCall<'_, '_> {
             let Some(value) = self.moving(&given) else { return Value::Unknown };
             *part = value;
         }
-        Vector::from_slice(moving.get(..len).unwrap_or(&moving)).map_or(Value::Unknown, Value::Vector)
+        Value::of(moving.get(..len).unwrap_or(&moving))
     }
 
     /// Returns an argument, which must be known for earlier moments.

@@ -6,7 +6,7 @@ use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
-use super::super::value::{Value, Vector};
+use super::super::value::Value;
 use super::builtins::Number;
 use super::declared::GlobalValue;
 use super::expr::is_swizzle;
@@ -43,7 +43,7 @@ impl Lowering<'_> {
         self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
         let numbers: Vec<NodeId> =
             indices.into_iter().map(|index| part_number(&mut self.graph, index)).collect();
-        Some(Vector::from_slice(&numbers).map_or(Value::Unknown, Value::Vector))
+        Some(Value::of(&numbers))
     }
 
     /// Returns the value of `part.band(index)`.

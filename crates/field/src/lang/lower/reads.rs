@@ -44,7 +44,7 @@ impl TextureRead<'_, '_> {
             return Value::Unknown;
         };
         let parts = [0, 1, 2, 3].map(|channel| self.outer.graph.texture(number, channel, u, v));
-        Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+        Value::of(&parts)
     }
 
     /// Returns the light of the last frame. Its texture holds fractions of [`LAST_LIGHT_MAX`], because bounds of
@@ -60,7 +60,7 @@ impl TextureRead<'_, '_> {
             let fraction = graph.texture(number, channel, u, v);
             graph.mul(fraction, most)
         });
-        Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+        Value::of(&parts)
     }
 
     /// Returns the number of the texture that holds the last frame.

@@ -14,7 +14,7 @@ use super::super::scene::{Camera, Light, Medium, Picture, Sky, Swarm, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
-use super::super::value::{Value, Vector};
+use super::super::value::Value;
 use super::lowering::{A_DISTANCE, A_NUMBER, Lowering};
 use super::reports::Reports;
 use super::scene::SceneBuilder;
@@ -406,8 +406,7 @@ impl SceneBuilder<'_> {
                 .reports
                 .add(wrong.hint("write two numbers from 0 to 1, the smaller number first"));
         }
-        Vector::of([low, high].map(|number| self.lowering.constant(number)))
-            .map_or(Value::Unknown, Value::Vector)
+        Value::of(&[low, high].map(|number| self.lowering.constant(number)))
     }
 
     fn about(&self, values: &Values) -> About {

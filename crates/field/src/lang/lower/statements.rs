@@ -8,7 +8,7 @@ use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
-use super::super::value::{Value, Vector};
+use super::super::value::Value;
 use super::builtins::Matrices;
 use super::expr::{component, zip};
 use super::lowering::Lowering;
@@ -69,11 +69,9 @@ impl BlockLowering<'_, '_> {
             if self.has_ended() || !self.outer.step(span) {
                 return;
             }
-            if self.outer.budget.depth >= self.outer.limits.scene_depth_max {
-                self.outer.too_deep(span);
+            if !self.outer.descend(span) {
                 return;
             }
-            self.outer.budget.depth += 1;
             self.statement(id, span);
             self.outer.budget.depth -= 1;
         }
@@ -143,14 +141,15 @@ impl BlockLowering<'_, '_> {
     fn unknown_target(&mut self, name: Symbol, span: Span) {
         let text = self.outer.name(name);
         let place = Span::new(span.start, span.start + text.len() as u32);
-        let is_input = library::input_index(name).is_some();
-        let message = match is_input {
-            true => format!("`{text}` is an input, which has the same value everywhere in the text"),
-            false => format!("a block declares its names with `let`, but `{text}` is not declared"),
-        };
-        let hint = match is_input {
-            true => format!("make a copy first: `let {text} = {text}`"),
-            false => format!("write `let {text} = …`"),
+        let (message, hint) = match library::input_index(name) {
+            Some(_) => (
+                format!("`{text}` is an input, which has the same value everywhere in the text"),
+                format!("make a copy first: `let {text} = {text}`"),
+            ),
+            None => (
+                format!("a block declares its names with `let`, but `{text}` is not declared"),
+                format!("write `let {text} = …`"),
+            ),
         };
         self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
         // Report the name once.
@@ -218,7 +217,7 @@ impl BlockLowering<'_, '_> {
                 *slot = parts.part(at);
             }
         }
-        Vector::from_slice(&result).map_or(Value::Unknown, Value::Vector)
+        Value::of(&result)
     }
 
     /// Lowers `if condition { … } else { … }`.
