@@ -80,7 +80,7 @@ impl<'a> SceneBuilder<'a> {
     fn twice(&mut self, what: &str, name: Name, first: Span) {
         let message = format!("two {} are called `{}`", plural(what), self.lowering.name(name.symbol));
         let wrong = Diagnostic::new(name.span, message).note(first, "the first one is here");
-        self.lowering.reports.add(wrong.hint("give one of them another name"));
+        self.report(wrong.hint("give one of them another name"));
     }
 
     /// True if a value of the scene may have this name; otherwise reports the conflict.
@@ -88,7 +88,7 @@ impl<'a> SceneBuilder<'a> {
         let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
         if input.is_some_and(|row| !row.may_be_hidden()) {
             let message = format!("the name `{}` is taken by an input", self.lowering.name(name.symbol));
-            self.lowering.reports.add(Diagnostic::new(name.span, message).hint("choose another name"));
+            self.report(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;
         }
         let first = match self.lowering.declared.globals[name.symbol.index()].value {
@@ -125,16 +125,14 @@ impl<'a> SceneBuilder<'a> {
             let message = format!("the range of `{name_text}` is empty: {min} is not below {max}");
             let span = range
                 .map_or(name.span, |(min, max)| self.lowering.ast.span(min).to(self.lowering.ast.span(max)));
-            self.lowering.reports.add(Diagnostic::new(span, message).hint("write the smaller number first"));
+            self.report(Diagnostic::new(span, message).hint("write the smaller number first"));
             return;
         }
         if default < min || default > max {
             let message =
                 format!("the default of `{name_text}`, {default}, is outside its range {min} .. {max}");
             let span = self.lowering.ast.span(value);
-            self.lowering
-                .reports
-                .add(Diagnostic::new(span, message).hint("widen the range or change the default"));
+            self.report(Diagnostic::new(span, message).hint("widen the range or change the default"));
             return;
         }
         let global = &mut self.lowering.declared.globals[name.symbol.index()];

@@ -28,9 +28,7 @@ impl SceneBuilder<'_> {
             None if values.broken => return,
             None => {
                 let missing = Diagnostic::new(span, format!("the object `{name}` has no shape"));
-                self.lowering
-                    .reports
-                    .add(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
+                self.report(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
                 return;
             }
         };
@@ -51,9 +49,7 @@ impl SceneBuilder<'_> {
                     melts,
                     format!("the object `{}` has no previous object to melt into", object.name),
                 );
-                self.lowering
-                    .reports
-                    .add(alone.hint("declare another object before it, or leave out `melt`"));
+                self.report(alone.hint("declare another object before it, or leave out `melt`"));
             }
         }
     }
@@ -127,7 +123,7 @@ impl SceneBuilder<'_> {
                 missing.hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun")
             }
         };
-        self.lowering.reports.add(wrong);
+        self.report(wrong);
         None
     }
 
@@ -166,7 +162,7 @@ impl SceneBuilder<'_> {
             if used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y) {
                 let message = format!("`{name}` cannot depend on `pixel`, which is a place in the picture");
                 let wrong = Diagnostic::unsupported(span, message);
-                self.lowering.reports.add(wrong.hint(format!("use `pixel` in {allowed} alone")));
+                self.report(wrong.hint(format!("use `pixel` in {allowed} alone")));
             }
         }
     }
@@ -240,7 +236,7 @@ impl SceneBuilder<'_> {
                 _ if !self.lowering.reports.diagnostics.is_empty() => {}
                 _ => {
                     let wrong = Diagnostic::new(span, "`memory` is no number of seconds");
-                    self.lowering.reports.add(wrong.hint(format!("write a number from 0 to {most}")));
+                    self.report(wrong.hint(format!("write a number from 0 to {most}")));
                 }
             }
         }

@@ -10,6 +10,7 @@ use super::super::material::Material;
 use super::super::origins::Stretch;
 use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky, Swarm};
 use super::super::source::{Sources, Span};
+use super::super::value::Value;
 use super::lowering::{A_DISTANCE, Lowering};
 use super::sections::Values;
 use crate::graph::{NodeId, ShapeAtlas};
@@ -48,6 +49,10 @@ pub(super) struct SceneBuilder<'a> {
 impl<'a> SceneBuilder<'a> {
     pub(super) fn new(lowering: Lowering<'a>) -> Self {
         Self { lowering, parts: Parts::default() }
+    }
+
+    pub(super) fn report(&mut self, diagnostic: Diagnostic) -> Value {
+        self.lowering.reports.add(diagnostic)
     }
 
     /// Builds the scene. Returns `None` if the scene has neither shape nor sky, or a limit is reached.
@@ -137,7 +142,7 @@ impl<'a> SceneBuilder<'a> {
         {
             let message = format!("a scene with a medium can read at most {max} images");
             let beyond = Diagnostic::over_limit(texture.span, message);
-            self.lowering.reports.add(beyond.hint("combine several images into one file"));
+            self.report(beyond.hint("combine several images into one file"));
         }
     }
 
@@ -168,7 +173,7 @@ impl<'a> SceneBuilder<'a> {
             let empty = Diagnostic::new(Span::new(text, text), "the scene has no shape");
             let hint = "write an expression in x, y, z, as in `length(p) - 1`, or \
                         `object ball { shape = sphere(p, 1) }`; a scene of sky alone needs a `sky { color = … }`";
-            self.lowering.reports.add(empty.hint(hint));
+            self.report(empty.hint(hint));
         }
         distance
     }
@@ -213,9 +218,7 @@ impl<'a> SceneBuilder<'a> {
         if let Some(first) = self.parts.objects.iter().find(|object| object.name == BARE_NAME) {
             let second = Diagnostic::new(span, "this is a second expression for the scene's shape");
             let second = second.note(first.span, "the first one is here");
-            self.lowering
-                .reports
-                .add(second.hint("combine both with `union(a, b)`, or give this one a name with `let`"));
+            self.report(second.hint("combine both with `union(a, b)`, or give this one a name with `let`"));
             return;
         }
         let from = self.lowering.origins.mark();

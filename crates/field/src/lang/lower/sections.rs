@@ -199,16 +199,14 @@ impl SceneBuilder<'_> {
             // An input in the field itself was already reported.
             if self.lowering.reports.diagnostics.is_empty() {
                 let wrong = Diagnostic::new(place, "`count` must be a number that never changes");
-                self.lowering.reports.add(wrong.hint("write a number, as in `count = 10000`"));
+                self.report(wrong.hint("write a number, as in `count = 10000`"));
             }
             return;
         };
         if !(count >= 1.0 && count.fract() == 0.0) {
             let message =
                 format!("`count` must be a whole number of points, at least 1, but this is {count}");
-            self.lowering
-                .reports
-                .add(Diagnostic::new(place, message).hint("write a number, as in `count = 10000`"));
+            self.report(Diagnostic::new(place, message).hint("write a number, as in `count = 10000`"));
             return;
         }
         // A count is saturated, and the sum of a few cannot overflow.
@@ -218,7 +216,7 @@ impl SceneBuilder<'_> {
             let message =
                 format!("the swarms of a scene can have {points_max} points together, but these are {all}");
             let hint = "lower `count`; fewer, larger points with more `glow` look as dense";
-            self.lowering.reports.add(Diagnostic::over_limit(place, message).hint(hint));
+            self.report(Diagnostic::over_limit(place, message).hint(hint));
             return;
         }
         self.parts.swarms.push(Swarm { points, ..swarm });
@@ -248,7 +246,7 @@ impl SceneBuilder<'_> {
             if let Some((_, first)) = values.given(text) {
                 let message = format!("`{text}` is set twice");
                 let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
-                self.lowering.reports.add(twice.hint("leave one of them out"));
+                self.report(twice.hint("leave one of them out"));
                 continue;
             }
             if let Some(end) = entry.end
@@ -256,7 +254,7 @@ impl SceneBuilder<'_> {
             {
                 values.broken = true;
                 let message = format!("`{text}` is one value, not a range");
-                self.lowering.reports.add(
+                self.report(
                     Diagnostic::new(self.lowering.ast.span(end), message)
                         .hint("leave out `..` and the second value"),
                 );
@@ -306,7 +304,7 @@ impl SceneBuilder<'_> {
                 other => {
                     let message = format!("`{name}` must be a vec2, but this is {}", other.described());
                     let hint = "write a place in the picture, as in `pixel / resolution + vec2(0, 0.01)`";
-                    self.lowering.reports.add(Diagnostic::new(span, message).hint(hint))
+                    self.report(Diagnostic::new(span, message).hint(hint))
                 }
             };
         }
@@ -329,7 +327,7 @@ impl SceneBuilder<'_> {
                     }
                     _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
                 };
-                self.lowering.reports.add(wrong)
+                self.report(wrong)
             }
         }
     }
@@ -347,7 +345,7 @@ impl SceneBuilder<'_> {
             false => format!("this is a field of {}; {owner} has {all}", others.join(" and ")),
         };
         let wrong = Diagnostic::new(name.span, format!("{owner} has no field `{text}`"));
-        self.lowering.reports.add(wrong.hint(hint).did_you_mean(near));
+        self.report(wrong.hint(hint).did_you_mean(near));
     }
 
     /// Evaluates an expression that must be one of the names in `known`, and returns the number of that name.
@@ -368,7 +366,7 @@ impl SceneBuilder<'_> {
             }
             _ => Diagnostic::new(span, format!("a {what} must be given by its name")).hint(all),
         };
-        self.lowering.reports.add(wrong)
+        self.report(wrong)
     }
 
     fn text(&mut self, field: &str, value: ExprId) -> Value {
@@ -378,7 +376,7 @@ impl SceneBuilder<'_> {
             _ => {
                 let wrong =
                     Diagnostic::new(self.lowering.ast.span(value), format!("`{field}` must be a text"));
-                self.lowering.reports.add(wrong.hint("put it in quotes"))
+                self.report(wrong.hint("put it in quotes"))
             }
         }
     }
@@ -391,7 +389,7 @@ impl SceneBuilder<'_> {
                 return Value::Unknown;
             }
             let wrong = Diagnostic::new(span, format!("`{field}` must be a range"));
-            return self.lowering.reports.add(wrong.hint(format!("write `{field} = 0.2 .. 0.6`")));
+            return self.report(wrong.hint(format!("write `{field} = 0.2 .. 0.6`")));
         };
         let (Some(low), Some(high)) = (self.fixed(first, field), self.fixed(last, field)) else {
             return Value::Unknown;
@@ -401,10 +399,7 @@ impl SceneBuilder<'_> {
                 span.to(self.lowering.ast.span(last)),
                 format!("`{field}` must be a range within 0 .. 1, but this is {low} .. {high}"),
             );
-            return self
-                .lowering
-                .reports
-                .add(wrong.hint("write two numbers from 0 to 1, the smaller number first"));
+            return self.report(wrong.hint("write two numbers from 0 to 1, the smaller number first"));
         }
         Value::of(&[low, high].map(|number| self.lowering.constant(number)))
     }
@@ -445,9 +440,7 @@ impl SceneBuilder<'_> {
         let Expr::Name(symbol) = self.lowering.ast.expr(value) else {
             if self.lowering.ast.expr(value) != Expr::Error {
                 let wrong = Diagnostic::new(span, "`material` must be the name of a material");
-                self.lowering
-                    .reports
-                    .add(wrong.hint("declare `material wood { … }` and write `material = wood`"));
+                self.report(wrong.hint("declare `material wood { … }` and write `material = wood`"));
             }
             return None;
         };
@@ -464,7 +457,7 @@ impl SceneBuilder<'_> {
         let near = suggest::nearest(self.lowering.name(symbol), names);
         let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.lowering.name(symbol)));
         let hint = format!("declare it: `material {} {{ color = vec3(0.5) }}`", self.lowering.name(symbol));
-        self.lowering.reports.add(unknown.hint(hint).did_you_mean(near));
+        self.report(unknown.hint(hint).did_you_mean(near));
         None
     }
 }
