@@ -1,48 +1,22 @@
 //! The block `about`: a scene's title and author, and the facts by which a show chooses scenes.
 
 use super::builtin::uses::{FRAME, NOTHING, POINT};
-use super::fields::{DefaultValue, Field, Holds};
+use super::fields::{DefaultValue, Field, Holds, choices};
 use crate::graph::NodeId;
-
-macro_rules! define_transition_styles {
-    ($( $(#[$documentation:meta])* $style:ident, $name:literal; )*) => {
-        /// The transition from one scene to another.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        pub enum TransitionStyle { $( $(#[$documentation])* $style, )* }
-
-        impl TransitionStyle {
-            /// All styles in the order of their numbers.
-            pub const ALL: [Self; [$($name),*].len()] = [$( Self::$style, )*];
-
-            /// Returns the name in scenes and shows.
-            pub const fn name(self) -> &'static str {
-                match self { $( Self::$style => $name, )* }
-            }
-        }
-    };
-}
 
 // A new style needs four changes: a row here, a kind and names in `world::blend`, the blending itself (`World::blend`),
 // and a kind of transition in shows (`mariana_show::TransitionKind`).
-define_transition_styles! {
-    /// The next frame shows the new scene.
-    Cut, "cut";
-    /// The images are mixed in linear light.
-    Fade, "fade";
-    /// The worlds are mixed: surfaces flow into each other.
-    Melt, "melt";
-    /// The new scene appears inside a growing shape.
-    Portal, "portal";
-}
-
-impl TransitionStyle {
-    /// Returns the style with this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|style| style.name() == name)
-    }
-
-    pub(super) fn numbered(number: f32) -> Option<Self> {
-        Self::ALL.into_iter().find(|style| f32::from(*style as u8) == number)
+choices! {
+    /// The transition from one scene to another.
+    TransitionStyle {
+        /// The next frame shows the new scene.
+        Cut, "cut";
+        /// The images are mixed in linear light.
+        Fade, "fade";
+        /// The worlds are mixed: surfaces flow into each other.
+        Melt, "melt";
+        /// The new scene appears inside a growing shape.
+        Portal, "portal";
     }
 }
 

@@ -247,3 +247,39 @@ macro_rules! section {
 }
 
 pub(super) use section;
+
+/// Defines the choices of a field, each with its name in scenes.
+macro_rules! choices {
+    ($(#[$about:meta])* $choice:ident { $($(#[$documentation:meta])* $one:ident, $name:literal;)+ }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $choice { $($(#[$documentation])* $one,)+ }
+
+        impl $choice {
+            /// All choices, in the order of their numbers.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$one,)+];
+
+            /// Returns the name in scenes.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$one => $name,)+ }
+            }
+
+            /// Returns the number that represents the choice in a section.
+            pub const fn number(self) -> f32 {
+                self as u8 as f32
+            }
+
+            /// Returns the choice with this name.
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
+
+            /// Returns the choice with this number.
+            pub fn numbered(number: f32) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.number() == number)
+            }
+        }
+    };
+}
+
+pub(super) use choices;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::about::About;
 use super::builtin::uses::{DIRECTION, EYE, FRAME, INDEX, NOTHING, PIXEL, POINT, SCREEN, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
-use super::fields::section;
+use super::fields::{choices, section};
 use super::material::Material;
 use super::origins::Origins;
 use super::shape::ShapeRef;
@@ -265,42 +265,19 @@ impl Picture {
     }
 }
 
-/// The tone map, which converts light to a colour of the screen.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ToneMap {
-    /// AgX (Troy Sobotka): a film-like curve in which bright colours fade to white.
-    #[default]
-    Agx,
-    /// ACES, fitted (Stephen Hill). It has more contrast, and the hue shifts as colours get brighter.
-    Aces,
-    /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until a component is clipped.
-    Reinhard,
-    /// No tone map: light of 0..1 is unchanged, brighter light is clipped to 1.
-    None,
-}
-
-impl ToneMap {
-    /// All tone maps, in the order of their numbers in `shaders/tone_map.glsl`.
-    pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
-
-    /// Returns the number that represents the tone map in [`Picture`].
-    pub const fn number(self) -> f32 {
-        self as u8 as f32
-    }
-
-    /// Returns the tone map with this number; the default for an unknown number.
-    pub fn numbered(number: f32) -> Self {
-        Self::ALL.into_iter().find(|map| map.number() == number).unwrap_or_default()
-    }
-
-    /// Returns the name in scenes.
-    pub const fn name(self) -> &'static str {
-        match self {
-            ToneMap::Agx => "agx",
-            ToneMap::Aces => "aces",
-            ToneMap::Reinhard => "reinhard",
-            ToneMap::None => "none",
-        }
+choices! {
+    /// The tone map, which converts light to a colour of the screen. `shaders/tone_map.glsl` has the same numbers.
+    #[derive(Default)]
+    ToneMap {
+        /// AgX (Troy Sobotka): a film-like curve in which bright colours fade to white.
+        #[default]
+        Agx, "agx";
+        /// ACES, fitted (Stephen Hill). It has more contrast, and the hue shifts as colours get brighter.
+        Aces, "aces";
+        /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until a component is clipped.
+        Reinhard, "reinhard";
+        /// No tone map: light of 0..1 is unchanged, brighter light is clipped to 1.
+        None, "none";
     }
 }
 

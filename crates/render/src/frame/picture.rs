@@ -58,7 +58,7 @@ impl Picture {
             bloom: unless_nan(picture.bloom, 0.0),
             vignette: unless_nan(picture.vignette, 0.0),
             grain: unless_nan(picture.grain, 1.0),
-            tone_map: ToneMap::numbered(picture.tone_map),
+            tone_map: ToneMap::numbered(picture.tone_map).unwrap_or_default(),
             decay: unless_nan(picture.decay, 0.0),
             blur: unless_nan(picture.blur, 0.0),
             lens: features.lens.then(lens),

@@ -268,12 +268,11 @@ impl SceneBuilder<'_> {
                     continue;
                 }
                 Holds::ToneMap => {
-                    let numbered = |map: &ToneMap| (map.name(), map.number());
-                    self.one_of("tone map", &ToneMap::ALL.each_ref().map(numbered), entry.value)
+                    self.one_of("tone map", &ToneMap::ALL.map(|map| (map.name(), map.number())), entry.value)
                 }
                 Holds::TransitionStyle => {
-                    let numbered = |style: &TransitionStyle| (style.name(), f32::from(*style as u8));
-                    self.one_of("transition", &TransitionStyle::ALL.each_ref().map(numbered), entry.value)
+                    let styles = TransitionStyle::ALL.map(|style| (style.name(), style.number()));
+                    self.one_of("transition", &styles, entry.value)
                 }
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
