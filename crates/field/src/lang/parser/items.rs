@@ -13,21 +13,22 @@ use super::Parser;
 pub(super) enum Keyword {
     Param,
     Include,
-    Section(Section),
+    /// A section, and the kind of its name.
+    Section(Section, Option<NameKind>),
 }
 
 const KEYWORDS: &[(&str, Keyword)] = &[
     ("param", Keyword::Param),
     ("include", Keyword::Include),
-    ("object", Keyword::Section(Section::Object)),
-    ("material", Keyword::Section(Section::Material)),
-    ("light", Keyword::Section(Section::Light)),
-    ("medium", Keyword::Section(Section::Medium)),
-    ("swarm", Keyword::Section(Section::Swarm)),
-    ("camera", Keyword::Section(Section::Camera)),
-    ("sky", Keyword::Section(Section::Sky)),
-    ("picture", Keyword::Section(Section::Picture)),
-    ("about", Keyword::Section(Section::About)),
+    ("object", Keyword::Section(Section::Object, Some(NameKind::Object))),
+    ("material", Keyword::Section(Section::Material, Some(NameKind::Material))),
+    ("light", Keyword::Section(Section::Light, Some(NameKind::Light))),
+    ("medium", Keyword::Section(Section::Medium, Some(NameKind::Medium))),
+    ("swarm", Keyword::Section(Section::Swarm, Some(NameKind::Swarm))),
+    ("camera", Keyword::Section(Section::Camera, Some(NameKind::Camera))),
+    ("sky", Keyword::Section(Section::Sky, None)),
+    ("picture", Keyword::Section(Section::Picture, None)),
+    ("about", Keyword::Section(Section::About, None)),
 ];
 
 pub(crate) fn is_keyword(name: &str) -> bool {
@@ -36,18 +37,6 @@ pub(crate) fn is_keyword(name: &str) -> bool {
 
 pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
-}
-
-fn named(section: Section) -> Option<NameKind> {
-    match section {
-        Section::Object => Some(NameKind::Object),
-        Section::Material => Some(NameKind::Material),
-        Section::Light => Some(NameKind::Light),
-        Section::Medium => Some(NameKind::Medium),
-        Section::Swarm => Some(NameKind::Swarm),
-        Section::Camera => Some(NameKind::Camera),
-        Section::Sky | Section::Picture | Section::About => None,
-    }
 }
 
 /// GLSL types and qualifiers that people write out of habit.
@@ -123,7 +112,7 @@ impl Parser<'_> {
         match keyword(self) {
             Some(Keyword::Param) => return self.param(),
             Some(Keyword::Include) => return self.include(),
-            Some(Keyword::Section(section)) => return self.section(section),
+            Some(Keyword::Section(section, named)) => return self.section(section, named),
             None => {}
         }
         if self.eat_word(word::FN) {
@@ -381,10 +370,8 @@ impl Parser<'_> {
     }
 
     /// Consumes the name of a section, or reports that it is missing.
-    fn name_of(&mut self, section: Section) -> Option<Name> {
+    fn name_of(&mut self, word: &str) -> Option<Name> {
         if self.kind() == Kind::OpenBrace {
-            let word = KEYWORDS.iter().find(|(_, keyword)| *keyword == Keyword::Section(section));
-            let word = word.map_or("block", |(word, _)| word);
             let missing =
                 self.expected("a name").hint(format!("each {word} has a name: `{word} first {{ … }}`"));
             self.report(missing);
@@ -393,13 +380,14 @@ impl Parser<'_> {
         self.name("a name")
     }
 
-    fn section(&mut self, section: Section) -> Option<Item> {
+    fn section(&mut self, section: Section, named: Option<NameKind>) -> Option<Item> {
+        let word = self.names.name(self.token().symbol);
         let head = self.advance().span;
         let mut name = None;
         if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };
-        } else if named(section).is_some() {
-            name = Some(self.name_of(section)?);
+        } else if named.is_some() {
+            name = Some(self.name_of(word)?);
         } else if self.token().is_name() {
             self.report_missing("`{`", "`sky`, `picture` and `about` have no names: a scene has one of each");
             self.advance();
@@ -409,7 +397,7 @@ impl Parser<'_> {
         if !self.demand(Kind::OpenBrace, "and the fields") {
             return name.and_then(|name| self.broken(name));
         }
-        if let (Some(kind), Some(name)) = (named(section), name) {
+        if let (Some(kind), Some(name)) = (named, name) {
             self.ast.record(NameEvent::Declares(kind, name));
         }
         self.ast.record(NameEvent::Opens);
