@@ -153,29 +153,3 @@ pub(crate) struct Location {
     pub uri: String,
     pub range: Span,
 }
-
-/// What the server needs to know about the client.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct InitializeParams {
-    pub capabilities: ClientCapabilities,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
-pub(crate) struct ClientCapabilities {
-    pub text_document: Value,
-    pub workspace: Value,
-}
-
-impl ClientCapabilities {
-    /// True if the client sets the flag at this path in the capabilities of documents.
-    pub(crate) fn has_for_documents(&self, path: &str) -> bool {
-        self.text_document.pointer(path) == Some(&Value::Bool(true))
-    }
-
-    /// True if the client sets the flag at this path in the capabilities of the workspace.
-    pub(crate) fn has_for_workspace(&self, path: &str) -> bool {
-        self.workspace.pointer(path) == Some(&Value::Bool(true))
-    }
-}

@@ -11,8 +11,7 @@ use crate::documents::{Documents, Files};
 use crate::framing::Unreadable;
 use crate::positions::range;
 use crate::protocol::{
-    ChangedParams, ClientCapabilities, Failure, InitializeParams, OfDocument, OpenedParams, TextEdit, answer,
-    code, notification, parameters,
+    ChangedParams, Failure, OfDocument, OpenedParams, TextEdit, answer, code, notification, parameters,
 };
 use crate::semantic_tokens::TYPES;
 use crate::uri::path_of;
@@ -38,7 +37,8 @@ enum State {
 /// A language server.
 pub struct Server {
     state: State,
-    client: ClientCapabilities,
+    /// The capabilities of the client.
+    client: Value,
     documents: Documents,
     diagnosing: Diagnosing,
 }
@@ -62,7 +62,7 @@ impl Server {
     pub fn new(files: Arc<dyn Files>) -> Self {
         Self {
             state: State::New,
-            client: ClientCapabilities::default(),
+            client: Value::Null,
             documents: Documents::new(files),
             diagnosing: Diagnosing::default(),
         }
@@ -127,7 +127,7 @@ impl Server {
 
     fn request(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
         match (self.state, method) {
-            (State::New, "initialize") => return Ok(self.initialize(parameters(params)?)),
+            (State::New, "initialize") => return Ok(self.initialize(params)),
             (State::New, _) => {
                 return Err(Failure::new(code::NOT_INITIALIZED, "send the request `initialize` first"));
             }
@@ -158,7 +158,7 @@ impl Server {
                 return Ok(Value::Null);
             }
         }
-        let snippets = self.client.has_for_documents("/completion/completionItem/snippetSupport");
+        let snippets = has(&self.client, "/textDocument/completion/completionItem/snippetSupport");
         Ok(match method {
             "textDocument/hover" => hover::hover(documents, &parameters(params)?),
             "textDocument/completion" => completion::completion(documents, &parameters(params)?, snippets),
@@ -180,9 +180,9 @@ impl Server {
         })
     }
 
-    fn initialize(&mut self, params: InitializeParams) -> Value {
+    fn initialize(&mut self, params: &Value) -> Value {
         self.state = State::Ready;
-        self.client = params.capabilities;
+        self.client = params["capabilities"].clone();
         json!({
             "capabilities": {
                 "positionEncoding": "utf-16",
@@ -226,7 +226,7 @@ impl Server {
 
     /// Asks the client to report changes of files, so that scenes are compiled again when an include is saved.
     fn watch_files(&self) -> Vec<Value> {
-        if !self.client.has_for_workspace("/didChangeWatchedFiles/dynamicRegistration") {
+        if !has(&self.client, "/workspace/didChangeWatchedFiles/dynamicRegistration") {
             return Vec::new();
         }
         let watchers = json!([{ "globPattern": "**/*.scene" }]);
@@ -294,7 +294,7 @@ impl Server {
                 text: document.text.clone(),
                 revision: self.diagnosing.revisions.get(&uri).copied().unwrap_or_default(),
                 snapshot: self.documents.snapshot(),
-                shows_related: self.client.has_for_documents("/publishDiagnostics/relatedInformation"),
+                shows_related: has(&self.client, "/textDocument/publishDiagnostics/relatedInformation"),
                 uri,
             });
         }
@@ -367,6 +367,11 @@ impl Diagnosing {
         self.revisions.insert(uri.to_owned(), self.revision);
         self.wanted.insert(uri.to_owned());
     }
+}
+
+/// True if the client sets the flag at this path in its capabilities.
+fn has(client: &Value, path: &str) -> bool {
+    client.pointer(path) == Some(&Value::Bool(true))
 }
 
 fn is_among(uri: &str, paths: &[std::path::PathBuf]) -> bool {

@@ -441,21 +441,8 @@ fn sizes<'a>(brackets: &[Token<'a>], value: &[Token<'a>]) -> Vec<Token<'a>> {
 }
 
 /// Names that naga reserves, with the sign that makes them free.
-const RESERVED: [&str; 13] = [
-    "sample_",
-    "buffer_",
-    "shared_",
-    "smooth_",
-    "flat_",
-    "centroid_",
-    "restrict_",
-    "readonly_",
-    "writeonly_",
-    "sampler_",
-    "invariant_",
-    "texture_",
-    "main_",
-];
+const RESERVED: &str = "sample_ buffer_ shared_ smooth_ flat_ centroid_ restrict_ readonly_ writeonly_ sampler_ \
+    invariant_ texture_ main_";
 
 /// True for a type of textures.
 pub(super) fn is_sampler(of: &str) -> bool {
@@ -479,7 +466,7 @@ fn renamed(name: &str, called: bool) -> &str {
         "texelFetch" if called => "glsl_texel",
         "textureSize" if called => "glsl_texture_size",
         of if is_sampler(of) => "int",
-        name => RESERVED.iter().find(|word| word.strip_suffix('_') == Some(name)).copied().unwrap_or(name),
+        name => RESERVED.split(' ').find(|word| word.strip_suffix('_') == Some(name)).unwrap_or(name),
     }
 }
 

@@ -43,19 +43,7 @@ pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
 const GLSL_TYPES: &[&str] = &[
     "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "var", "void",
 ];
-const GLSL_QUALIFIERS: &[&str] = &[
-    "const",
-    "uniform",
-    "varying",
-    "attribute",
-    "inout",
-    "out",
-    "highp",
-    "mediump",
-    "lowp",
-    "flat",
-    "precision",
-];
+const GLSL_QUALIFIERS: &str = "const uniform varying attribute inout out highp mediump lowp flat precision";
 /// Maximum number of words before a declared name, such as `const highp float`.
 const GLSL_WORDS_MAX: usize = 4;
 
@@ -224,7 +212,8 @@ impl Parser<'_> {
         // Qualifiers and types precede the name, as in `const float name`.
         let is_type = |token: Token| {
             let text = self.names.name(token.symbol);
-            token.is_name() && (GLSL_TYPES.contains(&text) || GLSL_QUALIFIERS.contains(&text))
+            token.is_name()
+                && (GLSL_TYPES.contains(&text) || GLSL_QUALIFIERS.split(' ').any(|word| word == text))
         };
         let words = (0..GLSL_WORDS_MAX).take_while(|at| is_type(self.ahead(*at))).count();
         let named = self.ahead(words);
