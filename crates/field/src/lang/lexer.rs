@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
-use super::symbol::{Interner, Key, Symbol};
+use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token};
 
 /// Appends the tokens of `text`, whose first byte has the offset `base`, and a final `End`. If there are more than
@@ -166,10 +166,9 @@ impl Lexer<'_> {
 
     #[inline]
     fn name(&mut self) -> (Kind, Symbol) {
-        let (start, length) = (self.at, self.word_length());
-        let key = Key::of_first(self.rest(), length);
-        self.at += length;
-        (Kind::Name, self.names.intern_with_key(&self.text[start..self.at], key))
+        let start = self.at;
+        self.at += self.word_length();
+        (Kind::Name, self.names.intern(&self.text[start..self.at]))
     }
 
     /// Reads digits and appends them to `number`. On overflow, the result wraps around.
