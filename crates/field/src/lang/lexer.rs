@@ -48,33 +48,26 @@ struct Lexer<'a> {
 
 impl Lexer<'_> {
     fn run(&mut self, tokens: &mut Vec<Token>, tokens_max: usize) {
-        loop {
-            // Most blanks are single spaces between tokens.
-            while self.peek(0) == b' ' {
-                self.at += 1;
-            }
-            let Some(&byte) = self.bytes.get(self.at) else { break };
+        while let Some(&byte) = self.bytes.get(self.at) {
             let start = self.at;
-            let (kind, symbol) = match BEGINS[usize::from(byte)] {
-                Begins::Blank => {
+            let (kind, symbol) = match (byte, self.peek(1)) {
+                (b' ' | b'\t' | b'\r' | b'\n', _) => {
+                    self.newline |= byte == b'\n';
                     self.at += 1;
                     continue;
                 }
-                Begins::Line => {
-                    self.newline = true;
-                    self.at += 1;
+                (b'#', _) | (b'/', b'/') => {
+                    self.skip_line();
                     continue;
                 }
-                Begins::Name => self.name(),
-                Begins::Number => self.number(),
-                Begins::Sign(kind) => {
-                    self.at += 1;
-                    (kind, Symbol(0))
+                (b'/', b'*') => {
+                    self.skip_block();
+                    continue;
                 }
-                Begins::Other => match self.other(byte) {
-                    Some(found) => found,
-                    None => continue,
-                },
+                (b'a'..=b'z' | b'A'..=b'Z' | b'_', _) => self.name(),
+                (b'0'..=b'9', _) | (b'.', b'0'..=b'9') => self.number(),
+                (b'"', _) => self.quoted(),
+                _ => (self.sign(byte).unwrap_or_else(|| self.unknown()), Symbol(0)),
             };
             if tokens.len() >= tokens_max {
                 return self.too_many(start, tokens_max);
@@ -82,18 +75,6 @@ impl Lexer<'_> {
             let newline = std::mem::take(&mut self.newline);
             tokens.push(Token { kind, newline, symbol, span: self.span(start) });
         }
-    }
-
-    /// Reads a token whose kind does not follow from its first byte; `None` for a comment.
-    fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
-        match (byte, self.peek(1)) {
-            (b'#', _) | (b'/', b'/') => self.skip_line(),
-            (b'/', b'*') => self.skip_block(),
-            (b'.', next) if next.is_ascii_digit() => return Some(self.number()),
-            (b'"', _) => return Some(self.quoted()),
-            _ => return Some((self.sign(byte).unwrap_or_else(|| self.unknown()), Symbol(0))),
-        }
-        None
     }
 
     #[cold]
@@ -116,8 +97,7 @@ impl Lexer<'_> {
         if self.rest().starts_with(b"#define ") {
             self.macro_line();
         }
-        let rest = self.bytes.get(self.at..).unwrap_or(&[]);
-        self.at += rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+        self.at += self.rest().iter().take_while(|&&byte| byte != b'\n').count();
     }
 
     /// Reports a macro, because a comment would hide why its name is unknown.
@@ -158,62 +138,41 @@ impl Lexer<'_> {
         self.bytes.get(self.at..).unwrap_or(&[])
     }
 
-    #[inline]
     fn word_length(&self) -> usize {
-        let rest = self.rest();
-        rest.iter().position(|&byte| !IN_WORD[usize::from(byte)]).unwrap_or(rest.len())
+        self.rest().iter().take_while(|byte| is_of_word(**byte)).count()
     }
 
-    #[inline]
     fn name(&mut self) -> (Kind, Symbol) {
         let start = self.at;
         self.at += self.word_length();
         (Kind::Name, self.names.intern(&self.text[start..self.at]))
     }
 
-    /// Reads digits and appends them to `number`. On overflow, the result wraps around.
-    #[inline]
-    fn digits(&mut self, mut number: u64) -> u64 {
-        while let Some(&byte) = self.bytes.get(self.at) {
-            let digit = byte.wrapping_sub(b'0');
-            if digit > 9 {
-                break;
-            }
-            number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
-            self.at += 1;
-        }
-        number
+    fn digits(&mut self) {
+        self.at += self.rest().iter().take_while(|byte| byte.is_ascii_digit()).count();
     }
 
-    #[inline]
     fn number(&mut self) -> (Kind, Symbol) {
         let start = self.at;
-        let mut number = self.digits(0);
-        let mut digits = self.at - start;
-        let mut decimals = 0;
+        self.digits();
         // `0..32` is a range. In `0.`, the point belongs to the number.
         if self.peek(0) == b'.' && self.peek(1) != b'.' {
             self.at += 1;
-            let point = self.at;
-            number = self.digits(number);
-            decimals = self.at - point;
-            digits += decimals;
+            self.digits();
         }
-        let mut value = if digits <= DIGITS_MAX { exact_value(number, decimals) } else { None };
         if matches!(self.peek(0), b'e' | b'E') {
             let sign = usize::from(matches!(self.peek(1), b'+' | b'-'));
             if self.peek(1 + sign).is_ascii_digit() {
                 self.at += 1 + sign;
-                self.digits(0);
-                value = None;
+                self.digits();
             }
         }
         let end = self.at;
-        if IN_WORD[usize::from(self.peek(0))] {
+        if is_of_word(self.peek(0)) {
             self.at += self.word_length();
             self.number_in_name(start, end);
         }
-        let value = value.unwrap_or_else(|| self.text[start..end].parse().unwrap_or(f32::INFINITY));
+        let value: f32 = self.text[start..end].parse().unwrap_or(f32::INFINITY);
         (Kind::Number, Symbol(value.to_bits()))
     }
 
@@ -260,6 +219,19 @@ impl Lexer<'_> {
             (b'>', _) => (Kind::Greater, 1),
             (b'&', b'&') => (Kind::And, 2),
             (b'|', b'|') => (Kind::Or, 2),
+            (b'(', _) => (Kind::OpenParen, 1),
+            (b')', _) => (Kind::CloseParen, 1),
+            (b'{', _) => (Kind::OpenBrace, 1),
+            (b'}', _) => (Kind::CloseBrace, 1),
+            (b',', _) => (Kind::Comma, 1),
+            (b';', _) => (Kind::Semicolon, 1),
+            (b':', _) => (Kind::Colon, 1),
+            (b'?', _) => (Kind::Question, 1),
+            (b'+', _) => (Kind::Plus, 1),
+            (b'-', _) => (Kind::Minus, 1),
+            (b'*', _) => (Kind::Star, 1),
+            (b'%', _) => (Kind::Percent, 1),
+            (b'^', _) => (Kind::Caret, 1),
             _ => return None,
         };
         self.at += length;
@@ -317,66 +289,8 @@ impl Lexer<'_> {
     }
 }
 
-#[derive(Clone, Copy)]
-enum Begins {
-    Blank,
-    Line,
-    Name,
-    Number,
-    Sign(Kind),
-    Other,
-}
-
-const BEGINS: [Begins; 256] = {
-    let mut table = [Begins::Other; 256];
-    let mut byte = 0;
-    while byte < table.len() {
-        table[byte] = match byte as u8 {
-            b' ' | b'\t' | b'\r' => Begins::Blank,
-            b'\n' => Begins::Line,
-            b'a'..=b'z' | b'A'..=b'Z' | b'_' => Begins::Name,
-            b'0'..=b'9' => Begins::Number,
-            b'(' => Begins::Sign(Kind::OpenParen),
-            b')' => Begins::Sign(Kind::CloseParen),
-            b'{' => Begins::Sign(Kind::OpenBrace),
-            b'}' => Begins::Sign(Kind::CloseBrace),
-            b',' => Begins::Sign(Kind::Comma),
-            b';' => Begins::Sign(Kind::Semicolon),
-            b':' => Begins::Sign(Kind::Colon),
-            b'?' => Begins::Sign(Kind::Question),
-            b'+' => Begins::Sign(Kind::Plus),
-            b'-' => Begins::Sign(Kind::Minus),
-            b'*' => Begins::Sign(Kind::Star),
-            b'%' => Begins::Sign(Kind::Percent),
-            b'^' => Begins::Sign(Kind::Caret),
-            _ => Begins::Other,
-        };
-        byte += 1;
-    }
-    table
-};
-
-const IN_WORD: [bool; 256] = {
-    let mut table = [false; 256];
-    let mut byte = 0;
-    while byte < table.len() {
-        table[byte] = matches!(BEGINS[byte], Begins::Name | Begins::Number);
-        byte += 1;
-    }
-    table
-};
-
-/// Every number with this many decimal digits fits into a u64.
-const DIGITS_MAX: usize = 19;
-
-/// Returns the f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if one
-/// division may round it incorrectly.
-#[inline]
-fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
-    // The digits and the power of ten are exact in f32, so one division rounds correctly.
-    const POWERS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
-    let power = POWERS.get(decimals)?;
-    (digits <= 1 << f32::MANTISSA_DIGITS).then(|| digits as f32 / power)
+fn is_of_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
 #[cfg(test)]
