@@ -10,7 +10,7 @@ use super::super::value::{Composites, Matrix, Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
 use super::motions::MotionCall;
-use super::reads::{ShapeRead, TextureRead};
+use super::reads::Read;
 use crate::graph::{Graph, Input, LevelList, NodeId, Op, matrices};
 
 /// The index with which a scene reads a level of a list.
@@ -40,10 +40,14 @@ impl Lowering<'_> {
             return Value::Unknown;
         }
         match (row.builtin, self.arguments.get(mark)) {
-            (Builtin::Texture, _) => return TextureRead { outer: self, mark, first, span }.value(),
-            (Builtin::Previous, _) => return TextureRead { outer: self, mark, first, span }.last_frame(),
-            (Builtin::Shape(call), _) => {
-                return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
+            (Builtin::Texture | Builtin::Previous | Builtin::Shape(_), _) => {
+                let mut read = Read { outer: self, name: row.name, mark, first, span };
+                let value = match row.builtin {
+                    Builtin::Texture => read.texture(),
+                    Builtin::Shape(call) => read.shape(call),
+                    _ => read.last_frame(),
+                };
+                return value.unwrap_or(Value::Unknown);
             }
             (Builtin::Motion(kind), _) => {
                 return MotionCall { outer: self, row, kind, mark, first, span }.value();
@@ -87,11 +91,11 @@ impl Lowering<'_> {
             (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
             (Builtin::Levels(list), [Some(a), ..]) => self.level(list, a, span),
             (Builtin::Table(op), [Some(a), ..]) => {
-                self.used_frame(row.name, span);
+                self.used(uses::FRAME, row.name, span);
                 Value::Vector(a.map(|part| self.graph.unary(op, part)))
             }
             (Builtin::History, [Some(a), Some(b), ..]) => {
-                self.used_frame(row.name, span);
+                self.used(uses::FRAME, row.name, span);
                 self.pair(Op::History, a, b, row.name, span)
             }
             _ => {
@@ -105,9 +109,10 @@ impl Lowering<'_> {
         }
     }
 
-    pub(super) fn used_frame(&mut self, name: &'static str, span: Span) {
+    /// Notes that a function of the language uses these inputs.
+    pub(super) fn used(&mut self, kind: u16, name: &str, span: Span) {
         if let Some(symbol) = self.names.get(name) {
-            self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
+            self.inputs.declare(kind, symbol, span, &mut self.reports);
         }
     }
 
@@ -158,7 +163,7 @@ impl Lowering<'_> {
     /// computed number to the list and rounds it down.
     pub(super) fn level_number(&mut self, list: LevelList, index: Vector, span: Span) -> Option<Number> {
         let name = list.name();
-        self.used_frame(name, span);
+        self.used(uses::FRAME, name, span);
         if index.len() != 1 {
             let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
             self.reports.add(Diagnostic::new(span, message));

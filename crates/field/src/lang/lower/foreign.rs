@@ -10,7 +10,7 @@ use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
-use super::reads::TextureRead;
+use super::reads::Read;
 use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session, image_sampler};
 use crate::graph::{Input, NodeId};
 
@@ -114,7 +114,7 @@ impl ForeignCall<'_, '_> {
         let Some(mut session) = kept(self, Session::default()) else { return Value::Unknown };
         if in_picture && session.last_frame.is_none() && foreign.file.reads_last_frame() {
             let (outer, mark) = (&mut *self.outer, self.mark);
-            session.last_frame = TextureRead { outer, mark, first: 0, span }.last_frame_number();
+            session.last_frame = Read { outer, name: "previous", mark, first: 0, span }.last_frame_number();
         }
         let mut budget = Budget {
             steps: self.outer.budget.left(self.outer.limits),
@@ -187,7 +187,7 @@ impl ForeignCall<'_, '_> {
                 Value::Vector(vector) if !foreign.file.is_sampler(uniform) => vector.parts().to_vec(),
                 Value::Text(file) if in_picture => {
                     let (outer, mark, span) = (&mut *self.outer, self.mark, self.span);
-                    let image = TextureRead { outer, mark, first: 0, span }.number(file, span);
+                    let image = Read { outer, name: "texture", mark, first: 0, span }.number(file, span);
                     image.map(|image| self.outer.constant(image_sampler(image))).into_iter().collect()
                 }
                 _ => continue,

@@ -1,6 +1,6 @@
 //! Lowers numbers with inertia: `follow`, `spring` and `since`.
 
-use super::super::builtin::BuiltinRow;
+use super::super::builtin::{BuiltinRow, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library::signature_of_builtin;
 use super::super::source::Span;
@@ -23,7 +23,7 @@ pub(super) struct MotionCall<'o, 'l> {
 impl MotionCall<'_, '_> {
     /// Returns the number, or a vector of them.
     pub(super) fn value(mut self) -> Value {
-        self.outer.used_frame(self.row.name, self.span);
+        self.outer.used(uses::FRAME, self.row.name, self.span);
         let count = self.outer.arguments.len() - self.mark;
         let mut vectors = Vec::with_capacity(count);
         for index in 0..count {

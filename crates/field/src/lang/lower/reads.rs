@@ -13,92 +13,96 @@ use super::lowering::Lowering;
 use crate::graph::{NodeId, Op, SHAPE_NUMBERS};
 use crate::limits::LAST_LIGHT_MAX;
 
-/// A call of `texture` or `previous` with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
-pub(super) struct TextureRead<'l, 'a> {
+/// A call with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
+pub(super) struct Read<'l, 'a> {
     pub outer: &'l mut Lowering<'a>,
+    pub name: &'static str,
     pub mark: usize,
     pub first: u32,
     pub span: Span,
 }
 
-impl TextureRead<'_, '_> {
-    pub(super) fn value(&mut self) -> Value {
-        let (mark, first, span) = (self.mark, self.first, self.span);
-        self.use_textures("texture");
-        let file = match self.outer.arguments.get(mark).copied() {
-            Some(Value::Text(symbol)) => symbol,
-            Some(Value::Unknown) | None => return Value::Unknown,
-            Some(other) => {
-                let message = format!("`texture` takes a file's name in quotes, not {}", other.described());
-                let place = self.outer.argument_span(first, 0, span);
-                return self
-                    .outer
-                    .reports
-                    .add(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
-            }
-        };
-        let Some((u, v)) = self.place(1, "texture", "take two components, as in `p.xz`") else {
-            return Value::Unknown;
-        };
-        let Some(number) = self.number(file, self.outer.argument_span(first, 0, span)) else {
-            return Value::Unknown;
-        };
-        let parts = [0, 1, 2, 3].map(|channel| self.outer.graph.texture(number, channel, u, v));
-        Value::of(&parts)
+impl Read<'_, '_> {
+    fn argument(&self, index: usize) -> Option<Value> {
+        self.outer.arguments.get(self.mark + index).copied()
     }
 
-    /// Returns the light of the last frame. Its texture holds fractions of [`LAST_LIGHT_MAX`], because bounds of
-    /// textures are 0..1.
-    pub(super) fn last_frame(&mut self) -> Value {
-        let number = self.last_frame_number();
-        let hint = "`pixel / resolution` is the place of the pixel that is drawn";
-        let Some((u, v)) = self.place(0, "previous", hint) else { return Value::Unknown };
-        let Some(number) = number else { return Value::Unknown };
-        let most = self.outer.constant(LAST_LIGHT_MAX);
-        let graph = &mut self.outer.graph;
-        let parts = [0, 1, 2].map(|channel| {
-            let fraction = graph.texture(number, channel, u, v);
-            graph.mul(fraction, most)
-        });
-        Value::of(&parts)
+    fn place(&self, argument: usize) -> Span {
+        let place = self.outer.argument_span(self.first, argument, self.span);
+        self.outer.reports.library_call.map_or(place, |call| call.1)
     }
 
-    /// Returns the number of the texture that holds the last frame.
-    pub(super) fn last_frame_number(&mut self) -> Option<u16> {
-        self.use_textures("previous");
-        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
-        self.numbered(TextureRef::last_frame(place))
-    }
-
-    fn use_textures(&mut self, name: &str) {
-        if let Some(symbol) = self.outer.names.get(name) {
-            self.outer.inputs.declare(uses::TEXTURE, symbol, self.span, &mut self.outer.reports);
-        }
-    }
-
-    /// Returns the position in argument `index`. Reports other values with a hint.
-    fn place(&mut self, index: usize, name: &str, hint: &str) -> Option<(NodeId, NodeId)> {
-        match self.outer.arguments.get(self.mark + index).copied()? {
-            Value::Vector(vector) if vector.len() == 2 => Some((vector.part(0), vector.part(1))),
+    /// Returns a text in quotes. `what` describes it in the message about another value.
+    fn text(&mut self, argument: usize, what: &str, hint: impl Into<String>) -> Option<Symbol> {
+        match self.argument(argument)? {
+            Value::Text(symbol) => Some(symbol),
             Value::Unknown => None,
             other => {
-                let message = format!("`{name}` takes a vec2 as its position, not {}", other.described());
-                let place = self.outer.argument_span(self.first, index, self.span);
-                self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
+                let message = format!("`{}` takes {what}, not {}", self.name, other.described());
+                let wrong = Diagnostic::new(self.place(argument), message).hint(hint);
+                self.outer.reports.add(wrong);
                 None
             }
         }
     }
 
-    pub(super) fn number(&mut self, file: Symbol, span: Span) -> Option<u16> {
-        let place = self.outer.reports.library_call.map_or(span, |call| call.1);
-        let name = match path::checked(self.outer.name(file)) {
-            Ok(name) => name,
-            Err((message, hint)) => {
-                self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
-                return None;
+    /// Returns a position in a picture. Reports other values with a hint.
+    fn position(&mut self, argument: usize, hint: &str) -> Option<Vector> {
+        match self.argument(argument)? {
+            Value::Vector(vector) if vector.len() == 2 => Some(vector),
+            Value::Unknown => None,
+            other => {
+                let message =
+                    format!("`{}` takes a vec2 as its position, not {}", self.name, other.described());
+                self.outer.reports.add(Diagnostic::new(self.place(argument), message).hint(hint));
+                None
             }
-        };
+        }
+    }
+
+    /// Returns the checked path of a file. `what` is the file's name in messages.
+    fn path(&mut self, file: Symbol, what: &str, place: Span) -> Option<String> {
+        let checked = path::checked(self.outer.name(file));
+        checked
+            .map_err(|(message, hint)| {
+                self.outer.reports.add(Diagnostic::new(place, message.replace("file", what)).hint(hint));
+            })
+            .ok()
+    }
+
+    /// Reads a texture.
+    pub(super) fn texture(&mut self) -> Option<Value> {
+        self.outer.used(uses::TEXTURE, "texture", self.span);
+        let file = self.text(0, "a file's name in quotes", "write `texture(\"wood.png\", uv)`")?;
+        let at = self.position(1, "take two components, as in `p.xz`")?;
+        let number = self.number(file, self.place(0))?;
+        let [u, v] = [at.part(0), at.part(1)];
+        Some(Value::of(&[0, 1, 2, 3].map(|channel| self.outer.graph.texture(number, channel, u, v))))
+    }
+
+    /// Returns the light of the last frame. Its texture holds fractions of [`LAST_LIGHT_MAX`], because bounds of
+    /// textures are 0..1.
+    pub(super) fn last_frame(&mut self) -> Option<Value> {
+        let number = self.last_frame_number();
+        let at = self.position(0, "`pixel / resolution` is the place of the pixel that is drawn")?;
+        let ([u, v], number) = ([at.part(0), at.part(1)], number?);
+        let most = self.outer.constant(LAST_LIGHT_MAX);
+        let graph = &mut self.outer.graph;
+        Some(Value::of(&[0, 1, 2].map(|channel| {
+            let fraction = graph.texture(number, channel, u, v);
+            graph.mul(fraction, most)
+        })))
+    }
+
+    /// Returns the number of the texture that holds the last frame.
+    pub(super) fn last_frame_number(&mut self) -> Option<u16> {
+        self.outer.used(uses::TEXTURE, "previous", self.span);
+        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
+        self.numbered(TextureRef::last_frame(place))
+    }
+
+    pub(super) fn number(&mut self, file: Symbol, place: Span) -> Option<u16> {
+        let name = self.path(file, "file", place)?;
         self.numbered(TextureRef { name, span: place, moves: None })
     }
 
@@ -117,139 +121,54 @@ impl TextureRead<'_, '_> {
         self.outer.declared.textures.push(texture);
         Some((self.outer.declared.textures.len() - 1) as u16)
     }
-}
 
-// Calls of `text`, `image`, `title`, `artist` and `lyrics`: the 2D distance to a text or picture.
-//
-// The distance is read from the grid at the nearest point of its rectangle. Beyond the rectangle, the distance to the
-// rectangle is also a lower bound. Within it that distance is negative and never the larger one, because the grid is
-// positive at its rim. A cell of the tree on one side of the rim therefore drops the other side.
+    // Calls of `text`, `image`, `title`, `artist` and `lyrics`: the 2D distance to a text or picture.
+    //
+    // The distance is read from the grid at the nearest point of its rectangle. Beyond the rectangle, the distance to
+    // the rectangle is also a lower bound. Within it that distance is negative and never the larger one, because the
+    // grid is positive at its rim. A cell of the tree on one side of the rim therefore drops the other side.
 
-/// A call with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
-pub(super) struct ShapeRead<'l, 'a> {
-    pub outer: &'l mut Lowering<'a>,
-    pub name: &'static str,
-    pub call: ShapeCall,
-    pub mark: usize,
-    pub first: u32,
-    pub span: Span,
-}
-
-impl ShapeRead<'_, '_> {
-    pub(super) fn value(&mut self) -> Value {
-        let words = match self.words_place() {
-            Some(place) => match self.words(place) {
-                Some(words) => Some(words),
-                None => return Value::Unknown,
-            },
+    pub(super) fn shape(&mut self, call: ShapeCall) -> Option<Value> {
+        let (what, example) = match call {
+            ShapeCall::Text => ("a text in quotes", "text(\"MARIANA\", p.xy)".to_owned()),
+            ShapeCall::Image => ("a file's name in quotes", "image(\"logo.png\", p.xy)".to_owned()),
+            ShapeCall::Song(_) => ("", format!("{}(p.xy)", self.name)),
+        };
+        let hint = format!("write `{example}`");
+        // The song's texts have no argument with the words.
+        let has_words = !matches!(call, ShapeCall::Song(_));
+        let words = if has_words { Some(self.text(0, what, hint.as_str())?) } else { None };
+        let position = usize::from(has_words);
+        let at = self.position(position, "take two components, as in `p.xy`")?;
+        let font = match self.argument(position + 1) {
+            Some(_) => Some(self.text(position + 1, "the name of a font in quotes", hint.as_str())?),
             None => None,
         };
-        let Some(at) = self.position(self.position_place()) else { return Value::Unknown };
-        let font = match self.argument(self.font_place()) {
-            Some(_) => match self.words(self.font_place()) {
-                Some(font) => Some(font),
-                None => return Value::Unknown,
-            },
+        let font = match font {
+            Some(font) => Some(self.path(font, "font", self.place(position + 1))?),
             None => None,
         };
-        let Some(source) = self.source(words, font) else { return Value::Unknown };
-        match self.number(source) {
-            Some(number) => Value::scalar(self.distance(number, at)),
-            None => Value::Unknown,
-        }
+        let source = self.source(call, words, font)?;
+        let number = self.shape_number(source)?;
+        Some(Value::scalar(self.distance(number, at)))
     }
 
-    /// The number of the argument with the text or file; the song's texts have none.
-    fn words_place(&self) -> Option<usize> {
-        (!matches!(self.call, ShapeCall::Song(_))).then_some(0)
-    }
-
-    fn position_place(&self) -> usize {
-        self.words_place().map_or(0, |words| words + 1)
-    }
-
-    fn font_place(&self) -> usize {
-        self.position_place() + 1
-    }
-
-    fn argument(&self, place: usize) -> Option<Value> {
-        self.outer.arguments.get(self.mark + place).copied()
-    }
-
-    fn place(&self, argument: usize) -> Span {
-        let place = self.outer.argument_span(self.first, argument, self.span);
-        self.outer.reports.library_call.map_or(place, |call| call.1)
-    }
-
-    fn words(&mut self, argument: usize) -> Option<String> {
-        match self.argument(argument) {
-            Some(Value::Text(symbol)) => Some(self.outer.name(symbol).to_owned()),
-            Some(Value::Unknown) | None => None,
-            Some(other) => {
-                let what = match (self.call, argument) {
-                    (ShapeCall::Text, 0) => "a text in quotes",
-                    (ShapeCall::Image, 0) => "a file's name in quotes",
-                    _ => "the name of a font in quotes",
-                };
-                let message = format!("`{}` takes {what}, not {}", self.name, other.described());
-                let hint = self.example();
-                let wrong = Diagnostic::new(self.place(argument), message).hint(hint);
-                self.outer.reports.add(wrong);
-                None
-            }
-        }
-    }
-
-    fn example(&self) -> String {
-        match self.call {
-            ShapeCall::Text => "write `text(\"MARIANA\", p.xy)`".to_owned(),
-            ShapeCall::Image => "write `image(\"logo.png\", p.xy)`".to_owned(),
-            ShapeCall::Song(_) => format!("write `{}(p.xy)`", self.name),
-        }
-    }
-
-    fn position(&mut self, argument: usize) -> Option<Vector> {
-        match self.argument(argument) {
-            Some(Value::Vector(vector)) if vector.len() == 2 => Some(vector),
-            Some(Value::Unknown) | None => None,
-            Some(other) => {
-                let message =
-                    format!("`{}` takes a vec2 as its position, not {}", self.name, other.described());
-                let wrong =
-                    Diagnostic::new(self.place(argument), message).hint("take two components, as in `p.xy`");
-                self.outer.reports.add(wrong);
-                None
-            }
-        }
-    }
-
-    /// Returns what to bake. Reports a text, file or font that cannot exist.
-    fn source(&mut self, words: Option<String>, font: Option<String>) -> Option<ShapeSource> {
-        let font = match font.map(|font| path::checked(&font)).transpose() {
-            Ok(font) => font,
-            Err((message, hint)) => {
-                let message = message.replace("file", "font");
-                self.outer.reports.add(Diagnostic::new(self.place(self.font_place()), message).hint(hint));
-                return None;
-            }
-        };
+    /// Returns what to bake. Reports a text or file that cannot exist.
+    fn source(
+        &mut self,
+        call: ShapeCall,
+        words: Option<Symbol>,
+        font: Option<String>,
+    ) -> Option<ShapeSource> {
         let place = self.place(0);
-        match (self.call, words) {
+        match (call, words) {
             (ShapeCall::Song(what), _) => {
-                if let Some(symbol) = self.outer.names.get(self.name) {
-                    self.outer.inputs.declare(uses::FRAME, symbol, self.span, &mut self.outer.reports);
-                }
+                self.outer.used(uses::FRAME, self.name, self.span);
                 Some(ShapeSource::Song { what, font })
             }
-            (ShapeCall::Image, Some(file)) => match path::checked(&file) {
-                Ok(file) => Some(ShapeSource::Image(file)),
-                Err((message, hint)) => {
-                    self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
-                    None
-                }
-            },
+            (ShapeCall::Image, Some(file)) => self.path(file, "file", place).map(ShapeSource::Image),
             (_, words) => {
-                let text = words.unwrap_or_default();
+                let text = words.map_or("", |words| self.outer.name(words)).to_owned();
                 let (letters, max) = (text.chars().count(), self.outer.limits.shape_letters_max);
                 let wrong = if text.trim().is_empty() {
                     Diagnostic::new(place, "this text has no letters").hint("write a word in the quotes")
@@ -265,7 +184,7 @@ impl ShapeRead<'_, '_> {
         }
     }
 
-    fn number(&mut self, source: ShapeSource) -> Option<usize> {
+    fn shape_number(&mut self, source: ShapeSource) -> Option<usize> {
         let span = self.place(0);
         let (shapes, max) = (&mut self.outer.declared.shapes, self.outer.limits.scene_shapes_max);
         if let Some(known) = shapes.iter().position(|one| one.source == source) {
