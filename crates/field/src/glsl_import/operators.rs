@@ -19,14 +19,24 @@ impl Executor<'_, '_> {
         part: Part,
         place: &Range<u32>,
     ) -> Result<Part> {
-        if matches!(kind, ScalarKind::Sint | ScalarKind::Uint) {
-            return self.whole_unary(op, part, place);
-        }
-        let node = self.node(part, place)?;
-        Ok(Part::Node(match op {
-            UnaryOperator::Negate => self.graph.neg(node),
-            UnaryOperator::LogicalNot | UnaryOperator::BitwiseNot => self.graph.not(node),
-        }))
+        Ok(match (op, part) {
+            (UnaryOperator::Negate, Part::Int(value)) => Part::Int(value.wrapping_neg()),
+            (UnaryOperator::Negate, Part::Uint(value)) => Part::Uint(value.wrapping_neg()),
+            (UnaryOperator::BitwiseNot, Part::Int(value)) => Part::Int(!value),
+            (UnaryOperator::BitwiseNot, Part::Uint(value)) => Part::Uint(!value),
+            _ => {
+                let node = self.node(part, place)?;
+                Part::Node(match op {
+                    UnaryOperator::Negate => self.graph.neg(node),
+                    // ~a = -a - 1
+                    UnaryOperator::BitwiseNot if matches!(kind, ScalarKind::Sint | ScalarKind::Uint) => {
+                        let negated = self.graph.neg(node);
+                        self.graph.sub(negated, self.one)
+                    }
+                    UnaryOperator::LogicalNot | UnaryOperator::BitwiseNot => self.graph.not(node),
+                })
+            }
+        })
     }
 
     pub(super) fn binary(
@@ -87,19 +97,15 @@ impl Executor<'_, '_> {
         place: &Range<u32>,
     ) -> Result<Vec<Part>> {
         self.step(nodes.len(), || place.clone())?;
-        let parts = match of {
-            RelationalFunction::All => {
-                let all = nodes.iter().copied().reduce(|a, b| self.and(a, b));
-                vec![Part::Node(all.unwrap_or(self.one))]
-            }
-            RelationalFunction::Any => {
-                let any = nodes.iter().copied().reduce(|a, b| self.or(a, b));
-                vec![Part::Node(any.unwrap_or(self.zero))]
-            }
+        let holds = match of {
+            RelationalFunction::All => nodes.iter().fold(self.one, |all, &node| self.and(all, node)),
+            RelationalFunction::Any => nodes.iter().fold(self.zero, |any, &node| self.or(any, node)),
             // Operators of the graph return numbers for all numbers.
-            RelationalFunction::IsNan | RelationalFunction::IsInf => vec![Part::Node(self.zero); nodes.len()],
+            RelationalFunction::IsNan | RelationalFunction::IsInf => {
+                return Ok(vec![Part::Node(self.zero); nodes.len()]);
+            }
         };
-        Ok(parts)
+        Ok(vec![Part::Node(holds)])
     }
 
     /// Converts a number to another kind of number.
@@ -176,25 +182,6 @@ impl Executor<'_, '_> {
             Part::Node(node) => self.graph.as_constant(node).map(|value| value as i64),
             Part::Unset(_) => None,
         }
-    }
-
-    pub(super) fn whole_unary(&mut self, op: UnaryOperator, part: Part, place: &Range<u32>) -> Result<Part> {
-        Ok(match (op, part) {
-            (UnaryOperator::Negate, Part::Int(value)) => Part::Int(value.wrapping_neg()),
-            (UnaryOperator::Negate, Part::Uint(value)) => Part::Uint(value.wrapping_neg()),
-            (UnaryOperator::BitwiseNot, Part::Int(value)) => Part::Int(!value),
-            (UnaryOperator::BitwiseNot, Part::Uint(value)) => Part::Uint(!value),
-            _ => {
-                let node = self.node(part, place)?;
-                let negated = self.graph.neg(node);
-                Part::Node(match op {
-                    UnaryOperator::Negate => negated,
-                    // ~a = -a - 1
-                    UnaryOperator::BitwiseNot => self.graph.sub(negated, self.one),
-                    UnaryOperator::LogicalNot => self.graph.not(node),
-                })
-            }
-        })
     }
 
     pub(super) fn whole_binary(

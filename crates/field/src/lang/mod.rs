@@ -117,7 +117,7 @@ impl Compiled {
 
 /// Compiles a scene, or a bare formula, with the program's limits. `name` is the text's name in diagnostics.
 pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
-    compile_with_limits(name, text, resolve, &LIMITS)
+    compile_all(name, text, resolve, &LIMITS, ChangingNumbers::default())
 }
 
 /// Compiles a text in which some numbers are being edited. The numbers with the indices `changing`
@@ -139,11 +139,6 @@ pub fn compile_while_changing(
     }
     // The mistake may be that an edited number has to be constant, so compile again with constants.
     compile(name, text, resolve)
-}
-
-/// Compiles a scene, or a bare formula, with the given limits.
-pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
-    compile_all(name, text, resolve, limits, ChangingNumbers::default())
 }
 
 fn compile_all(

@@ -39,7 +39,7 @@ impl Lowering<'_> {
             }
             return Value::Unknown;
         }
-        match (row.builtin, self.arguments.get(mark)) {
+        match (row.builtin, self.arguments.get(mark).copied()) {
             (Builtin::Texture | Builtin::Previous | Builtin::Shape(_), _) => {
                 let mut read = Read { outer: self, name: row.name, mark, first, span };
                 let value = match row.builtin {
@@ -53,7 +53,7 @@ impl Lowering<'_> {
                 return MotionCall { outer: self, row, kind, mark, first, span }.value();
             }
             (Builtin::Matrix(function), _) => return self.matrix_function(row, function, mark, span),
-            (Builtin::Float, Some(Value::Bool(part))) => return Value::scalar(*part),
+            (Builtin::Float, Some(Value::Bool(part))) => return Value::scalar(part),
             _ => {}
         }
         let mut vectors = [None; 4];

@@ -8,7 +8,7 @@ use super::super::library;
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
-use super::super::value::Value;
+use super::super::value::{Value, Vector};
 use super::foreign::ForeignCall;
 use super::lowering::Lowering;
 use crate::graph::NodeId;
@@ -195,12 +195,7 @@ impl Lowering<'_> {
                 if !self.arguments_fit(function, callee, mark, first, span) {
                     return Value::Unknown;
                 }
-                let outside = (self.ast, self.reports.library_call);
-                self.ast = &library.ast;
-                self.reports.library_call = self.reports.library_call.or(Some((name, span)));
-                let value = self.put_in(function, mark);
-                (self.ast, self.reports.library_call) = outside;
-                value
+                self.put_in_library(function, mark, (name, span))
             }
             Callee::Scene(index) => {
                 let Some(called) = self.declared.functions.get_mut(index) else { return Value::Unknown };
@@ -240,41 +235,38 @@ impl Lowering<'_> {
 
     /// Calls a library function that computes the sky's colour from a direction.
     pub(super) fn library_color(&mut self, name: &str) -> Option<[NodeId; 3]> {
-        let symbol = self.names.get(name)?;
         let direction = self.names.get("direction")?;
-        let value = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
+        let color = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
             let argument = this.lookup(direction, Span::default());
-            let mark = this.arguments.len();
-            this.arguments.push(argument);
-            let value = this.library_value(symbol, mark);
-            this.arguments.truncate(mark);
-            value
-        });
-        match value {
-            Value::Vector(vector) => Some([vector.part(0), vector.part(1), vector.part(2)]),
-            _ => None,
-        }
+            this.library_value(name, &[argument])
+        })?;
+        Some([color.part(0), color.part(1), color.part(2)])
     }
 
     pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
-        let symbol = self.names.get(name)?;
+        let arguments: Vec<Value> = arguments.iter().map(|&argument| Value::scalar(argument)).collect();
+        self.library_value(name, &arguments).map(Vector::first)
+    }
+
+    /// Expands a library function for a default or a field, not for a call in the scene's text.
+    fn library_value(&mut self, name: &str, arguments: &[Value]) -> Option<Vector> {
+        let (symbol, library) = (self.names.get(name)?, self.library);
+        let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
+        let function = library.functions.get(index.wrapping_sub(1))?;
         let mark = self.arguments.len();
-        self.arguments.extend(arguments.iter().map(|&argument| Value::scalar(argument)));
-        let value = self.library_value(symbol, mark);
+        self.arguments.extend_from_slice(arguments);
+        let value = self.put_in_library(function, mark, (symbol, Span::default()));
         self.arguments.truncate(mark);
         match value {
-            Value::Vector(vector) => Some(vector.first()),
+            Value::Vector(vector) => Some(vector),
             _ => None,
         }
     }
 
-    /// Expands a library function for a default or a field, not for a call in the scene's text.
-    fn library_value(&mut self, symbol: Symbol, mark: usize) -> Value {
-        let library = self.library;
-        let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
-        let Some(function) = library.functions.get(index.wrapping_sub(1)) else { return Value::Unknown };
+    /// Expands the body of a library function for this call.
+    fn put_in_library(&mut self, function: &Function, mark: usize, call: (Symbol, Span)) -> Value {
         let outside = (self.ast, self.reports.library_call);
-        (self.ast, self.reports.library_call) = (&library.ast, Some((symbol, Span::default())));
+        (self.ast, self.reports.library_call) = (&self.library.ast, outside.1.or(Some(call)));
         let value = self.put_in(function, mark);
         (self.ast, self.reports.library_call) = outside;
         value

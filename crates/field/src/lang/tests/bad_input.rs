@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
-use super::super::{Compiled, Fault, compile, compile_with_limits, no_includes};
+use super::super::changing::ChangingNumbers;
+use super::super::{Compiled, Fault, compile, compile_all, no_includes};
 use super::scene;
 use crate::limits::{LIMITS, Limits};
 
@@ -53,7 +54,7 @@ fn chains_do_not_count_as_nesting() {
 }
 
 fn message(text: &str, limits: Limits) -> String {
-    let compiled = compile_with_limits("s", text, &mut no_includes, &limits);
+    let compiled = compile_all("s", text, &mut no_includes, &limits, ChangingNumbers::default());
     assert!(compiled.scene.is_none(), "no limit was exceeded: {}", &text[..text.len().min(80)]);
     let over = compiled.diagnostics.iter().find(|one| one.fault == Fault::OverLimit);
     over.unwrap_or_else(|| panic!("{}", compiled.render(false))).message.clone()
