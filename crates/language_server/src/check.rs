@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use crate::documents::{Snapshot, included_path};
 use crate::positions::range;
+use crate::protocol::Location;
 use crate::uri::uri_of;
 
 /// A version of a document that is to be compiled.
@@ -40,18 +41,16 @@ impl Check {
         let compiled = self.compiled();
         let included = compiled.includes_asked.iter().filter_map(|name| self.included_path(name)).collect();
         let mut diagnostics = BTreeMap::from([(self.uri.clone(), Vec::new())]);
-        let texts = Texts::of(&compiled.sources);
-        for file in 1..compiled.sources.files().len() {
+        let texts = compiled.sources.files().iter().map(|file| Buffer::new(file.text.clone().into_bytes()));
+        let texts: Vec<Buffer> = texts.collect();
+        for file in 1..texts.len() {
             diagnostics.extend(self.uri_of(&compiled.sources, file).map(|uri| (uri, Vec::new())));
         }
         for one in compiled.diagnostics.iter().chain(&compiled.warnings) {
-            let Some((file, bytes)) = compiled.sources.place_in_file(one.span) else { continue };
-            let (Some(uri), Some(buffer)) = (self.uri_of(&compiled.sources, file), texts.0.get(file)) else {
-                continue;
-            };
-            let place = range(buffer, visible(buffer, bytes));
-            let value = self.diagnostic(one, &compiled.sources, &texts, place);
-            diagnostics.entry(uri).or_default().push(value);
+            if let Some(Location { uri, range }) = self.place(&compiled.sources, &texts, one.span) {
+                let value = self.diagnostic(one, &compiled.sources, &texts, range);
+                diagnostics.entry(uri).or_default().push(value);
+            }
         }
         Checked { uri: self.uri.clone(), revision: self.revision, diagnostics, included }
     }
@@ -93,7 +92,7 @@ impl Check {
         &self,
         one: &lang::Diagnostic,
         sources: &Sources,
-        texts: &Texts,
+        texts: &[Buffer],
         range: crate::positions::Span,
     ) -> Value {
         let mut message = one.message.clone();
@@ -126,20 +125,11 @@ impl Check {
         value
     }
 
-    fn place(&self, sources: &Sources, texts: &Texts, span: Span) -> Option<Value> {
+    /// Returns the address of a span's file, and the span in this file.
+    fn place(&self, sources: &Sources, texts: &[Buffer], span: Span) -> Option<Location> {
         let (file, bytes) = sources.place_in_file(span)?;
-        let buffer = texts.0.get(file)?;
-        let uri = self.uri_of(sources, file)?;
-        Some(json!({ "uri": uri, "range": range(buffer, visible(buffer, bytes)) }))
-    }
-}
-
-/// The lines of each file.
-struct Texts(Vec<Buffer>);
-
-impl Texts {
-    fn of(sources: &Sources) -> Self {
-        Self(sources.files().iter().map(|file| Buffer::new(file.text.clone().into_bytes())).collect())
+        let buffer = texts.get(file)?;
+        Some(Location { uri: self.uri_of(sources, file)?, range: range(buffer, visible(buffer, bytes)) })
     }
 }
 
