@@ -61,15 +61,7 @@ pub(super) struct Pointer {
     pub indices: Vec<(NodeId, u32, u32)>,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Slot {
-    Empty,
-    /// Index of the first part in the frame's `parts`.
-    Parts(u32),
-    /// Index in the frame's `pointers`.
-    Pointer(u32),
-}
-
+/// The value of an expression, or a place in memory.
 #[derive(Debug, Clone)]
 pub(super) enum Argument {
     Parts(Vec<Part>),
@@ -89,9 +81,8 @@ pub(super) struct Target {
 pub(super) struct Frame<'m> {
     pub function: &'m Function,
     pub infos: Rc<[Option<Info>]>,
-    pub slots: Vec<Slot>,
-    pub parts: Vec<Part>,
-    pub pointers: Vec<Pointer>,
+    /// The values of the function's expressions that are evaluated.
+    pub values: Vec<Option<Argument>>,
     pub arguments: Vec<Argument>,
     /// First slot in memory of the call's variables.
     pub base: usize,
@@ -104,14 +95,12 @@ pub(super) struct Frame<'m> {
 }
 
 impl<'m> Frame<'m> {
-    /// A call without arguments and slots. `outer` is where it is live in its caller.
+    /// A call without arguments and values. `outer` is where it is live in its caller.
     fn new(function: &'m Function, outer: NodeId) -> Self {
         Self {
             function,
             infos: Rc::from([]),
-            slots: Vec::new(),
-            parts: Vec::new(),
-            pointers: Vec::new(),
+            values: Vec::new(),
             arguments: Vec::new(),
             base: 0,
             outer,
@@ -389,7 +378,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         let frame = Frame {
             infos,
             arguments,
-            slots: vec![Slot::Empty; function.expressions.len()],
+            values: vec![None; function.expressions.len()],
             base: self.memory.parts.len(),
             returns: Exits::new(mark),
             ..Frame::new(function, self.one)

@@ -4,16 +4,12 @@ use std::ops::Range;
 
 use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeInner};
 
-use super::calls::{Argument, Executor, Pointer, Slot};
+use super::calls::{Argument, Executor, Pointer};
 use super::layout::{Info, Part, member, size};
 use super::problem::{Problem, Result};
 use crate::graph::{Input, NodeId, Op};
 
 impl Executor<'_, '_> {
-    pub(super) fn slot(&self, of: Handle<Expression>) -> Slot {
-        self.frame.slots.get(of.index()).copied().unwrap_or(Slot::Empty)
-    }
-
     pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info> {
         self.frame.infos.get(of.index()).copied().flatten().ok_or_else(|| {
             Problem::unsupported(self.place(of), "this value has a type that a formula does not have")
@@ -22,36 +18,39 @@ impl Executor<'_, '_> {
     }
 
     /// Evaluates an expression that no statement evaluates.
-    pub(super) fn ready(&mut self, of: Handle<Expression>) -> Result<()> {
-        match self.slot(of) {
-            Slot::Empty => self.evaluate(of),
-            _ => Ok(()),
+    fn ready(&mut self, of: Handle<Expression>) -> Result<()> {
+        match self.frame.values.get(of.index()) {
+            Some(Some(_)) => Ok(()),
+            _ => self.evaluate(of),
         }
+    }
+
+    /// Returns the value of an expression, as an argument of a call.
+    pub(super) fn argument(&mut self, of: Handle<Expression>) -> Result<Argument> {
+        self.ready(of)?;
+        let value = self.frame.values.get(of.index()).cloned().flatten();
+        Ok(value.unwrap_or_else(|| Argument::Parts(Vec::new())))
     }
 
     /// Returns one part of an expression's value. Every part of a scalar is the scalar itself.
     pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part> {
         self.ready(of)?;
-        let Slot::Parts(start) = self.slot(of) else {
+        let Some(Some(Argument::Parts(parts))) = self.frame.values.get(of.index()) else {
             return Err(Problem::unsupported(self.place(of), "this is no value"));
         };
         let index = if self.info(of)?.len == 1 { 0 } else { index };
-        Ok(self.frame.parts.get(start as usize + index).copied().unwrap_or(Part::Node(self.zero)))
+        Ok(parts.get(index).copied().unwrap_or(Part::Node(self.zero)))
     }
 
     pub(super) fn parts_of(&mut self, of: Handle<Expression>) -> Result<Vec<Part>> {
-        self.ready(of)?;
-        let len = self.info(of)?.len as usize;
-        match self.slot(of) {
-            Slot::Parts(start) => {
-                let start = start as usize;
-                Ok(self.frame.parts.get(start..start + len).unwrap_or_default().to_vec())
+        let value = self.argument(of)?;
+        self.info(of)?;
+        match value {
+            Argument::Parts(parts) => Ok(parts),
+            Argument::Pointer(pointer) => {
+                let place = self.place(of);
+                self.load(&pointer, || place.start..place.end)
             }
-            Slot::Pointer(_) => {
-                let (pointer, place) = (self.pointer_of(of)?, self.place(of));
-                self.load(&pointer, || place.clone().start..place.end)
-            }
-            Slot::Empty => Ok(Vec::new()),
         }
     }
 
@@ -62,38 +61,16 @@ impl Executor<'_, '_> {
     }
 
     pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer> {
-        self.ready(of)?;
-        match self.slot(of) {
-            Slot::Pointer(index) => Ok(self.frame.pointers.get(index as usize).cloned().unwrap_or_default()),
-            _ => Err(Problem::unsupported(self.place(of), "this cannot be assigned to")),
+        match self.argument(of)? {
+            Argument::Pointer(pointer) => Ok(pointer),
+            Argument::Parts(_) => Err(Problem::unsupported(self.place(of), "this cannot be assigned to")),
         }
     }
 
     /// Records the value of an expression.
-    pub(super) fn put(&mut self, of: Handle<Expression>, parts: &[Part]) {
-        if let Slot::Parts(start) = self.slot(of) {
-            for (place, part) in self.frame.parts.iter_mut().skip(start as usize).zip(parts) {
-                *place = *part;
-            }
-            return;
-        }
-        let start = self.frame.parts.len() as u32;
-        self.frame.parts.extend_from_slice(parts);
-        if let Some(slot) = self.frame.slots.get_mut(of.index()) {
-            *slot = Slot::Parts(start);
-        }
-    }
-
-    fn put_pointer(&mut self, of: Handle<Expression>, pointer: Pointer) {
-        if let Slot::Pointer(index) = self.slot(of)
-            && let Some(place) = self.frame.pointers.get_mut(index as usize)
-        {
-            *place = pointer;
-            return;
-        }
-        self.frame.pointers.push(pointer);
-        if let Some(slot) = self.frame.slots.get_mut(of.index()) {
-            *slot = Slot::Pointer(self.frame.pointers.len() as u32 - 1);
+    pub(super) fn put(&mut self, of: Handle<Expression>, value: Argument) {
+        if let Some(place) = self.frame.values.get_mut(of.index()) {
+            *place = Some(value);
         }
     }
 
@@ -124,19 +101,18 @@ impl Executor<'_, '_> {
             Expression::LocalVariable(variable) => {
                 let (locals, start) = (&function.local_variables, self.frame.base as u32);
                 let pointer = self.pointer_to(locals, *variable, start, |local| local.ty);
-                self.put_pointer(of, pointer);
+                self.put(of, Argument::Pointer(pointer));
                 return Ok(());
             }
             Expression::GlobalVariable(variable) => {
                 let globals = &self.file.module.global_variables;
                 let pointer = self.pointer_to(globals, *variable, 0, |global| global.ty);
-                self.put_pointer(of, pointer);
+                self.put(of, Argument::Pointer(pointer));
                 return Ok(());
             }
             Expression::FunctionArgument(index) => {
                 match self.frame.arguments.get(*index as usize).cloned() {
-                    Some(Argument::Parts(parts)) => self.put(of, &parts),
-                    Some(Argument::Pointer(pointer)) => self.put_pointer(of, pointer),
+                    Some(argument) => self.put(of, argument),
                     None => return Err(Problem::malformed(self.place(of), "an argument is missing")),
                 }
                 return Ok(());
@@ -159,7 +135,7 @@ impl Executor<'_, '_> {
         let parts = self.value(expression, of)?;
         let place = self.place(of);
         self.step(parts.len(), || place.clone())?;
-        self.put(of, &parts);
+        self.put(of, Argument::Parts(parts));
         Ok(())
     }
 
@@ -300,20 +276,17 @@ impl Executor<'_, '_> {
             };
             found
         };
-        match self.slot(base) {
-            Slot::Pointer(_) => {
-                let pointer = self.pointer_of(base)?;
-                let start = pointer.start + offset;
-                self.put_pointer(of, Pointer { start, len, indices: pointer.indices });
+        let value = match self.argument(base)? {
+            Argument::Pointer(Pointer { start, indices, .. }) => {
+                Argument::Pointer(Pointer { start: start + offset, len, indices })
             }
-            _ => {
-                let parts = self.parts_of(base)?;
+            Argument::Parts(parts) => {
                 let (offset, len) = (offset as usize, len as usize);
-                let parts = parts.get(offset..offset + len).unwrap_or_default();
                 self.step(1, || 0..0)?;
-                self.put(of, parts);
+                Argument::Parts(parts.get(offset..offset + len).unwrap_or_default().to_vec())
             }
-        }
+        };
+        self.put(of, value);
         Ok(())
     }
 
@@ -329,14 +302,16 @@ impl Executor<'_, '_> {
         if info.count == 0 {
             return Err(Problem::malformed(self.place(of), "this value has no elements"));
         }
-        if let Slot::Pointer(_) = self.slot(base) {
-            let mut pointer = self.pointer_of(base)?;
-            pointer.len = info.stride;
-            pointer.indices.push((index, info.count, info.stride));
-            self.put_pointer(of, pointer);
-            return Ok(());
-        }
-        let (parts, stride) = (self.parts_of(base)?, info.stride as usize);
+        let parts = match self.argument(base)? {
+            Argument::Pointer(mut pointer) => {
+                pointer.len = info.stride;
+                pointer.indices.push((index, info.count, info.stride));
+                self.put(of, Argument::Pointer(pointer));
+                return Ok(());
+            }
+            Argument::Parts(parts) => parts,
+        };
+        let stride = info.stride as usize;
         self.step(parts.len(), || 0..0)?;
         let mut result = parts.get(..stride).unwrap_or_default().to_vec();
         for element in 1..info.count as usize {
@@ -347,7 +322,7 @@ impl Executor<'_, '_> {
                 *before = self.select(chosen, part, *before)?;
             }
         }
-        self.put(of, &result);
+        self.put(of, Argument::Parts(result));
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use naga::{Block, Expression, Function, Handle, Span, Statement, SwitchValue};
 
-use super::calls::{Argument, Executor, Pointer, Slot, Target};
+use super::calls::{Argument, Executor, Pointer, Target};
 use super::layout::Part;
 use super::parse::range;
 use super::problem::{Problem, Result};
@@ -167,18 +167,14 @@ impl<'m> Executor<'m, '_> {
             Statement::Call { function, arguments, result } => {
                 let mut given = Vec::with_capacity(arguments.len());
                 for argument in arguments {
-                    self.ready(*argument)?;
-                    given.push(match self.slot(*argument) {
-                        Slot::Pointer(_) => Argument::Pointer(self.pointer_of(*argument)?),
-                        _ => Argument::Parts(self.parts_of(*argument)?),
-                    });
+                    given.push(self.argument(*argument)?);
                 }
                 let span = range(span);
                 let place =
                     if span.is_empty() { result.map_or(0..0, |result| self.place(result)) } else { place() };
                 let parts = self.call(*function, given, place)?;
                 if let Some(result) = result {
-                    self.put(*result, &parts);
+                    self.put(*result, Argument::Parts(parts));
                 }
             }
             Statement::Kill if self.session.in_picture => {
