@@ -307,20 +307,20 @@ pub(super) fn shortened(text: &str) -> String {
 
 /// Refuses arrays of so many values that naga or a scene cannot hold them.
 fn check_sizes(tokens: &[Token<'_>]) -> Result<()> {
-    let (mut at, mut product, mut end) = (0, 1_u64, 0);
-    while let Some(token) = tokens.get(at) {
-        if let (true, Some(size), Some(close)) = (token.is("["), tokens.get(at + 1), tokens.get(at + 2))
+    let (mut product, mut end) = (1_u64, 0);
+    for (at, three) in tokens.windows(3).enumerate() {
+        if let [open, size, close] = three
+            && open.is("[")
             && close.is("]")
             && let Ok(size) = size.text.trim_end_matches(['u', 'U']).parse::<u64>()
         {
             product = if end == at { product.saturating_mul(size) } else { size };
             if product > u64::from(PARTS_MAX) {
                 let message = format!("an array has more than {PARTS_MAX} values");
-                return Err(Problem::over_limit(token.start..close.end, message).hint("make it smaller"));
+                return Err(Problem::over_limit(open.start..close.end, message).hint("make it smaller"));
             }
             end = at + 3;
         }
-        at += 1;
     }
     Ok(())
 }

@@ -63,7 +63,7 @@ pub use material::{Material, material_glsl};
 pub(crate) use material::{SURFACE_NUMBERS, material_members};
 pub use names::{Declaration, Meaning, Names, names};
 pub use origins::{Origins, TextPlace};
-pub use parser::{Operator, PREFIX_BINDS, operators};
+pub use parser::{Operator, PREFIX_BINDS, item_words, operators};
 pub use scene::{
     Camera, Light, LightKind, Medium, MovingTexture, Object, Param, Picture, Scene, Sky, Swarm, TextureRef,
     ToneMap,
@@ -73,7 +73,7 @@ pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]
 pub(crate) use tests::SHAPES;
-pub use words::{Word, WordKind, item_words, keywords, reserved_words, type_names, words};
+pub use words::{Word, WordKind, keywords, reserved_words, type_names, words};
 
 use std::collections::BTreeSet;
 

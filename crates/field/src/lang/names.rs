@@ -102,12 +102,10 @@ struct Resolving {
     names: Names,
     /// Indices of the top-level declarations, with their names.
     global: Vec<(Namespace, Symbol, usize)>,
-    /// The local names that are valid here, with the indices of their declarations, the innermost last.
-    local: Vec<(Symbol, usize)>,
     /// For each local name that is valid here, the indices of its declarations, the innermost last.
     innermost: HashMap<Symbol, Vec<usize>>,
-    /// For each open scope, the number of local declarations outside.
-    scopes: Vec<usize>,
+    /// For each open scope, its names with the indices of their declarations.
+    scopes: Vec<Vec<(Symbol, usize)>>,
     /// The offset at which the current item begins.
     item: u32,
     /// The first declaration of the current item.
@@ -130,7 +128,7 @@ fn resolved(events: &[NameEvent], interner: &Interner) -> Names {
                     declaration.item = Span::new(declaration.item.start, end);
                 }
             }
-            NameEvent::Opens => this.scopes.push(this.local.len()),
+            NameEvent::Opens => this.scopes.push(Vec::new()),
             NameEvent::Closes(end) => this.close(end),
             NameEvent::Declares(kind, name) => this.declare(kind, name),
             NameEvent::Field(section, name) => {
@@ -179,9 +177,9 @@ impl Resolving {
         let index = self.names.declarations.len();
         let namespace = namespace(kind);
         let local = (!self.scopes.is_empty()).then(|| Span::new(name.span.end, name.span.end));
-        match (local, namespace) {
-            (Some(_), _) => {
-                self.local.push((name.symbol, index));
+        match (self.scopes.last_mut(), namespace) {
+            (Some(scope), _) => {
+                scope.push((name.symbol, index));
                 self.innermost.entry(name.symbol).or_default().push(index);
             }
             (None, Some(namespace)) => self.global.push((namespace, name.symbol, index)),
@@ -193,8 +191,7 @@ impl Resolving {
     }
 
     fn close(&mut self, end: u32) {
-        let Some(outside) = self.scopes.pop() else { return };
-        for (symbol, index) in self.local.drain(outside.min(self.local.len())..) {
+        for (symbol, index) in self.scopes.pop().unwrap_or_default() {
             if let Some(indices) = self.innermost.get_mut(&symbol) {
                 indices.pop();
             }

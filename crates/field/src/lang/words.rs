@@ -98,12 +98,7 @@ fn kind_of_name(name: &str) -> WordKind {
 
 /// Returns the words that begin a part of a scene, and the reserved words.
 pub fn keywords() -> impl Iterator<Item = &'static str> {
-    item_words().chain(reserved_words())
-}
-
-/// Returns the words that begin a part of a scene. They may also be names.
-pub fn item_words() -> impl Iterator<Item = &'static str> {
-    parser::keywords()
+    parser::item_words().chain(reserved_words())
 }
 
 /// Returns the words that cannot be names.

@@ -32,10 +32,11 @@ const KEYWORDS: &[(&str, Keyword)] = &[
 ];
 
 pub(crate) fn is_keyword(name: &str) -> bool {
-    keywords().any(|keyword| keyword == name)
+    item_words().any(|word| word == name)
 }
 
-pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
+/// Returns the words that begin a part of a scene. They may also be names.
+pub fn item_words() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
 }
 
@@ -118,7 +119,7 @@ impl Parser<'_> {
         let next = self.ahead(1);
         if token.is_name() && !next.newline && (next.is_name() || next.kind == Kind::OpenBrace) {
             let typed = self.names.name(token.symbol);
-            let known = KEYWORDS.iter().map(|(name, _)| *name).chain(["fn", "let"]);
+            let known = item_words().chain(["fn", "let"]);
             let unknown = Diagnostic::new(token.span, format!("{} is not a keyword", self.found()));
             let near = suggest::nearest(typed, known);
             self.report(if typed == "struct" {
