@@ -8,7 +8,7 @@ use crate::positions;
 use crate::protocol::{Color, ColorParams, TextEdit};
 
 pub(crate) fn colors(documents: &mut Documents, uri: &str) -> Value {
-    let Some(document) = documents.get_mut(uri) else { return json!([]) };
+    let Some(document) = documents.open.get_mut(uri) else { return json!([]) };
     let mut found = Vec::new();
     for line in 0..document.buffer.line_count() {
         let start = document.buffer.line_start(line);

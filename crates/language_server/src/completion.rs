@@ -28,7 +28,7 @@ pub(crate) fn completion(documents: &mut Documents, params: &AtPosition, snippet
 fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Option<Vec<Value>> {
     let uri = &params.text_document.uri;
     let context = documents.contexts(uri).into_iter().next()?;
-    let document = documents.get_mut(uri)?;
+    let document = documents.open.get_mut(uri)?;
     let byte = positions::offset(&document.buffer, params.position);
     let (range, found) = proposals(&document.buffer, &mut document.colors, byte, true);
     let offset = context.offset(byte);

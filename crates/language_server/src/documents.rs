@@ -117,7 +117,9 @@ impl Context {
 }
 
 pub(crate) struct Documents {
-    open: BTreeMap<String, Document>,
+    /// The documents by their addresses. [`Documents::insert`], [`change`](Self::change) and [`close`](Self::close) also
+    /// forget what is known about scenes that include them.
+    pub(crate) open: BTreeMap<String, Document>,
     pub(crate) parsed: BTreeMap<String, Arc<Parsed>>,
     files: Arc<dyn Files>,
 }
@@ -125,22 +127,6 @@ pub(crate) struct Documents {
 impl Documents {
     pub(crate) fn new(files: Arc<dyn Files>) -> Self {
         Self { open: BTreeMap::new(), parsed: BTreeMap::new(), files }
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.open.len()
-    }
-
-    pub(crate) fn get(&self, uri: &str) -> Option<&Document> {
-        self.open.get(uri)
-    }
-
-    pub(crate) fn get_mut(&mut self, uri: &str) -> Option<&mut Document> {
-        self.open.get_mut(uri)
-    }
-
-    pub(crate) fn uris(&self) -> impl Iterator<Item = &String> {
-        self.open.keys()
     }
 
     pub(crate) fn insert(&mut self, uri: &str, version: i64, text: String) {

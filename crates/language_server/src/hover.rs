@@ -15,7 +15,7 @@ pub(crate) fn hover(documents: &mut Documents, params: &AtPosition) -> Value {
 fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let uri = &params.text_document.uri;
     let context = documents.contexts(uri).into_iter().next()?;
-    let document = documents.get(uri)?;
+    let document = documents.open.get(uri)?;
     let byte = positions::offset(&document.buffer, params.position);
     let (span, about) = match context.parsed.names.at(context.offset(byte)) {
         Some((span, meaning)) => (span, about(&context.parsed, span, meaning)?),

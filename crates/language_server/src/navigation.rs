@@ -29,7 +29,7 @@ pub(crate) fn definition(documents: &mut Documents, params: &AtPosition) -> Valu
 
 fn included(documents: &Documents, uri: &str, context: &Context, span: mariana_field::lang::Span) -> Value {
     let name = context.parsed.sources.text(span).trim_matches('"').to_owned();
-    let scene = documents.get(uri).and_then(|document| document.path.clone());
+    let scene = documents.open.get(uri).and_then(|document| document.path.clone());
     let file = context.parsed.sources.files().iter().find(|file| file.name == name);
     let target = file.and(scene).and_then(|scene| uri_of(&included_path(Path::new(&scene), &name)));
     target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": positions::Span::default() }))
@@ -76,6 +76,6 @@ pub(crate) fn places(
 pub(crate) fn at(documents: &mut Documents, params: &AtPosition) -> (Vec<Context>, usize) {
     let uri = &params.text_document.uri;
     let contexts = documents.contexts(uri);
-    let byte = documents.get(uri).map_or(0, |document| offset(&document.buffer, params.position));
+    let byte = documents.open.get(uri).map_or(0, |document| offset(&document.buffer, params.position));
     (contexts, byte)
 }

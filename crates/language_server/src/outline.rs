@@ -22,7 +22,7 @@ fn symbol_kind(kind: NameKind) -> u8 {
 
 pub(crate) fn outline(documents: &mut Documents, uri: &str) -> Value {
     let Some(parsed) = documents.parsed(uri) else { return json!([]) };
-    let Some(document) = documents.get(uri) else { return json!([]) };
+    let Some(document) = documents.open.get(uri) else { return json!([]) };
     let buffer = &document.buffer;
     let declared = parsed.names.declarations.iter().filter(|one| one.local.is_none());
     let symbols = declared.filter_map(|one| {

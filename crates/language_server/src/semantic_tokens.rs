@@ -20,7 +20,7 @@ pub(crate) fn tokens(documents: &mut Documents, uri: &str) -> Value {
 
 fn data(documents: &mut Documents, uri: &str) -> Option<Vec<usize>> {
     let parsed = documents.parsed(uri)?;
-    let document = documents.get_mut(uri)?;
+    let document = documents.open.get_mut(uri)?;
     let mut data = Vec::new();
     let (mut last_line, mut last_start) = (0, 0);
     for line in 0..document.buffer.line_count() {

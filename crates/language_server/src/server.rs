@@ -150,7 +150,7 @@ impl Server {
     fn of_document(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
         let documents = &mut self.documents;
         if let Some(uri) = params["textDocument"]["uri"].as_str() {
-            let Some(document) = documents.get(uri) else {
+            let Some(document) = documents.open.get(uri) else {
                 let message = format!("the document {uri} is not open: send `textDocument/didOpen` first");
                 return Err(Failure::new(code::INVALID_PARAMS, message));
             };
@@ -216,7 +216,7 @@ impl Server {
             (State::Ready, "textDocument/didClose") => return self.close(params),
             (State::Ready, "workspace/didChangeWatchedFiles") => {
                 self.documents.parsed.clear();
-                let uris: Vec<String> = self.documents.uris().cloned().collect();
+                let uris: Vec<String> = self.documents.open.keys().cloned().collect();
                 uris.iter().for_each(|uri| self.diagnosing.request(uri));
             }
             _ => {}
@@ -242,7 +242,7 @@ impl Server {
     fn open(&mut self, params: &Value) -> Vec<Value> {
         let Ok(OpenedParams { text_document }) = parameters(params) else { return Vec::new() };
         let uri = text_document.uri;
-        if self.documents.get(&uri).is_none() && self.documents.len() >= limits::DOCUMENTS_MAX {
+        if !self.documents.open.contains_key(&uri) && self.documents.open.len() >= limits::DOCUMENTS_MAX {
             let max = limits::DOCUMENTS_MAX;
             let message =
                 format!("more than {max} scenes are open: close some, to see the mistakes in {uri}");
@@ -267,7 +267,7 @@ impl Server {
         self.changed(&uri);
         let included = self.diagnosing.results.remove(&uri).map(|result| result.included).unwrap_or_default();
         let alone: Vec<String> =
-            self.documents.uris().filter(|uri| is_among(uri, &included)).cloned().collect();
+            self.documents.open.keys().filter(|uri| is_among(uri, &included)).cloned().collect();
         alone.iter().for_each(|uri| self.diagnosing.request(uri));
         self.diagnosing.wanted.remove(&uri);
         self.diagnosing.revisions.remove(&uri);
@@ -280,7 +280,7 @@ impl Server {
         let Some(path) = path_of(uri) else { return };
         let roots = self.diagnosing.results.values().filter(|result| result.included.contains(&path));
         let roots: Vec<String> = roots.map(|result| result.uri.clone()).collect();
-        for root in roots.iter().filter(|root| self.documents.get(root).is_some()) {
+        for root in roots.iter().filter(|root| self.documents.open.contains_key(*root)) {
             self.diagnosing.request(root);
         }
     }
@@ -288,7 +288,7 @@ impl Server {
     /// Returns a document that is to be compiled. The caller passes the result to [`Server::checked`].
     pub fn next_check(&mut self) -> Option<Check> {
         while let Some(uri) = self.diagnosing.wanted.pop_first() {
-            let Some(document) = self.documents.get(&uri) else { continue };
+            let Some(document) = self.documents.open.get(&uri) else { continue };
             return Some(Check {
                 path: document.path.clone(),
                 text: document.text.clone(),
@@ -305,7 +305,7 @@ impl Server {
     /// since is ignored.
     pub fn checked(&mut self, result: Checked) -> Vec<Value> {
         let newest = self.diagnosing.revisions.get(&result.uri);
-        if newest != Some(&result.revision) || self.documents.get(&result.uri).is_none() {
+        if newest != Some(&result.revision) || !self.documents.open.contains_key(&result.uri) {
             return Vec::new();
         }
         let uri = result.uri.clone();
@@ -340,7 +340,7 @@ impl Server {
         let changed = all.iter().filter(|(uri, list)| *uri == checked || is_new(uri, list));
         let messages = changed.map(|(uri, diagnostics)| {
             let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
-            if let Some(document) = self.documents.get(uri) {
+            if let Some(document) = self.documents.open.get(uri) {
                 params["version"] = document.version.into();
             }
             notification("textDocument/publishDiagnostics", params)
@@ -352,11 +352,11 @@ impl Server {
 
     /// Returns the client's own address of a file, which may have other escapes.
     fn client_uri(&self, uri: &str) -> String {
-        if self.documents.get(uri).is_some() {
+        if self.documents.open.contains_key(uri) {
             return uri.to_owned();
         }
         let path = path_of(uri);
-        let open = self.documents.uris().find(|open| path.is_some() && path_of(open) == path);
+        let open = self.documents.open.keys().find(|open| path.is_some() && path_of(open) == path);
         open.cloned().unwrap_or_else(|| uri.to_owned())
     }
 }
@@ -384,7 +384,7 @@ fn uri_in(params: &Value) -> Result<String, Failure> {
 
 /// Returns the edits that format a document: at most one, of the lines that change. A text with mistakes gets none.
 fn formatting(documents: &Documents, uri: &str) -> Value {
-    let Some(document) = documents.get(uri) else { return Value::Null };
+    let Some(document) = documents.open.get(uri) else { return Value::Null };
     let before = &*document.text;
     let Some(after) = formatted(before) else { return Value::Null };
     if before == after {

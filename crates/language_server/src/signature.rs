@@ -16,7 +16,7 @@ pub(crate) fn signature(documents: &mut Documents, params: &AtPosition) -> Value
 fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
     let uri = &params.text_document.uri;
     let context = documents.contexts(uri).into_iter().next()?;
-    let document = documents.get_mut(uri)?;
+    let document = documents.open.get_mut(uri)?;
     let byte = offset(&document.buffer, params.position);
     let last = document.buffer.line_of(byte);
     let (mut closed, mut argument) = (0_usize, 0_usize);
