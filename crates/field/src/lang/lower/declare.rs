@@ -27,10 +27,11 @@ impl<'a> SceneBuilder<'a> {
                 Item::Param { name, value, range } => self.param(*name, *value, *range),
                 Item::Let { name, value } => {
                     if self.may_declare(*name) {
-                        let index = self.lowering.declared.lets.len() as u32;
-                        self.lowering.declared.globals[name.symbol.index()].value = GlobalValue::Let(index);
+                        let declared = &mut self.lowering.declared;
+                        let index = declared.lets.len() as u32;
+                        declared.globals[name.symbol.index()].value = GlobalValue::Let(index);
                         let (name, span) = (name.symbol, name.span);
-                        self.lowering.declared.lets.push(GlobalLet {
+                        declared.lets.push(GlobalLet {
                             name,
                             span,
                             value: *value,
@@ -42,21 +43,15 @@ impl<'a> SceneBuilder<'a> {
                 }
                 Item::Fn(function) => {
                     let index = function.name.symbol.index();
-                    let known = self.lowering.declared.globals[index].function;
-                    if let Some(first) =
-                        self.lowering.declared.functions.get((known as usize).wrapping_sub(1))
-                    {
+                    let declared = &mut self.lowering.declared;
+                    let known = declared.globals[index].function as usize;
+                    if let Some(first) = declared.functions.get(known.wrapping_sub(1)) {
                         let span = first.function.name.span;
                         self.twice("function", function.name, span);
                         continue;
                     }
-                    self.lowering.declared.functions.push(GlobalFunction {
-                        function,
-                        called: false,
-                        open: false,
-                    });
-                    self.lowering.declared.globals[index].function =
-                        self.lowering.declared.functions.len() as u32;
+                    declared.functions.push(GlobalFunction { function, called: false, open: false });
+                    declared.globals[index].function = declared.functions.len() as u32;
                 }
                 // Compare at most as many names as all limits together allow. More names exceed one of the limits,
                 // which is reported later.
@@ -91,12 +86,11 @@ impl<'a> SceneBuilder<'a> {
             self.report(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;
         }
-        let first = match self.lowering.declared.globals[name.symbol.index()].value {
+        let declared = &self.lowering.declared;
+        let first = match declared.globals[name.symbol.index()].value {
             GlobalValue::None => return true,
-            GlobalValue::Let(index) => self.lowering.declared.lets.get(index as usize).map(|one| one.span),
-            GlobalValue::Param(index) => {
-                self.lowering.declared.params.get(index as usize).map(|one| one.span)
-            }
+            GlobalValue::Let(index) => declared.lets.get(index as usize).map(|one| one.span),
+            GlobalValue::Param(index) => declared.params.get(index as usize).map(|one| one.span),
         };
         self.twice("value", name, first.unwrap_or(name.span));
         false
@@ -161,12 +155,12 @@ impl<'a> SceneBuilder<'a> {
     pub(super) fn check_the_unused(&mut self) {
         self.lowering.within(u16::MAX, "", |this| {
             for index in 0..this.declared.functions.len() {
-                if this.reports.stopped || std::mem::replace(&mut this.declared.functions[index].called, true)
-                {
+                let called = &mut this.declared.functions[index];
+                if this.reports.stopped || std::mem::replace(&mut called.called, true) {
                     continue;
                 }
-                let function = this.declared.functions[index].function;
-                this.declared.functions[index].open = true;
+                called.open = true;
+                let function = called.function;
                 this.reports.calls.push((function.name.symbol, function.name.span));
                 let mark = this.arguments.len();
                 this.put_in(function, mark);
