@@ -27,9 +27,9 @@ pub(super) fn written(mut lines: Vec<Line>, line_end: &str) -> String {
         let mut moved = column as isize - line.written_at as isize;
         if let Some(equals) = &line.equals {
             pad(&mut text, equals.blanks);
-            text.push_str(&equals.tail);
+            text.push_str(&equals.text);
             moved = (end + equals.blanks) as isize - equals.written_at as isize;
-            end = behind(end + equals.blanks, &equals.tail);
+            end = behind(end + equals.blanks, &equals.text);
         }
         if let Some(comment) = &line.comment {
             let blanks = match comment.blanks {

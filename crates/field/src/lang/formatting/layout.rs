@@ -28,27 +28,18 @@ pub(super) struct Line {
     /// The pieces before the `=` of [`Line::equals`]; without such a `=`, all pieces. Without indentation.
     pub head: String,
     /// The `=` of the first entry of the line.
-    pub equals: Option<Equals>,
+    pub equals: Option<Tail>,
     /// A comment behind the tokens, to the end of the line.
-    pub comment: Option<Comment>,
+    pub comment: Option<Tail>,
 }
 
+/// The rest of a line: a comment, or a `=` and the pieces behind it.
 #[derive(Debug, Clone)]
-pub(super) struct Equals {
-    /// Blanks before the `=`.
-    pub blanks: usize,
-    /// The column of the `=` in the text.
-    pub written_at: usize,
-    /// The `=` and the pieces behind it.
-    pub tail: String,
-}
-
-#[derive(Debug, Clone)]
-pub(super) struct Comment {
+pub(super) struct Tail {
     pub text: String,
-    /// Blanks before the comment.
+    /// Blanks before the text.
     pub blanks: usize,
-    /// The column in the text.
+    /// The column in the scene's text.
     pub written_at: usize,
 }
 
@@ -175,11 +166,11 @@ impl<'a> Layout<'a> {
         let Some(line) = self.lines.last_mut() else { return };
         let (text, written_at) = (piece.text.to_owned(), piece.column);
         if piece.kind == PieceKind::LineComment {
-            line.comment = Some(Comment { text, blanks: blanks.max(1), written_at });
+            line.comment = Some(Tail { text, blanks: blanks.max(1), written_at });
         } else if let Some(equals) = &mut line.equals {
-            push(&mut equals.tail, blanks, &text);
+            push(&mut equals.text, blanks, &text);
         } else if begins_value && !line.head.contains(['{', '}', '\n', '=']) {
-            line.equals = Some(Equals { blanks, written_at, tail: text });
+            line.equals = Some(Tail { text, blanks, written_at });
         } else {
             push(&mut line.head, blanks, &text);
         }
