@@ -2,10 +2,14 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::shape::{ShapeCall, SongText};
 use crate::graph::{Input, LevelList, MotionKind, Op, ScreenInput, SoundInput};
+
+/// Declares and describes the inputs and the built-in functions, in the order of [`INPUTS`] and [`BUILTINS`].
+pub(super) const BUILTIN_TEXT: &str = include_str!("library/builtin.txt");
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
@@ -42,10 +46,6 @@ pub(super) struct InputRow {
     pub doc: &'static str,
 }
 
-const fn row(name: &'static str, value: InputValue, uses: u16, doc: &'static str) -> InputRow {
-    InputRow { name, value, uses, doc }
-}
-
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, INDEX, NORMAL, NOTHING, PIXEL, POINT, SCREEN};
 
@@ -57,51 +57,21 @@ impl InputRow {
     }
 }
 
-/// All inputs except numbers of the sound. The direction is stored as the normal, and the pixel and the index as the
-/// point, because no expression reads both.
-const OTHERS: &[InputRow] = &[
-    row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
-    row("x", One(Input::X), POINT, "p.x, to the right"),
-    row("y", One(Input::Y), POINT, "p.y, up"),
-    row("z", One(Input::Z), POINT, "p.z, forward: away from the default camera"),
-    row(
-        "n",
-        Many(&[Input::NX, Input::NY, Input::NZ]),
-        NORMAL,
-        "the surface's normal, of length 1; in materials",
-    ),
-    row(
-        "direction",
-        Many(&[Input::NX, Input::NY, Input::NZ]),
-        DIRECTION,
-        "the direction of a ray that hits nothing, of length 1; in the sky",
-    ),
-    row("t", One(Input::T), FRAME, "time in seconds"),
-    row(
-        "volume",
-        Many(&[Input::Sound(SoundInput::VolumeLeft), Input::Sound(SoundInput::VolumeRight)]),
-        FRAME,
-        "left and right volume, vec2, 0..1: the mean of abs(sample)",
-    ),
-    row(
-        "eye",
-        Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]),
-        EYE,
-        "the position of the camera in use; in materials and the sky",
-    ),
-    row(
-        "pixel",
-        Many(&[Input::X, Input::Y]),
-        PIXEL,
-        "the place in the picture in pixels, vec2, from the lower left corner; in the sky's colour and in `warp`",
-    ),
-    row(
-        "resolution",
-        Many(&[Input::Screen(ScreenInput::Width), Input::Screen(ScreenInput::Height)]),
-        SCREEN,
-        "width and height of the picture in pixels, vec2; in the sky's colour and in `picture`",
-    ),
-    row(
+/// All inputs except numbers of the sound, each with its value and its set in [`uses`]. The direction is stored as the
+/// normal, and the pixel and the index as the point, because no expression reads both.
+const OTHERS: &[(&str, InputValue, u16)] = &[
+    ("p", Many(&[Input::X, Input::Y, Input::Z]), POINT),
+    ("x", One(Input::X), POINT),
+    ("y", One(Input::Y), POINT),
+    ("z", One(Input::Z), POINT),
+    ("n", Many(&[Input::NX, Input::NY, Input::NZ]), NORMAL),
+    ("direction", Many(&[Input::NX, Input::NY, Input::NZ]), DIRECTION),
+    ("t", One(Input::T), FRAME),
+    ("volume", Many(&[Input::Sound(SoundInput::VolumeLeft), Input::Sound(SoundInput::VolumeRight)]), FRAME),
+    ("eye", Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]), EYE),
+    ("pixel", Many(&[Input::X, Input::Y]), PIXEL),
+    ("resolution", Many(&[Input::Screen(ScreenInput::Width), Input::Screen(ScreenInput::Height)]), SCREEN),
+    (
         "mouse",
         Many(&[
             Input::Screen(ScreenInput::MouseX),
@@ -109,18 +79,28 @@ const OTHERS: &[InputRow] = &[
             Input::Screen(ScreenInput::MousePressed),
         ]),
         SCREEN,
-        "the pointer in pixels from the lower left corner, and 1 while its button is held, vec3; the centre in stills \
-         and videos; in the sky's colour and in `picture`",
     ),
-    row("index", One(Input::X), INDEX, "the number of a point, from 0 to `count` - 1; in swarms"),
-    row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
-    row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
+    ("index", One(Input::X), INDEX),
+    ("pi", Constant(std::f32::consts::PI), NOTHING),
+    ("tau", Constant(std::f32::consts::TAU), NOTHING),
 ];
 
 pub(super) static INPUTS: LazyLock<Vec<InputRow>> = LazyLock::new(|| {
+    let described = BUILTIN_TEXT
+        .lines()
+        .zip(BUILTIN_TEXT.lines().skip(1))
+        .filter_map(|(doc, declaration)| Some((declaration.strip_prefix("let ")?, doc.strip_prefix("## ")?)));
+    let described: BTreeMap<&str, &str> = described.collect();
+    let others = OTHERS.iter().map(|&(name, value, uses)| {
+        let doc = described.get(name).copied().unwrap_or_default();
+        InputRow { name, value, uses, doc }
+    });
     let named = SoundInput::ALL.into_iter().filter(|input| !is_component(input.name()));
-    let sounds = named.map(|input| row(input.name(), One(Input::Sound(input)), FRAME, input.doc()));
-    OTHERS.iter().copied().chain(sounds).collect()
+    let sounds = named.map(|input| {
+        let value = One(Input::Sound(input));
+        InputRow { name: input.name(), value, uses: FRAME, doc: input.doc() }
+    });
+    others.chain(sounds).collect()
 });
 
 /// True if scenes read a number of the sound as a component of a vector or by a function, not by its own name.
@@ -172,12 +152,19 @@ pub(super) enum MatrixFunction {
     Determinant,
 }
 
-/// A function: name, meaning, and minimum and maximum number of arguments. `library/builtin.txt` declares and describes
-/// the functions in the same order.
+/// A function: name, meaning, and minimum and maximum number of arguments.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
     pub builtin: Builtin,
     pub arguments: (usize, usize),
+}
+
+impl BuiltinRow {
+    /// Returns the name and the parameters, as the language's page shows them.
+    pub(super) fn signature(&self) -> &'static str {
+        let mut heads = BUILTIN_TEXT.lines().filter_map(|line| line.strip_prefix("fn "));
+        heads.find(|head| head.split('(').next() == Some(self.name)).unwrap_or_default()
+    }
 }
 
 const fn function(name: &'static str, builtin: Builtin, arguments: (usize, usize)) -> BuiltinRow {

@@ -8,7 +8,7 @@
 use std::sync::LazyLock;
 
 use super::ast::{Ast, Function, Item};
-use super::builtin::{BUILTINS, FOLDS, INPUTS, InputRow};
+use super::builtin::{BUILTIN_TEXT, BUILTINS, FOLDS, INPUTS, InputRow};
 use super::diagnostic::Diagnostics;
 use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
@@ -16,8 +16,8 @@ use super::{lexer, parser};
 use crate::graph::{LevelList, Part, PartInput};
 use crate::limits::LIMITS;
 
-/// The built-in functions, without their bodies. [`BUILTINS`] has their meanings.
-const BUILT_IN: (&str, &str) = ("Built in", include_str!("builtin.txt"));
+/// The group of the built-in functions.
+const BUILT_IN: &str = "Built in";
 
 pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Functions of GLSL", include_str!("glsl.scene")),
@@ -141,12 +141,6 @@ pub fn part_inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
     INPUTS.iter().filter(of_parts).map(|row| (row.name, row.doc)).chain([band])
 }
 
-/// Returns the name and parameters of a built-in function.
-pub(super) fn signature_of_builtin(name: &str) -> &'static str {
-    let mut heads = BUILT_IN.1.lines().filter_map(|line| line.strip_prefix("fn "));
-    heads.find(|head| head.split('(').next() == Some(name)).unwrap_or_default()
-}
-
 /// Returns the names of the functions that have a preview, each with the formula that the preview shows.
 pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
     entries().iter().filter_map(|entry| Some((entry.name, entry.example?)))
@@ -160,7 +154,7 @@ pub fn entries() -> &'static [Entry] {
 
 fn read_entries() -> Vec<Entry> {
     let mut entries = Vec::new();
-    for (group, text) in std::iter::once(&BUILT_IN).chain(TEXTS) {
+    for (group, text) in std::iter::once(&(BUILT_IN, BUILTIN_TEXT)).chain(TEXTS) {
         let (mut doc, mut example) = (String::new(), None);
         for line in text.lines() {
             if let Some(rest) = line.strip_prefix("## ") {
@@ -201,9 +195,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_built_in_functions_are_described_in_the_order_of_their_meanings() {
-        let described: Vec<&Entry> = entries().iter().filter(|entry| entry.group == BUILT_IN.0).collect();
+    fn inputs_and_built_in_functions_are_described() {
+        let described: Vec<&Entry> = entries().iter().filter(|entry| entry.group == BUILT_IN).collect();
         assert!(described.iter().all(|entry| !entry.doc.is_empty()));
+        assert!(INPUTS.iter().all(|row| !row.doc.is_empty()));
         let names: Vec<&str> = described.iter().map(|entry| entry.name).collect();
         assert_eq!(names, BUILTINS.iter().map(|row| row.name).collect::<Vec<_>>());
     }

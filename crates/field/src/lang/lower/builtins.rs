@@ -3,7 +3,6 @@
 use super::super::ast::{BinaryOp, ExprId, Type};
 use super::super::builtin::{Builtin, BuiltinRow, MatrixFunction, Three, uses};
 use super::super::diagnostic::Diagnostic;
-use super::super::library::signature_of_builtin;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Composites, Matrix, Value, Vector};
@@ -33,7 +32,7 @@ impl Lowering<'_> {
         let count = self.arguments.len() - mark;
         let (least, most) = row.arguments;
         if count < least || count > most {
-            let hint = format!("it is declared as `{}`", signature_of_builtin(row.name));
+            let hint = format!("it is declared as `{}`", row.signature());
             if let Some(symbol) = self.names.get(row.name) {
                 self.reports.count_message(symbol, count, row.arguments, hint, span);
             }
@@ -103,7 +102,7 @@ impl Lowering<'_> {
                 let types: Vec<&str> = arguments.map(|&vector| Value::Vector(vector).described()).collect();
                 let message =
                     format!("`{}` needs vectors of the same size, not {}", row.name, types.join(" and "));
-                let hint = format!("it is declared as `{}`", signature_of_builtin(row.name));
+                let hint = format!("it is declared as `{}`", row.signature());
                 self.reports.add(Diagnostic::new(span, message).hint(hint))
             }
         }
@@ -244,7 +243,7 @@ impl Lowering<'_> {
             ),
             _ => format!("`{}` takes a matrix, not {}", row.name, types.join(" and ")),
         };
-        let hint = format!("it is declared as `{}`", signature_of_builtin(row.name));
+        let hint = format!("it is declared as `{}`", row.signature());
         self.reports.add(Diagnostic::new(span, message).hint(hint))
     }
 }

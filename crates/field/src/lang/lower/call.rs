@@ -339,7 +339,9 @@ impl Lowering<'_> {
             Callee::Library(index) => {
                 self.library.functions.get(index).map(|function| self.parameters(&function.parameters))
             }
-            Callee::Builtin(_) => return library::signature_of_builtin(self.name(name)).to_owned(),
+            Callee::Builtin(index) => {
+                return BUILTINS.get(index).map_or(String::new(), |row| row.signature().to_owned());
+            }
         };
         format!("{}({})", self.name(name), parameters.unwrap_or_default())
     }

@@ -2,7 +2,6 @@
 
 use super::super::builtin::{BuiltinRow, uses};
 use super::super::diagnostic::Diagnostic;
-use super::super::library::signature_of_builtin;
 use super::super::source::Span;
 use super::super::value::{Value, Vector};
 use super::builtins::sizes_fit;
@@ -33,7 +32,7 @@ impl MotionCall<'_, '_> {
         let len = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
         if !sizes_fit(&vectors) || (self.kind == MotionKind::Since && len > 1) {
             let message = format!("`{}` needs one number, or vectors of the same size", self.row.name);
-            let hint = format!("it is declared as `{}`", signature_of_builtin(self.row.name));
+            let hint = format!("it is declared as `{}`", self.row.signature());
             return self.outer.reports.add(Diagnostic::new(self.span, message).hint(hint));
         }
         let mut moving = [NodeId::default(); 4];
