@@ -109,31 +109,25 @@ fn is_component(name: &str) -> bool {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Three {
-    Mix,
-    Clamp,
-    Smoothstep,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Builtin {
     /// An operator on each component.
     Each(Op),
     /// An operator on the components of two vectors.
     Pair(Op),
-    Atan,
-    /// Rounds a number, or the edges of a shape.
-    Round,
+    /// The first operator on each component of one vector, or the second one on the components of two vectors.
+    OneOrTwo(Op, Op),
     /// A number or, of a condition, 0 or 1.
     Float,
     Pow,
-    Three(Three),
+    Mix,
+    Clamp,
+    Smoothstep,
     Length,
     Dot,
     Construct(u8),
     Levels(LevelList),
+    /// A table of the sound, at one place or two.
     Table(Op),
-    History,
     Texture,
     /// A number with inertia.
     Motion(MotionKind),
@@ -180,8 +174,8 @@ const fn levels(list: LevelList) -> BuiltinRow {
 }
 
 use Builtin::{
-    Atan, Construct, Dot, Float, History, Length, Matrix, Motion, Pair, Pow, Previous, Round, Shape, Table,
-    Texture,
+    Clamp, Construct, Dot, Float, Length, Matrix, Mix, Motion, OneOrTwo, Pair, Pow, Previous, Shape,
+    Smoothstep, Table, Texture,
 };
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
@@ -189,7 +183,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("sign", Op::Sign),
     each("floor", Op::Floor),
     each("ceil", Op::Ceil),
-    function("round", Round, (1, 2)),
+    function("round", OneOrTwo(Op::Round, Op::Sub), (1, 2)),
     each("trunc", Op::Trunc),
     each("fract", Op::Fract),
     each("sqrt", Op::Sqrt),
@@ -205,7 +199,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("sinh", Op::Sinh),
     each("cosh", Op::Cosh),
     each("tanh", Op::Tanh),
-    function("atan", Atan, (1, 2)),
+    function("atan", OneOrTwo(Op::Atan, Op::Atan2), (1, 2)),
     function("pow", Pow, (2, 2)),
     function("mod", Pair(Op::Mod), (2, 2)),
     function("min", Pair(Op::Min), (2, 2)),
@@ -213,9 +207,9 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     function("sum", Pair(Op::Add), (2, 2)),
     function("product", Pair(Op::Mul), (2, 2)),
     function("step", Pair(Op::Step), (2, 2)),
-    function("mix", Builtin::Three(Three::Mix), (3, 3)),
-    function("clamp", Builtin::Three(Three::Clamp), (3, 3)),
-    function("smoothstep", Builtin::Three(Three::Smoothstep), (3, 3)),
+    function("mix", Mix, (3, 3)),
+    function("clamp", Clamp, (3, 3)),
+    function("smoothstep", Smoothstep, (3, 3)),
     function("length", Length, (1, 1)),
     function("dot", Dot, (2, 2)),
     function("vec2", Construct(2), (1, 2)),
@@ -236,7 +230,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     levels(LevelList::Width),
     function("spectrum", Table(Op::Spectrum), (1, 1)),
     function("waveform", Table(Op::Waveform), (1, 1)),
-    function("history", History, (2, 2)),
+    function("history", Table(Op::History), (2, 2)),
     function("follow", Motion(MotionKind::Follow), (2, 3)),
     function("spring", Motion(MotionKind::Spring), (2, 3)),
     function("since", Motion(MotionKind::Since), (1, 1)),

@@ -1,7 +1,7 @@
 //! Calls of built-in functions, which become operators and inputs of the graph.
 
 use super::super::ast::{BinaryOp, ExprId, Type};
-use super::super::builtin::{Builtin, BuiltinRow, MatrixFunction, Three, uses};
+use super::super::builtin::{Builtin, BuiltinRow, MatrixFunction, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
@@ -67,21 +67,20 @@ impl Lowering<'_> {
         match (row.builtin, vectors) {
             (Builtin::Each(op), [Some(a), ..]) => Value::Vector(a.map(|part| self.graph.unary(op, part))),
             (Builtin::Float, [Some(a), ..]) if a.len() == 1 => Value::Vector(a),
-            (Builtin::Atan, [Some(a), None, ..]) => {
-                Value::Vector(a.map(|part| self.graph.unary(Op::Atan, part)))
+            (Builtin::OneOrTwo(op, _), [Some(a), None, ..]) => {
+                Value::Vector(a.map(|part| self.graph.unary(op, part)))
             }
-            (Builtin::Atan, [Some(a), Some(b), ..]) => self.pair(Op::Atan2, a, b, row.name, span),
-            (Builtin::Round, [Some(a), None, ..]) => {
-                Value::Vector(a.map(|part| self.graph.unary(Op::Round, part)))
+            (Builtin::Pair(op) | Builtin::OneOrTwo(_, op), [Some(a), Some(b), ..]) => {
+                self.pair(op, a, b, row.name, span)
             }
-            (Builtin::Round, [Some(a), Some(b), ..]) => self.pair(Op::Sub, a, b, row.name, span),
-            (Builtin::Pair(op), [Some(a), Some(b), ..]) => self.pair(op, a, b, row.name, span),
             (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
                 let b = self.with_known(b);
                 zip(&mut self.graph, a, b, |graph, a, b| graph.pow(a, b))
             }
-            (Builtin::Three(three), [Some(a), Some(b), Some(c), _]) if sizes_fit(&[a, b, c]) => {
-                triple(&mut self.graph, three, a, b, c)
+            (Builtin::Mix | Builtin::Clamp | Builtin::Smoothstep, [Some(a), Some(b), Some(c), _])
+                if sizes_fit(&[a, b, c]) =>
+            {
+                triple(&mut self.graph, row.builtin, a, b, c)
             }
             (Builtin::Length, [Some(a), ..]) => Value::scalar(self.graph.length(a.parts())),
             (Builtin::Dot, [Some(a), Some(b), ..]) if a.len() == b.len() => {
@@ -89,13 +88,12 @@ impl Lowering<'_> {
             }
             (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
             (Builtin::Levels(list), [Some(a), ..]) => self.level(list, a, span),
-            (Builtin::Table(op), [Some(a), ..]) => {
+            (Builtin::Table(op), [Some(a), b, ..]) => {
                 self.used(uses::FRAME, row.name, span);
-                Value::Vector(a.map(|part| self.graph.unary(op, part)))
-            }
-            (Builtin::History, [Some(a), Some(b), ..]) => {
-                self.used(uses::FRAME, row.name, span);
-                self.pair(Op::History, a, b, row.name, span)
+                match b {
+                    Some(b) => self.pair(op, a, b, row.name, span),
+                    None => Value::Vector(a.map(|part| self.graph.unary(op, part))),
+                }
             }
             _ => {
                 let arguments = vectors.iter().flatten();
@@ -255,15 +253,15 @@ pub(super) fn sizes_fit(vectors: &[Vector]) -> bool {
 }
 
 /// Applies a function of three numbers to each component. The sizes must fit.
-fn triple(graph: &mut Graph, three: Three, a: Vector, b: Vector, c: Vector) -> Value {
+fn triple(graph: &mut Graph, builtin: Builtin, a: Vector, b: Vector, c: Vector) -> Value {
     let len = a.len().max(b.len()).max(c.len());
     let mut parts = [a.first(); 4];
     for (index, part) in parts.iter_mut().enumerate().take(len) {
         let (a, b, c) = (a.part(index), b.part(index), c.part(index));
-        *part = match three {
-            Three::Mix => graph.mix(a, b, c),
-            Three::Clamp => graph.clamp(a, b, c),
-            Three::Smoothstep => graph.smoothstep(a, b, c),
+        *part = match builtin {
+            Builtin::Mix => graph.mix(a, b, c),
+            Builtin::Clamp => graph.clamp(a, b, c),
+            _ => graph.smoothstep(a, b, c),
         };
     }
     Value::of(parts.get(..len).unwrap_or(&parts))
