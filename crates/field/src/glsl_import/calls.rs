@@ -10,9 +10,10 @@ use super::execute::{Exits, ROUNDS_WITHOUT_COUNT};
 use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
-use super::problem::{Problem, ProblemKind, Result};
+use super::problem::{Problem, Result};
 use super::samplers::SamplerRead;
 use crate::graph::{Graph, NodeId, Op};
+use crate::lang::Fault;
 
 /// Limits of execution, shared with the scene that calls GLSL.
 #[derive(Debug, Clone, Copy)]
@@ -289,7 +290,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             let before = self.memory.parts.clone();
             let place = file.written.source_range(range(file.module.functions.get_span(start)));
             if let Err(problem) = self.call(start, Vec::new(), place) {
-                if problem.kind == ProblemKind::OverLimit {
+                if problem.kind == Fault::OverLimit {
                     return Err(problem);
                 }
                 self.memory.parts = before;

@@ -35,7 +35,7 @@ pub use includes::{Whole, whole};
 pub use outside::candidate;
 pub(crate) use outside::{Channel, Meaning, meaning};
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
-pub use problem::{Problem, ProblemKind};
+pub use problem::Problem;
 pub use samplers::image_sampler;
 
 #[cfg(test)]

@@ -2,16 +2,7 @@
 
 use std::ops::Range;
 
-/// The kind of a problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ProblemKind {
-    /// The text is no valid GLSL.
-    Malformed,
-    /// The text is valid, but a scene cannot express it.
-    Unsupported,
-    /// The text exceeds a limit.
-    OverLimit,
-}
+use crate::lang::Fault;
 
 /// A result of reading or executing GLSL.
 pub(super) type Result<T, E = Problem> = std::result::Result<T, E>;
@@ -20,7 +11,7 @@ pub(super) type Result<T, E = Problem> = std::result::Result<T, E>;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// The kind.
-    pub kind: ProblemKind,
+    pub kind: Fault,
     /// The message, one sentence without its full stop.
     pub message: String,
     /// The advice on how to fix the problem; may be empty.
@@ -32,15 +23,15 @@ pub struct Problem {
 impl Problem {
     pub(super) fn malformed(place: Range<u32>, message: impl Into<String>) -> Self {
         let (message, hint) = (message.into(), String::new());
-        Self { kind: ProblemKind::Malformed, message, hint, place }
+        Self { kind: Fault::Malformed, message, hint, place }
     }
 
     pub(super) fn unsupported(place: Range<u32>, message: impl Into<String>) -> Self {
-        Self { kind: ProblemKind::Unsupported, ..Self::malformed(place, message) }
+        Self { kind: Fault::Unsupported, ..Self::malformed(place, message) }
     }
 
     pub(super) fn over_limit(place: Range<u32>, message: impl Into<String>) -> Self {
-        Self { kind: ProblemKind::OverLimit, ..Self::malformed(place, message) }
+        Self { kind: Fault::OverLimit, ..Self::malformed(place, message) }
     }
 
     pub(super) fn hint(mut self, hint: impl Into<String>) -> Self {

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::diagnostic::{Diagnostic, Fault};
+use super::diagnostic::Diagnostic;
 use super::source::Span;
-use crate::glsl_import::{GlslFile, Problem, ProblemKind, Whole};
+use crate::glsl_import::{GlslFile, Problem, Whole};
 
 /// Endings of the names of GLSL files.
 const ENDINGS: [&str; 6] = [".glsl", ".frag", ".fs", ".fsh", ".glslf", ".shadertoy"];
@@ -39,11 +39,6 @@ fn span(base: u32, place: &Range<u32>) -> Span {
 /// Returns a problem as a diagnostic in the file at `base`. A problem without a place is reported at `otherwise`.
 pub(super) fn diagnostic(base: u32, whole: &Whole, problem: &Problem, otherwise: Span) -> Diagnostic {
     let span = if problem.place.is_empty() { otherwise } else { span(base, &whole.place(&problem.place)) };
-    let fault = match problem.kind {
-        ProblemKind::Malformed => Fault::Malformed,
-        ProblemKind::Unsupported => Fault::Unsupported,
-        ProblemKind::OverLimit => Fault::OverLimit,
-    };
-    let diagnostic = Diagnostic { fault, ..Diagnostic::new(span, problem.message.clone()) };
+    let diagnostic = Diagnostic { fault: problem.kind, ..Diagnostic::new(span, problem.message.clone()) };
     if problem.hint.is_empty() { diagnostic } else { diagnostic.hint(problem.hint.clone()) }
 }

@@ -1,8 +1,9 @@
 //! Types, globals, uniforms, textures and messages of GLSL in scenes.
 
-use super::super::{GlslType, ProblemKind};
+use super::super::GlslType;
 use super::{budget, executed, parsed, values};
 use crate::graph::{Graph, Input, Node, Op};
+use crate::lang::Fault;
 use crate::limits::LIMITS;
 
 fn value(text: &str, name: &str, p: [f32; 3]) -> Vec<f32> {
@@ -13,7 +14,7 @@ fn value(text: &str, name: &str, p: [f32; 3]) -> Vec<f32> {
 }
 
 /// The problem with a function's call, and the text that it marks.
-fn problem(text: &str, name: &str) -> (ProblemKind, String, String) {
+fn problem(text: &str, name: &str) -> (Fault, String, String) {
     let file = parsed(text);
     let function = file.functions().iter().find(|function| function.name == name).unwrap();
     let problem = executed(&file, function).unwrap_err();
@@ -70,7 +71,7 @@ fn a_uniform_without_a_value_is_a_mistake_where_it_is_read() {
         float used(vec3 p) { return p.x * strength; }";
     assert_eq!(value(text, "unused", [2.0, 0.0, 0.0]), [2.0]);
     let (kind, message, _) = problem(text, "used");
-    assert_eq!(kind, ProblemKind::Unsupported);
+    assert_eq!(kind, Fault::Unsupported);
     assert!(message.contains("`strength`"), "{message}");
     assert_eq!(parsed(text).open_uniforms(), [("strength", 1)]);
 }
@@ -105,7 +106,7 @@ fn a_table_of_noise_becomes_a_noise_without_seams() {
 #[test]
 fn pictures_have_no_meaning_in_a_shape() {
     let (kind, message, marked) = problem("float f(vec3 p) { return texture(iChannel0, p.xy).x; }", "f");
-    assert_eq!((kind, message.as_str()), (ProblemKind::Unsupported, "a shape cannot read a picture"));
+    assert_eq!((kind, message.as_str()), (Fault::Unsupported, "a shape cannot read a picture"));
     assert!(marked.contains("texture"), "{marked}");
 }
 
@@ -116,7 +117,7 @@ fn a_mistake_in_one_function_leaves_the_others() {
     assert_eq!(value(text, "good", [0.0, 2.0, 0.0]), [2.0]);
     for name in ["bad", "uses"] {
         let (kind, message, marked) = problem(text, name);
-        assert_eq!(kind, ProblemKind::Malformed);
+        assert_eq!(kind, Fault::Malformed);
         assert_eq!(message, "there is no `missing` here");
         assert_eq!(marked, "missing");
     }
@@ -157,7 +158,7 @@ fn unsupported_constructs_have_their_own_messages() {
     for (text, expected) in cases {
         let (kind, message, _) = problem(text, "f");
         assert!(message.contains(expected), "{text}: {message}");
-        assert!(kind != ProblemKind::OverLimit, "{text}");
+        assert!(kind != Fault::OverLimit, "{text}");
     }
 }
 
@@ -217,6 +218,6 @@ fn small_limits_end_in_errors_of_their_own() {
         let mut budget = super::Budget { steps, rounds_max, memory_max };
         let result =
             super::Session::default().call(&file, function, &arguments, &mut graph, &mut budget, &[]);
-        assert_eq!(result.unwrap_err().kind, ProblemKind::OverLimit);
+        assert_eq!(result.unwrap_err().kind, Fault::OverLimit);
     }
 }

@@ -11,7 +11,7 @@ use super::super::value::Value;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::Read;
-use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session, image_sampler};
+use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, Session, image_sampler};
 use crate::graph::{Input, NodeId};
 
 /// The functions of all included GLSL files.
@@ -201,7 +201,7 @@ impl ForeignCall<'_, '_> {
     fn problem(&mut self, foreign: &ForeignFile, problem: &Problem) -> Value {
         let (name, span) = (self.name, self.span);
         let mut diagnostic = foreign.diagnostic(problem, span);
-        let is_limit = problem.kind == ProblemKind::OverLimit;
+        let is_limit = problem.kind == Fault::OverLimit;
         if diagnostic.span != span {
             diagnostic = diagnostic.note(span, format!("`{}` is called here", self.outer.name(name)));
         }
