@@ -65,14 +65,8 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         }
         let colour = match (self.channel(number, &at, is_texel), at.as_slice()) {
             (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.of.graph, x, y),
-            (Channel::Noise, &[u, v]) => {
-                let [x, y] = [u, v].map(|node| in_texels(self.of.graph, node, FLAT));
-                flat_noise(self.of.graph, x, y)
-            }
-            (Channel::Noise, &[u, v, w]) => {
-                let cells = [u, v, w].map(|node| in_texels(self.of.graph, node, SOLID));
-                [solid_noise(self.of.graph, cells); 4]
-            }
+            (Channel::Noise, &[u, v]) => flat_noise(self.of.graph, [u, v], FLAT),
+            (Channel::Noise, &[u, v, w]) => [solid_noise(self.of.graph, [u, v, w]); 4],
             (Channel::Unknown | Channel::Picture, at) => self.picture(number, at, place)?,
             (Channel::LastFrame, &[u, v, ..]) => match self.of.session.last_frame {
                 Some(texture) => self.light(texture, LAST_LIGHT_MAX, [u, v], is_texel),
@@ -155,10 +149,7 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         });
         let up = match *at {
             [u, v] if is_unnamed && self.moves(at).is_none() => {
-                let [coarse, fine] = GRAIN.map(|size| {
-                    let [x, y] = [u, v].map(|node| in_texels(self.of.graph, node, size));
-                    flat_noise(self.of.graph, x, y)[0]
-                });
+                let [coarse, fine] = GRAIN.map(|size| flat_noise(self.of.graph, [u, v], size)[0]);
                 let half = self.of.graph.constant(0.5);
                 let grain = self.of.graph.mix(coarse, fine, half);
                 return Ok([grain, grain, grain, self.of.one]);
@@ -328,7 +319,9 @@ fn split(graph: &mut Graph, x: NodeId) -> (NodeId, NodeId) {
     (graph.unary(Op::Floor, shifted), graph.unary(Op::Fract, shifted))
 }
 
-fn flat_noise(graph: &mut Graph, x: NodeId, y: NodeId) -> [NodeId; 4] {
+/// Reads a table of noise with `size` texels along a side.
+fn flat_noise(graph: &mut Graph, at: [NodeId; 2], size: f32) -> [NodeId; 4] {
+    let [x, y] = at.map(|node| in_texels(graph, node, size));
     let one = graph.constant(1.0);
     let ((x, u), (y, v)) = (split(graph, x), split(graph, y));
     let (x1, y1) = (graph.add(x, one), graph.add(y, one));
@@ -341,30 +334,21 @@ fn flat_noise(graph: &mut Graph, x: NodeId, y: NodeId) -> [NodeId; 4] {
 }
 
 fn solid_noise(graph: &mut Graph, at: [NodeId; 3]) -> NodeId {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let at = at.map(|node| in_texels(graph, node, SOLID));
+    let one = graph.constant(1.0);
     let parts = at.map(|x| split(graph, x));
-    let mut values = Vec::new();
-    for corner in 0..8_usize {
-        let mut cell = [zero; 3];
-        for (axis, (slot, (whole, _))) in cell.iter_mut().zip(parts).enumerate() {
+    let corners: [NodeId; 8] = std::array::from_fn(|corner| {
+        let [x, y, z] = std::array::from_fn(|axis| {
+            let whole = parts[axis].0;
             let moved = if corner >> axis & 1 == 1 { graph.add(whole, one) } else { whole };
-            *slot = wrapped(graph, moved, SOLID);
-        }
-        let [x, y, z] = cell;
-        let first = graph.binary(Op::Hash, x, y);
-        let many = graph.constant(16_777_216.0);
+            wrapped(graph, moved, SOLID)
+        });
+        let (first, many) = (graph.binary(Op::Hash, x, y), graph.constant(16_777_216.0));
         let row = graph.mul(first, many);
-        values.push(graph.binary(Op::Hash, row, z));
-    }
-    for (_, fraction) in parts {
-        let halves: Vec<NodeId> = values
-            .chunks(2)
-            .map(|pair| match pair {
-                [low, high] => graph.mix(*low, *high, fraction),
-                _ => zero,
-            })
-            .collect();
-        values = halves;
-    }
-    values.first().copied().unwrap_or(zero)
+        graph.binary(Op::Hash, row, z)
+    });
+    let [u, v, w] = parts.map(|(_, fraction)| fraction);
+    let edges: [NodeId; 4] = std::array::from_fn(|at| graph.mix(corners[2 * at], corners[2 * at + 1], u));
+    let [low, high] = std::array::from_fn(|at| graph.mix(edges[2 * at], edges[2 * at + 1], v));
+    graph.mix(low, high, w)
 }
