@@ -123,8 +123,7 @@ impl Interface {
             if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {
                 playback.listening.sound.remember(move |settings| settings.add_recent_folder(&folder));
             }
-            let words = playback.listening.play_files(music, append);
-            playback.answer(words);
+            playback.reports.answer_any(playback.listening.play_files(music, append));
         }
         self.lists.last_folder = folder;
     }

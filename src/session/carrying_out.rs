@@ -4,7 +4,6 @@ use super::{Interface, Playback, Session};
 use crate::commands::{Command, Panel, SceneName, Sender, SetSetting, ShowState};
 use crate::config::Setting;
 use crate::placement::Corners;
-use crate::session::announcer::{TrackOrder, next_repeat};
 use crate::session::screen::Screen;
 use mariana_control::midi::Target;
 
@@ -40,23 +39,20 @@ impl Session {
             }),
             Command::Volume(volume) => self.playback.change_volume(|player| player.set_volume(volume)),
             Command::Mute(_) => self.playback.change_volume(|player| player.toggle_mute()),
-            Command::Tap => {
-                let words = self.playback.listening.tap();
-                self.playback.answer(words);
-            }
+            Command::Tap => self.playback.reports.answer_any(self.playback.listening.tap()),
             Command::Tempo(tempo) => {
                 let words = self.playback.listening.set_tempo((tempo > 0.0).then_some(f64::from(tempo)));
-                self.playback.answer(words);
+                self.playback.reports.answer_any(words);
             }
             Command::NextTrack => self.playback.listening.skip(true),
             Command::PreviousTrack => self.playback.listening.skip(false),
             Command::Shuffle(_) => {
-                self.playback.set_order(|order| TrackOrder { shuffled: !order.shuffled, ..order });
+                self.playback.reports.answer_any(self.playback.listening.toggle_shuffle());
             }
-            Command::NextRepeat => {
-                self.playback.set_order(|order| TrackOrder { repeat: next_repeat(order.repeat), ..order });
+            Command::NextRepeat => self.playback.reports.answer_any(self.playback.listening.set_repeat(None)),
+            Command::Repeat(repeat) => {
+                self.playback.reports.answer_any(self.playback.listening.set_repeat(Some(repeat)));
             }
-            Command::Repeat(repeat) => self.playback.set_order(|order| TrackOrder { repeat, ..order }),
             Command::PlayTrack(entry) => self.playback.with_song(|player| player.play_entry(entry)),
             Command::RemoveTrack(entry) => self.playback.with_song(|player| player.remove_entry(entry)),
             Command::MoveTrack((from, to)) => self.playback.with_song(|player| player.move_entry(from, to)),
@@ -69,8 +65,7 @@ impl Session {
             Command::NextSource => self.playback.listening.next_source(),
             Command::Listen(place) => self.playback.listening.choose_source(place),
             Command::DelayBy(steps) => {
-                let words = self.playback.listening.sound.shift(steps);
-                self.playback.answer(Some(words));
+                self.playback.reports.answer(self.playback.listening.sound.shift(steps));
             }
             Command::Delay(delay) => {
                 self.playback.listening.sound.shift_to(delay.milliseconds, delay.settled);
@@ -97,8 +92,7 @@ impl Session {
             }),
             Command::Cut(switch) => {
                 let cuts = switch.applied_to(self.playback.scene.composer.fading.cuts());
-                let words = self.playback.scene.composer.fading.set_cuts(cuts);
-                self.playback.answer(Some(words));
+                self.playback.reports.answer(self.playback.scene.composer.fading.set_cuts(cuts));
             }
             Command::Fade(seconds) => self.playback.set_fade(seconds),
             Command::Follow(_) => self.toggle_follow(),

@@ -56,7 +56,7 @@ impl Session {
             // The parameter moves gradually and still has its old value. The frame `before + 1` shows the first step.
             self.playback.controllers.record_turned(since, before + 1);
         }
-        self.playback.answer(learned);
+        self.playback.reports.answer_any(learned);
         self.playback.listening.set_clock(self.playback.controllers.midi.clock());
         self.put_up_board(is_turned, now);
         (actions, since)
@@ -106,8 +106,7 @@ impl Playback {
 
     pub(super) fn set_fade(&mut self, seconds: f32) {
         let seconds = f64::from(seconds).clamp(0.0, setting_limits::FADE_SECONDS_MAX);
-        let words = self.scene.composer.fading.set_seconds(seconds);
-        self.reports.answer(words);
+        self.reports.answer(self.scene.composer.fading.set_seconds(seconds));
     }
 
     pub(super) fn seek_to_fraction(&mut self, screen: &mut dyn Screen, fraction: f32) {

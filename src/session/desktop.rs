@@ -10,3 +10,14 @@ pub(crate) trait DesktopControls {
     /// Reports the state of playback to the desktop. A song that has not `started` waits for the first frame.
     fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool);
 }
+
+/// No desktop.
+pub(super) struct NoDesktop;
+
+impl DesktopControls for NoDesktop {
+    fn poll(&self) -> Option<Command> {
+        None
+    }
+
+    fn show(&self, _: &PlayerStatus, _: bool, _: bool) {}
+}

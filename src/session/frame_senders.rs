@@ -4,33 +4,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::clock;
+use crate::config::PlaySettings;
 use crate::gpu::{Gl, GpuError, PictureReader, Renderer};
 use crate::placement::{Placement, fitted, within};
-use crate::sending::{OutgoingFrame, SendError, SenderTarget, Sending};
+use crate::sending::{OutgoingFrame, SendError, Sending};
 
 const LOOK: Duration = Duration::from_millis(3);
-
-/// Senders that were started before the first frame.
-pub(crate) struct Sends {
-    sends: Vec<Sending>,
-    size: (u32, u32),
-    period: Duration,
-}
-
-impl Sends {
-    /// Starts to send frames of at most `size` pixels, `fps` times a second.
-    ///
-    /// # Errors
-    /// Fails if a target cannot be reached.
-    pub(crate) fn start(targets: &[SenderTarget], size: (u32, u32), fps: f64) -> Result<Self, SendError> {
-        // Groups of four pixels share their colour, so sides must be even.
-        let size = (even(size.0), even(size.1));
-        let sends =
-            targets.iter().map(|target| Sending::start(target, size, fps)).collect::<Result<_, _>>()?;
-        let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
-        Ok(Self { sends, size, period })
-    }
-}
 
 pub(crate) struct FrameSenders {
     sends: Vec<Sending>,
@@ -44,9 +23,27 @@ pub(crate) struct FrameSenders {
 }
 
 impl FrameSenders {
-    pub(crate) fn of(sends: Sends) -> Self {
-        let Sends { sends, size, period } = sends;
-        Self { sends, reader: None, size, period, due: clock::now(), is_new: false, was_wanted: true }
+    /// Starts the senders that the settings name.
+    ///
+    /// # Errors
+    /// Fails if a target cannot be reached.
+    pub(crate) fn start(settings: &PlaySettings) -> Result<Vec<Sending>, SendError> {
+        let start = |target| Sending::start(target, size_of(settings), settings.send_fps);
+        settings.sends.iter().map(start).collect()
+    }
+
+    /// Sends frames by senders that were started with the same settings.
+    pub(crate) fn of(sends: Vec<Sending>, settings: &PlaySettings) -> Self {
+        let period = Duration::try_from_secs_f64(1.0 / settings.send_fps);
+        Self {
+            sends,
+            reader: None,
+            size: size_of(settings),
+            period: period.unwrap_or(Duration::from_millis(33)),
+            due: clock::now(),
+            is_new: false,
+            was_wanted: true,
+        }
     }
 
     /// True if frames are sent. Then even a hidden window is drawn.
@@ -107,6 +104,11 @@ impl FrameSenders {
     }
 }
 
-fn even(side: u32) -> u32 {
-    (side & !1).max(2)
+fn size_of(settings: &PlaySettings) -> (u32, u32) {
+    even(settings.send_size.unwrap_or(settings.size))
+}
+
+/// A size with even sides: in videos, groups of four pixels share their colour.
+pub(super) fn even((width, height): (u32, u32)) -> (u32, u32) {
+    ((width & !1).max(2), (height & !1).max(2))
 }

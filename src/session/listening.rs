@@ -10,7 +10,6 @@ use crate::clock;
 use crate::config::Choices;
 use crate::covers;
 use crate::demo_track::is_demo;
-use crate::session::announcer::{TrackOrder, words_of};
 use crate::session::direction::Playing;
 use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
@@ -21,7 +20,7 @@ use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, Tables, TapTempo};
-use mariana_player::track::TrackInfo;
+use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{Moment, Player, PlayerStatus};
 
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
@@ -109,14 +108,30 @@ impl Listening {
         self.sound.player().map(act)
     }
 
-    /// Changes the order of the tracks and returns a message. Does nothing while another source plays.
-    pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) -> Option<String> {
+    /// Switches between random order and list order. Returns a message; `None` while another source plays.
+    pub(crate) fn toggle_shuffle(&mut self) -> Option<&'static str> {
+        let player = self.sound.player()?;
+        let PlayerStatus { repeat, shuffled, .. } = player.status();
+        player.set_order(repeat, !shuffled);
+        Some(if shuffled { "tracks in list order" } else { "tracks in random order" })
+    }
+
+    /// Chooses the part of the list that is repeated; `None` for the next choice. Returns a message; `None` while
+    /// another source plays.
+    pub(crate) fn set_repeat(&mut self, repeat: Option<Repeat>) -> Option<&'static str> {
         let player = self.sound.player()?;
         let status = player.status();
-        let before = TrackOrder { repeat: status.repeat, shuffled: status.shuffled };
-        let after = change(before);
-        player.set_order(after.repeat, after.shuffled);
-        Some(words_of(before, after).to_owned())
+        let repeat = repeat.unwrap_or(match status.repeat {
+            Repeat::All => Repeat::One,
+            Repeat::One => Repeat::Off,
+            Repeat::Off => Repeat::All,
+        });
+        player.set_order(repeat, status.shuffled);
+        Some(match repeat {
+            Repeat::All => "repeat all tracks",
+            Repeat::One => "repeat this track",
+            Repeat::Off => "end after the last track",
+        })
     }
 
     /// Stops the current source and plays `files`, or appends them. Returns a message about appended files or errors.

@@ -1,4 +1,4 @@
-//! Starts the scene loaders and the frame senders, before the window opens.
+//! Starts the scene loaders before the window opens.
 //!
 //! **No scene can prevent the start.** The window opens while a large scene is still loading. If the process died while
 //! a scene was being loaded, the next run does not load this scene by itself: a mark file tells.
@@ -8,48 +8,18 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::SessionError;
-use super::frame_senders::Sends;
+use super::opening::Prepared;
 use super::scene::{LoadedScene, SceneLoader, SceneLoaders};
 use super::waker::Waker;
 use crate::attempt::{self, Attempt};
 use crate::clock;
-use crate::config::{Folders, PlaySettings};
-use crate::export::{SceneChoice, print_message};
+use crate::export::print_message;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneError, SceneSource, TextureCache};
 
 /// Longest wait for the first scene before the window opens. A mistake found until then ends the program without one.
 const WINDOW_WAIT: Duration = Duration::from_millis(500);
 /// Longest wait for the scene of the last show.
 const RESUMED_WAIT: Duration = Duration::from_secs(10);
-
-pub(crate) struct BackgroundWork {
-    pub(crate) first: FirstScene,
-    pub(crate) drafts: Drafts,
-    pub(crate) sends: Sends,
-}
-
-impl BackgroundWork {
-    /// Starts the senders and the loaders, and waits a moment for the first scene.
-    ///
-    /// # Errors
-    /// Fails if a sender or the scene fails, or the system has no thread left.
-    pub(crate) fn start(
-        settings: &PlaySettings,
-        scene: &SceneChoice,
-        folders: &Folders,
-        waker: &Waker,
-    ) -> Result<Self, SessionError> {
-        // Start the senders first, so that a failing sender ends the program before a window opens.
-        let size = settings.send_size.unwrap_or(settings.size);
-        let sends = Sends::start(&settings.sends, size, settings.send_fps)?;
-        let drafts = Drafts::default();
-        let marks = LoadMarks(folders.cache.as_ref().map(|cache| cache.join("loading")));
-        let starter = LoaderStarter { waker: waker.clone(), drafts: drafts.clone(), marks };
-        let mut first = FirstScene::request(scene, settings, starter)?;
-        first.wait_until(clock::now() + WINDOW_WAIT)?;
-        Ok(Self { first, drafts, sends })
-    }
-}
 
 /// The scene that the session begins with.
 pub(crate) struct FirstScene {
@@ -73,11 +43,14 @@ pub(crate) struct Begun {
 }
 
 impl FirstScene {
-    fn request(
-        scene: &SceneChoice,
-        settings: &PlaySettings,
-        starter: LoaderStarter,
-    ) -> Result<Self, SessionError> {
+    /// Requests the first scene, and waits a moment for it. `drafts` are the texts that loaders read instead of files.
+    ///
+    /// # Errors
+    /// Fails if the scene cannot be shown, or the system has no thread left.
+    pub(super) fn request(prepared: &Prepared, drafts: &Drafts, waker: &Waker) -> Result<Self, SessionError> {
+        let Prepared { settings, scene, memory, .. } = prepared;
+        let marks = LoadMarks(memory.folders.cache.as_ref().map(|cache| cache.join("loading")));
+        let starter = LoaderStarter { waker: waker.clone(), drafts: drafts.clone(), marks };
         let requested = scene.source.clone();
         if settings.resumed_scene_or.is_none() {
             // The user asks for this scene, so an earlier death does not count.
@@ -85,7 +58,7 @@ impl FirstScene {
         }
         let loader = starter.start()?;
         loader.request(requested.clone());
-        Ok(Self {
+        let mut first = Self {
             loader,
             starter,
             loaded: None,
@@ -94,7 +67,9 @@ impl FirstScene {
             gives_up: clock::now() + RESUMED_WAIT,
             prepares_ahead: settings.prepare_ahead,
             message: None,
-        })
+        };
+        first.wait_until(clock::now() + WINDOW_WAIT)?;
+        Ok(first)
     }
 
     pub(crate) fn title(&self) -> String {

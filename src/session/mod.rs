@@ -1,7 +1,6 @@
 //! The session prepares scenes, listens, composes frames, draws panels over them and carries out commands. It needs
 //! no window, sound card or desktop: its owner passes a [`screen::Screen`] with an OpenGL context and input.
 
-mod announcer;
 mod browsing;
 mod carrying_out;
 pub mod controllers;
@@ -60,7 +59,6 @@ use std::time::{Duration, Instant};
 
 use cues::Cues;
 pub(crate) use lay::Lay;
-pub(crate) use loading::BackgroundWork;
 pub(crate) use opening::Opening;
 pub use opening::Prepared;
 use preview::Preview;
@@ -75,7 +73,6 @@ use crate::config::{Choices, Folders, PlaySettings};
 use crate::gpu::{Renderer, ShaderLibrary};
 use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::{Drafts, ImportedShader, ShaderError};
-use crate::session::announcer::TrackOrder;
 use crate::session::controllers::Controllers;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
@@ -403,21 +400,14 @@ impl Playback {
         }
     }
 
-    pub(crate) fn answer_position(&mut self, screen: &mut dyn Screen) {
+    pub(crate) fn answer_position(&mut self, screen: &dyn Screen) {
         // Update first, so that a change made just now is included.
-        self.update_idle_lock(screen);
-        self.reports.answer_position();
-    }
-
-    pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) {
-        let words = self.listening.set_order(change);
-        self.answer(words);
-    }
-
-    pub(super) fn answer(&mut self, words: Option<String>) {
-        if let Some(words) = words {
-            self.reports.answer(words);
+        if let Some(live) = self.listening.sound.live_status() {
+            self.reports.report_input(&live, self.listening.paused);
+        } else if let Some(status) = self.listening.song_status() {
+            self.reports.report_song(&status, self.listening.started, screen.is_fullscreen());
         }
+        self.reports.answer_position();
     }
 
     /// Shows the next or the previous view. Resets the flash limiter, because limiting would distort the numbers that a
@@ -425,15 +415,6 @@ impl Playback {
     pub(super) fn switch_view(&mut self, forward: bool) {
         self.scene.switch_view(forward);
         self.renderer.forget_flashes();
-    }
-
-    fn update_idle_lock(&mut self, screen: &mut dyn Screen) {
-        let fullscreen = screen.is_fullscreen();
-        if let Some(live) = self.listening.sound.live_status() {
-            self.reports.report_input(&live, self.listening.paused);
-        } else if let Some(status) = self.listening.song_status() {
-            self.reports.report_song(&status, self.listening.started, fullscreen);
-        }
     }
 
     fn set_title(&mut self, screen: &mut dyn Screen, title: String) {

@@ -10,18 +10,17 @@ use egui::CursorIcon;
 use egui::accesskit::TreeUpdate;
 use image::RgbaImage;
 
-use super::desktop::DesktopControls;
+use super::desktop::NoDesktop;
 use super::lay::Lay;
 use super::screen::{Event, Paint, Screen};
 use super::waker::Waker;
-use super::{BackgroundWork, Opening, Prepared, Run, SessionError};
+use super::{Opening, Prepared, Run, SessionError};
 use crate::clock;
 use crate::commands::{Command, Sender, ShowState};
 use crate::gpu::{Gl, GpuError, Headless, Renderer, Target, WorkerContext};
 use crate::input::Input;
 use crate::placement::Area;
 use crate::ui::overlay::PanelSwitches;
-use mariana_player::PlayerStatus;
 
 const FPS: f64 = 60.0;
 const PATIENCE: Duration = Duration::from_millis(20);
@@ -70,26 +69,16 @@ impl Offscreen {
     }
 
     fn begin(prepared: Prepared, has_compiler: bool) -> Result<Self, SessionError> {
-        let Prepared { tracks, settings, scene, memory } = prepared;
         let started = clock::now();
         let (wakes, woken) = channel();
         let waker = Waker::new(move || {
             // Sending fails after the end of the session.
             let _ = Channel::send(&wakes, ());
         });
-        let background = BackgroundWork::start(&settings, &scene, &memory.folders, &waker)?;
-        let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
-        let opening = Opening {
-            tracks,
-            settings: &settings,
-            scene: &scene,
-            memory,
-            background,
-            screen: Box::new(screen),
-            desktop: Box::new(|_| Box::new(NoDesktop)),
-        };
-        let session = opening.session(&waker)?;
-        Ok(Self { run: Some(Run::new(session, settings, scene, waker, started)), shared })
+        let opening = Opening::start(prepared, &waker)?;
+        let (screen, shared) = OffscreenWindow::new(opening.prepared.settings.size, woken, has_compiler)?;
+        let run = opening.run(Box::new(screen), |_| Box::new(NoDesktop), waker, started)?;
+        Ok(Self { run: Some(run), shared })
     }
 
     /// Runs one step: input, a brief wait for due work, drawing. Replaces a lost context. Returns `false` at the end.
@@ -102,7 +91,7 @@ impl Offscreen {
             Err(error) if run.can_go_on_after(&error) => run = run.renewed()?,
             done => done?,
         }
-        let goes_on = !run.is_over();
+        let goes_on = !run.over;
         self.run = Some(run);
         Ok(goes_on)
     }
@@ -320,14 +309,4 @@ impl Screen for OffscreenWindow {
     fn show_on_output(&mut self, _: &mut Renderer, _: &Lay, _: bool) -> Result<(), SessionError> {
         Ok(())
     }
-}
-
-struct NoDesktop;
-
-impl DesktopControls for NoDesktop {
-    fn poll(&self) -> Option<Command> {
-        None
-    }
-
-    fn show(&self, _: &PlayerStatus, _: bool, _: bool) {}
 }

@@ -13,15 +13,15 @@ use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use super::ui_state::UiState;
 use super::video_making::VideoMaking;
-use super::{BackgroundWork, Interface, Playback, Session};
+use super::{Interface, Playback, Run, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::covers;
 use crate::export::{SceneChoice, print_message};
 use crate::gpu::{Counting, Gl, GpuError, Renderer, Sources};
 use crate::scenes::Drafts;
+use crate::sending::Sending;
 use crate::session::SessionError;
-use crate::session::announcer::Announcer;
 use crate::session::controllers::Controllers;
 use crate::session::desktop::DesktopControls;
 use crate::session::direction::Direction;
@@ -63,22 +63,38 @@ pub struct Prepared {
     pub memory: Memory,
 }
 
-pub(crate) struct Opening<'a> {
-    /// The tracks; `None` for an audio input only.
-    pub(crate) tracks: Option<Opened>,
-    pub(crate) settings: &'a PlaySettings,
-    pub(crate) scene: &'a SceneChoice,
-    pub(crate) memory: Memory,
-    pub(crate) background: BackgroundWork,
-    pub(crate) screen: Box<dyn Screen>,
-    /// Creates the desktop's media controls, which query the position in the song.
-    pub(crate) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
+/// A session that begins when there is a window. Its senders and loaders run already.
+pub(crate) struct Opening {
+    pub(crate) prepared: Prepared,
+    first: FirstScene,
+    drafts: Drafts,
+    sends: Vec<Sending>,
 }
 
-impl Opening<'_> {
-    pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
-        let Self { tracks, settings, scene, memory, background, mut screen, desktop } = self;
-        let BackgroundWork { first, drafts, sends } = background;
+impl Opening {
+    /// Starts the senders and the loaders, and waits a moment for the first scene.
+    ///
+    /// # Errors
+    /// Fails if a sender or the scene fails, or the system has no thread left.
+    pub(crate) fn start(prepared: Prepared, waker: &Waker) -> Result<Self, SessionError> {
+        // Start the senders first, so that a failing sender ends the program before a window opens.
+        let sends = FrameSenders::start(&prepared.settings)?;
+        let drafts = Drafts::default();
+        let first = FirstScene::request(&prepared, &drafts, waker)?;
+        Ok(Self { prepared, first, drafts, sends })
+    }
+
+    /// Begins the session. `desktop` creates the desktop's media controls, which query the position in the song.
+    /// `started` is the time of the program's start.
+    pub(crate) fn run(
+        self,
+        mut screen: Box<dyn Screen>,
+        desktop: impl FnOnce(Option<Position>) -> Box<dyn DesktopControls>,
+        waker: Waker,
+        started: Instant,
+    ) -> Result<Run, SessionError> {
+        let Self { prepared, first, drafts, sends } = self;
+        let Prepared { tracks, settings, scene: choice, memory } = prepared;
         let choices = settings.choices.clone();
         tracing::info!("choices of this run: {choices:?}");
         // Start the analysis first, so that the song is analysed before its first frame.
@@ -92,24 +108,29 @@ impl Opening<'_> {
             screen.set_fullscreen(true);
         }
         let Begun { loaders, first, message } = load_first(first, &mut *screen)?;
-        let (choice, title) = (scene, first.source.title());
-        let moved = if first.source == choice.source { settings.moved.clone() } else { Default::default() };
+        let (title, is_chosen) = (first.source.title(), first.source == choice.source);
         // Request the scene first: the driver compiles its program while everything else is created.
-        let mut scene = start_scene(&*screen, settings, choice, loaders, first, waker)?;
-        scene.parameters.remember(&title, &moved);
+        let SceneChoice { sdf, cells, view, projection, .. } = choice;
+        let ways = DrawingWays { sdf, cells, view, projection, fade: settings.fade };
+        let mut scene = start_scene(&*screen, &settings, &choice, ways, loaders, first, &waker)?;
+        if is_chosen {
+            scene.parameters.remember(&title, &settings.moved);
+        }
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         let waits_since = clock::now();
         tracing::info!("the window shows the name of the scene being prepared");
-        let renderer = renderer(screen.gl(), &choices, choice)?;
-        let mut announcer = Announcer::default();
-        message.into_iter().for_each(|message| announcer.announce(message));
-        let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;
-        let position = player.as_ref().map(Player::position);
-        let sound = start_sound(player, memory, settings)?;
+        let renderer = renderer(screen.gl(), &choices, &choice)?;
+        let troubles = tracks.iter().flat_map(|tracks| &tracks.track_errors);
+        troubles.clone().for_each(|trouble| print_message(trouble));
+        let notices: Vec<String> = message.into_iter().chain(troubles.cloned()).collect();
+        let player = tracks.map(|tracks| start_player(tracks, &settings)).transpose()?;
+        let mut reports = Reports::new(desktop(player.as_ref().map(Player::position)), clock::now());
+        notices.into_iter().for_each(|notice| reports.announce(notice));
+        let sound = start_sound(player, memory, &settings)?;
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
-        let direction = start_direction(settings, waker)?;
+        let direction = start_direction(&settings, &waker)?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
             listening: Listening::new(
@@ -125,22 +146,22 @@ impl Opening<'_> {
             direction,
             live: None,
             cues: Default::default(),
-            controllers: Controllers::start(&settings.controllers, &folders, waker),
+            controllers: Controllers::start(&settings.controllers, &folders, &waker),
             renderer,
             shaders: choice.shaders.clone(),
             pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
             master_output: MasterOutput::new(brightness, choices.stage.blackout_fade),
             first_shown_after: None,
             preview: Preview::new(),
-            frame_senders: FrameSenders::of(sends),
+            frame_senders: FrameSenders::of(sends, &settings),
             recording: Recording::new(PerformanceFiles::among(&folders)),
-            reports: Reports::new(announcer, desktop(position), now),
+            reports,
         };
         let videos = VideoMaking::start(Videos::start(&folders, waker.waking()));
         let thumbnails_ahead = (!settings.wallpaper).then(|| thumbnails_ahead_at(now));
         let hints = choices.hints;
-        let interface = start_interface(overlay, drafts, folders, hints, thumbnails_ahead, waker);
-        Ok(Session {
+        let interface = start_interface(overlay, drafts, folders, hints, thumbnails_ahead, &waker);
+        let session = Session {
             playback,
             interface,
             choices,
@@ -154,7 +175,8 @@ impl Opening<'_> {
             videos,
             pictures: Default::default(),
             screen,
-        })
+        };
+        Ok(Run { settings, scene: choice, waker, started, over: false, renewed_at: None, session })
     }
 }
 
@@ -197,37 +219,19 @@ fn start_scene(
     screen: &dyn Screen,
     settings: &PlaySettings,
     choice: &SceneChoice,
+    ways: DrawingWays,
     loaders: SceneLoaders,
     first: LoadedScene,
     waker: &Waker,
 ) -> Result<SceneSession, SessionError> {
-    Ok(SceneSession::new(
-        screen.gl(),
-        screen.worker_contexts(COMPILERS),
-        sources(settings, choice),
-        DrawingWays {
-            sdf: choice.sdf,
-            cells: choice.cells,
-            view: choice.view,
-            projection: choice.projection,
-            fade: settings.fade,
-        },
-        loaders,
-        first,
-        waker.waking(),
-    )?)
+    let cache = Arc::new(settings.program_cache.clone());
+    let sources = Sources { library: choice.shaders.clone(), cache };
+    let contexts = screen.worker_contexts(COMPILERS);
+    Ok(SceneSession::new(screen.gl(), contexts, sources, ways, loaders, first, waker.waking())?)
 }
 
 /// Starts the player. It waits for the first frame, so that nothing of the song is missed.
-fn start_player(
-    tracks: Opened,
-    settings: &PlaySettings,
-    announcer: &mut Announcer,
-) -> Result<Player, SessionError> {
-    for trouble in tracks.track_errors {
-        print_message(&trouble);
-        announcer.announce(trouble);
-    }
+fn start_player(tracks: Opened, settings: &PlaySettings) -> Result<Player, SessionError> {
     let options = PlayerOptions {
         target: output_of(settings),
         volume: settings.volume,
@@ -281,10 +285,6 @@ fn output_of(settings: &PlaySettings) -> Target {
     }
 }
 
-fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
-    Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
-}
-
 fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, SessionError> {
     let library = &scene.shaders;
     let mut renderer = Renderer::new(gl, library, Counting::Off)?;
@@ -321,15 +321,7 @@ pub(super) fn renewed(
         return Err(GpuError::ContextLost("preparing the first scene").into());
     };
     let screen = screen.renew()?;
-    let mut scenes = SceneSession::new(
-        screen.gl(),
-        screen.worker_contexts(COMPILERS),
-        sources(settings, scene),
-        kept.ways,
-        kept.loaders,
-        shown,
-        waker.waking(),
-    )?;
+    let mut scenes = start_scene(&*screen, settings, scene, kept.ways, kept.loaders, shown, waker)?;
     let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
     if assisted {
         overlay.assist(Assistance::Begins);

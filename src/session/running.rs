@@ -17,27 +17,17 @@ use crate::ui::UiError;
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 
 pub(crate) struct Run {
-    settings: PlaySettings,
-    scene: SceneChoice,
-    waker: Waker,
-    started: Instant,
-    over: bool,
-    renewed_at: Option<Instant>,
+    pub(super) settings: PlaySettings,
+    pub(super) scene: SceneChoice,
+    pub(super) waker: Waker,
+    /// The time of the program's start.
+    pub(super) started: Instant,
+    pub(super) over: bool,
+    pub(super) renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
 
 impl Run {
-    /// Runs a session with these settings. `started` is the time of the program's start.
-    pub(crate) fn new(
-        session: Session,
-        settings: PlaySettings,
-        scene: SceneChoice,
-        waker: Waker,
-        started: Instant,
-    ) -> Self {
-        Self { settings, scene, waker, started, over: false, renewed_at: None, session }
-    }
-
     /// Runs until the session ends. Replaces a lost OpenGL context. Calls `on_saved` when everything for the next run is
     /// saved, before a driver that is still compiling delays the return.
     pub(crate) fn run(mut self, on_saved: impl FnOnce()) -> Result<(), SessionError> {
@@ -83,10 +73,6 @@ impl Run {
             self.step()?;
         }
         Ok(())
-    }
-
-    pub(super) fn is_over(&self) -> bool {
-        self.over
     }
 
     /// Handles finished work, waits for the next event or due time, and draws if needed.

@@ -14,6 +14,7 @@ use crate::demo_track::is_demo;
 use crate::export::video::VideoPlace;
 use crate::file_names::plain_name;
 use crate::session::direction::Playing;
+use crate::session::frame_senders::even;
 use crate::session::recording::named;
 use crate::session::screen::Screen;
 use crate::show::ShowSource;
@@ -137,7 +138,7 @@ impl VideoDesk<'_> {
 
     /// The size of the window, with even sides as videos need.
     fn window_size(&self) -> Option<(u32, u32)> {
-        self.screen.size().map(|(width, height)| ((width & !1).max(2), (height & !1).max(2)))
+        self.screen.size().map(even)
     }
 
     /// Carries out a change in the panel.

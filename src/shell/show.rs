@@ -12,7 +12,8 @@ use crate::config::PlaySettings;
 use crate::export::print::print_line;
 use crate::gpu::headless::Headless;
 use crate::session::SessionError;
-use crate::session::{BackgroundWork, Opening, Prepared, Run};
+use crate::session::desktop::DesktopControls;
+use crate::session::{Opening, Prepared};
 use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Message, Typing, WindowMessage, inbox};
@@ -28,15 +29,15 @@ use crate::shell::window_thread;
 /// # Errors
 /// Fails if there is no track to play once, or the window cannot be opened or drawn.
 pub fn run(prepared: Prepared) -> anyhow::Result<()> {
-    let Prepared { tracks, settings, scene, memory } = prepared;
     let started = Instant::now();
-    let (settings, ground) = on_ground(settings)?;
-    let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
+    let (settings, ground) = on_ground(prepared.settings)?;
+    let unplayable = prepared.tracks.as_ref().filter(|tracks| !tracks.playable);
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.track_errors.last())) {
         return Err(SessionError::SongLost(trouble.clone()).into());
     }
     let (waker, messages, inbox) = inbox();
-    let background = BackgroundWork::start(&settings, &scene, &memory.folders, &waker)?;
+    let opening = Opening::start(Prepared { settings, ..prepared }, &waker)?;
+    let Prepared { tracks, settings, scene, .. } = &opening.prepared;
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -68,6 +69,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
+        let settings = &opening.prepared.settings;
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
@@ -79,23 +81,14 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         #[cfg(windows)]
         crate::shell::console::close_if_own();
         let wake = of_show.waking();
-        let opening = Opening {
-            tracks,
-            settings: &settings,
-            scene: &scene,
-            memory,
-            background,
-            screen,
-            desktop: Box::new(move |position| {
-                let open = dropped
-                    .map(|show| move |file| drop(show.send(Message::Window(WindowEvent::DroppedFile(file)))));
-                Box::new(MediaControls::start(position, Some(handle), wake, open))
-            }),
+        let desktop = move |position| -> Box<dyn DesktopControls> {
+            let open = dropped
+                .map(|show| move |file| drop(show.send(Message::Window(WindowEvent::DroppedFile(file)))));
+            Box::new(MediaControls::start(position, Some(handle), wake, open))
         };
-        let stage = opening.session(&of_show)?;
         // Without a window that listens, nothing waits for the message.
         let saved = || drop(of_end.send_event(WindowMessage::Saved));
-        Run::new(stage, settings, scene, of_show.clone(), started).run(saved)
+        opening.run(screen, desktop, of_show, started)?.run(saved)
     };
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
