@@ -15,8 +15,9 @@ use mariana_player::track::scale;
 
 use super::error::ExportError;
 use super::print::print_message;
-use crate::song_structures::{StructureCache, lyrics_of, structure_of};
-use crate::stems::{Parts, PartsCache, SongOfParts};
+use crate::config::Folders;
+use crate::song_structures::{lyrics_of, structure_cache, structure_of};
+use crate::stems::{Parts, SongOfParts, parts_cache};
 
 /// Length of sound analysed before the first requested time, in seconds: enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
@@ -114,7 +115,7 @@ impl SongFeatures {
     /// Returns the structure of the whole song. The first call computes the structure.
     pub fn structure(&mut self) -> &SongStructure {
         let song = &self.song;
-        self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
+        self.structure.get_or_insert_with(|| structure_of(song, &structure_cache(&Folders::of_user())))
     }
 
     /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, its parts, and
@@ -139,7 +140,7 @@ impl SongFeatures {
         let (duration, scene_gain) = (info.duration, info.scene_gain);
         let song = SongOfParts { song: &self.song, cut: None, duration, scene_gain };
         let Parts { tracks, problems, .. } =
-            song.read(&PartsCache::of_user(), &|| true, &|_| {}).unwrap_or_default();
+            song.read(&parts_cache(&Folders::of_user()), &|| true, &|_| {}).unwrap_or_default();
         problems.iter().for_each(|problem| print_message(&problem.to_string()));
         self.parts = Some(Arc::new(tracks));
     }

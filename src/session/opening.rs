@@ -36,8 +36,8 @@ use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession
 use crate::session::screen::Screen;
 use crate::session::sound::{Sound, Start};
 use crate::session::waker::Waker;
-use crate::song_structures::{SongReader, StructureCache};
-use crate::stems::{PartsCache, start_reader};
+use crate::song_structures::{SongReader, structure_cache};
+use crate::stems::{parts_cache, start_reader};
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
@@ -99,7 +99,7 @@ impl Opening {
         tracing::info!("choices of this run: {choices:?}");
         // Start the analysis first, so that the song is analysed before its first frame.
         let folders = memory.folders.clone();
-        let songs = SongReader::start(StructureCache::among(&folders), waker.waking());
+        let songs = SongReader::start(structure_cache(&folders), waker.waking());
         let songs = if_started(songs, "analyse whole songs");
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.request([&tracks.first.info]);
@@ -136,10 +136,7 @@ impl Opening {
             listening: Listening::new(
                 sound,
                 songs,
-                if_started(
-                    start_reader(PartsCache::among(&folders), waker.waking()),
-                    "read the stems of songs",
-                ),
+                if_started(start_reader(parts_cache(&folders), waker.waking()), "read the stems of songs"),
                 if_started(covers::start_reader(waker.waking()), "show the covers of songs"),
             ),
             scene,

@@ -4,24 +4,37 @@
 //! A song with a decoding error has the structure of the part before the error. A song that cannot be opened has no
 //! structure: scenes read 0 for all its values. Errors are only logged, because the player reports them.
 
-mod cache;
 mod cached_files;
 mod reader;
 
 use std::sync::Arc;
 
-use mariana_music::{SongListener, SongMoment, SongStructure};
+use crate::config::Folders;
+use crate::limits;
+use mariana_music::{STRUCTURE_VERSION, SongListener, SongMoment, SongStructure};
 use mariana_player::lyrics::{Lyrics, LyricsError};
 use mariana_player::song::Song;
 use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::track::Content;
 
-pub use cache::StructureCache;
 pub use cached_files::{CachedFiles, FileKey};
 pub use reader::SongReader;
 
+/// Returns the cache of structures in the cache folder of `folders`, if there is one. Its files contain JSON.
+pub fn structure_cache(folders: &Folders) -> CachedFiles {
+    let folder = folders.cache.as_ref().map(|cache| cache.join("songs"));
+    let (bytes_max, kept_max) = (limits::STRUCTURE_BYTES_MAX, limits::STRUCTURES_KEPT_MAX);
+    CachedFiles { folder, ending: "song", bytes_max, kept_max }
+}
+
+/// Returns the key of a song's bytes, the played part and the version of the analysis ([`CachedFiles::key`]).
+fn key_of(content: &Content, cache: &CachedFiles, go_on: &dyn Fn() -> bool) -> Option<FileKey> {
+    let about = (STRUCTURE_VERSION, content.cut.map(|cut| (cut.start, cut.end)));
+    cache.key(about, [&content.song], go_on)
+}
+
 /// Returns the structure of a song, from the cache or by decoding the song now.
-pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
+pub fn structure_of(song: &Song, cache: &CachedFiles) -> SongStructure {
     let open =
         || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
     let content = Content { song: song.clone(), cut: None };
@@ -61,11 +74,11 @@ pub fn lyrics_of(song: &Song) -> Lyrics {
 fn find(
     content: Option<&Content>,
     open: impl FnOnce() -> Option<Result<Box<dyn FrameSource>, SourceError>>,
-    cache: &StructureCache,
+    cache: &CachedFiles,
     go_on: &dyn Fn() -> bool,
 ) -> Option<Option<SongStructure>> {
-    let key = content.and_then(|content| cache.key(content, go_on));
-    if let Some(kept) = key.and_then(|key| cache.load(key)) {
+    let key = content.and_then(|content| key_of(content, cache, go_on));
+    if let Some(kept) = key.and_then(|key| cache.load(key, |text| serde_json::from_slice(text).ok())) {
         return Some(Some(kept));
     }
     if !go_on() {
@@ -80,8 +93,9 @@ fn find(
         None => return Some(None),
     };
     let structure = listen(&mut *source, go_on)?;
-    if let Some(key) = key {
-        cache.save(key, &structure);
+    // After an error, the next run analyses the song again.
+    if let Some((key, text)) = key.zip(serde_json::to_vec(&structure).ok()) {
+        cache.save(key, &text);
     }
     Some(Some(structure))
 }

@@ -6,7 +6,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{ReadSong, StructureCache, find, lyrics_of};
+use super::{CachedFiles, ReadSong, find, lyrics_of};
 use mariana_player::lower_priority;
 use mariana_player::track::TrackInfo;
 use mariana_work::{Latest, Shared, contained, latest};
@@ -59,7 +59,7 @@ impl SongReader {
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
-    pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn start(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let read = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
             let reopen = &track.reopen;
             let structure = find(reopen.content(), || reopen.open(), &cache, go_on)?;

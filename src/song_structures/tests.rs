@@ -1,7 +1,7 @@
 //! Tests of the cache, of damaged songs, and of the reader's order.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -25,6 +25,10 @@ fn whole(path: &Path) -> Content {
     Content { song: Song::File(path.to_owned()), cut: None }
 }
 
+fn cache_in(folder: PathBuf) -> CachedFiles {
+    CachedFiles { folder: Some(folder), ..structure_cache(&Folders::default()) }
+}
+
 fn kept_files(folder: &Path) -> Vec<std::path::PathBuf> {
     let listing = fs::read_dir(folder).into_iter().flatten();
     listing.map(|entry| entry.unwrap().path()).collect()
@@ -35,7 +39,7 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
     write_song(&path, 12, 2);
-    let cache = StructureCache::in_folder(kept.clone());
+    let cache = cache_in(kept.clone());
     let song = Song::File(path);
     let first = structure_of(&song, &cache);
     assert!(first.seconds > 11.0 && !first.energy.is_empty() && !first.beats.is_empty(), "{first:?}");
@@ -44,8 +48,8 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     // The analysis cannot find this value, so it must come from the file.
     let reported = fs::read_to_string(&files[0]).unwrap();
     let changed = SongStructure { tuning_hz: 432.1, ..first.clone() };
-    let key = cache.key(&Content { song: song.clone(), cut: None }, &|| true).unwrap();
-    cache.save(key, &changed);
+    let key = key_of(&Content { song: song.clone(), cut: None }, &cache, &|| true).unwrap();
+    cache.save(key, &serde_json::to_vec(&changed).unwrap());
     assert_eq!(structure_of(&song, &cache), changed);
     fs::write(&files[0], reported).unwrap();
     assert_eq!(structure_of(&song, &cache), first);
@@ -56,7 +60,7 @@ fn a_damaged_file_is_made_anew() {
     let folder = tempfile::tempdir().unwrap();
     let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
     write_song(&path, 8, 2);
-    let (cache, song) = (StructureCache::in_folder(kept.clone()), Song::File(path));
+    let (cache, song) = (cache_in(kept.clone()), Song::File(path));
     let first = structure_of(&song, &cache);
     let file = kept_files(&kept).remove(0);
     let whole = fs::read(&file).unwrap();
@@ -80,21 +84,21 @@ fn songs_are_known_by_their_bytes_and_their_part() {
     write_song(&path("a.wav"), 2, 2);
     fs::copy(path("a.wav"), path("same.wav")).unwrap();
     write_song(&path("other.wav"), 2, 3);
-    let cache = StructureCache::in_folder(path("kept"));
-    let key = |content: &Content| cache.key(content, &|| true).unwrap();
+    let cache = cache_in(path("kept"));
+    let key = |content: &Content| key_of(content, &cache, &|| true).unwrap();
     let first = key(&whole(&path("a.wav")));
     assert_eq!(first, key(&whole(&path("same.wav"))));
     assert_ne!(first, key(&whole(&path("other.wav"))));
     let part = Content { cut: Some(Cut { start: 0, end: Some(75) }), ..whole(&path("a.wav")) };
     assert_ne!(first, key(&part));
-    assert_eq!(cache.key(&whole(&path("missing.wav")), &|| true), None);
-    assert_eq!(cache.key(&whole(&path("a.wav")), &|| false), None, "a stopped hash has no key");
+    assert_eq!(key_of(&whole(&path("missing.wav")), &cache, &|| true), None);
+    assert_eq!(key_of(&whole(&path("a.wav")), &cache, &|| false), None, "a stopped hash has no key");
 }
 
 #[test]
 fn broken_and_silent_songs_are_neutral() {
     let folder = tempfile::tempdir().unwrap();
-    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let cache = cache_in(folder.path().join("kept"));
     let path = folder.path().join("noise.wav");
     fs::write(&path, b"this is no song").unwrap();
     assert_eq!(structure_of(&Song::File(path.clone()), &cache), SongStructure::default());
@@ -116,7 +120,7 @@ fn broken_and_silent_songs_are_neutral() {
 #[test]
 fn the_demo_track_has_the_drops_of_its_score() {
     const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: mariana_assets::DEMO_TRACK };
-    let structure = structure_of(&DEMO, &StructureCache::in_folder("/missing/x".into()));
+    let structure = structure_of(&DEMO, &cache_in(PathBuf::from("/missing/x")));
     assert_eq!(structure.drops.len(), 2, "{:?}", structure.drops);
     for (drop, bar) in structure.drops.iter().zip([12.0, 24.0]) {
         let truly = bar * 102_400.0 / 48_000.0;
@@ -153,7 +157,7 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     write_song(&first, 12, 2);
     write_song(&second, 9, 3);
     fs::write(folder.path().join("a.lrc"), "[00:02.00]La la").unwrap();
-    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let cache = cache_in(folder.path().join("kept"));
     let (wake, woken) = channel();
     let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default()).unwrap();
     let tracks = [numbered(&track_of(&first), 3), numbered(&track_of(&second), 7)];
@@ -162,8 +166,7 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
     for (track, path) in tracks.iter().zip([&first, &second]) {
         let known = reader.get(track.id).expect("the track was analysed");
-        let at_once =
-            structure_of(&Song::File(path.clone()), &StructureCache::in_folder("/missing/x".into()));
+        let at_once = structure_of(&Song::File(path.clone()), &cache_in(PathBuf::from("/missing/x")));
         assert_eq!(*known.structure, at_once, "the window and a still use different structures");
     }
     let lines = tracks.each_ref().map(|track| reader.get(track.id).map(|song| song.moment(3.0).line));
@@ -227,7 +230,7 @@ fn a_track_that_is_wanted_no_more_is_left() {
     let path = folder.path().join("a.wav");
     write_song(&path, 4, 2);
     let (wake, woken) = channel();
-    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let cache = cache_in(folder.path().join("kept"));
     let reader = SongReader::start(cache, move || wake.send(()).unwrap_or_default()).unwrap();
     let (asked, asks) = channel();
     let mut endless = (*numbered(&track_of(&path), 1)).clone();

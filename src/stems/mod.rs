@@ -1,20 +1,18 @@
 //! The parts of a song, read from its stems: whole, before their sound is heard, so that a window, a still and a video
 //! show the same.
 
-mod cache;
-
-pub use cache::PartsCache;
-
 use mariana_field::graph::PartInput;
 use mariana_music::limits as music_limits;
-use mariana_music::{KeptNumber, PartListener, PartTracks};
+use mariana_music::{KeptNumber, PART_TRACK_VERSION, PartListener, PartTracks};
 use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::playlist::Cut;
 use mariana_player::song::Song;
 use mariana_player::stems::{Stem, StemsError, stems_of};
 use mariana_player::track::{TrackInfo, scale};
 
-use crate::song_structures::SongReader;
+use crate::config::Folders;
+use crate::limits;
+use crate::song_structures::{CachedFiles, FileKey, SongReader};
 
 /// A stem and its song may differ by this many seconds without a message: encoders pad files.
 const SAME_LENGTH: f64 = 1.0;
@@ -24,6 +22,13 @@ const FIRST_SECONDS: f64 = 10.0;
 
 /// Number of songs whose parts stay in memory: the current and the next one.
 const SONGS_KEPT: usize = 2;
+
+/// Returns the cache of the parts of songs in the cache folder of `folders`, if there is one.
+pub fn parts_cache(folders: &Folders) -> CachedFiles {
+    let folder = folders.cache.as_ref().map(|cache| cache.join("parts"));
+    let (bytes_max, kept_max) = (limits::PARTS_BYTES_MAX, limits::PARTS_KEPT_MAX);
+    CachedFiles { folder, ending: "parts", bytes_max, kept_max }
+}
 
 /// The parts of a song.
 #[derive(Debug, Default)]
@@ -108,10 +113,11 @@ impl SongOfParts<'_> {
     /// Takes the parts from the cache, or reads the stems, all at the same time. A song without stems has no parts, and
     /// a damaged stem is a silent part. Passes the parts of the beginning to `publish`, first after [`FIRST_SECONDS`]
     /// of the song and then each time their length has doubled. Returns `None` if `go_on` returns false.
-    pub fn read(&self, cache: &PartsCache, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)) -> Option<Parts> {
+    pub fn read(&self, cache: &CachedFiles, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)) -> Option<Parts> {
         let (stems, errors) = stems_of(self.song);
-        let key = cache.key(self, &stems, go_on);
-        if let Some(tracks) = key.and_then(|key| cache.load(key)).filter(|_| errors.is_empty()) {
+        let key = self.key(&stems, cache, go_on);
+        let decode = |bytes: &[u8]| PartTracks::from_bytes(&kept_numbers(), bytes);
+        if let Some(tracks) = key.and_then(|key| cache.load(key, decode)).filter(|_| errors.is_empty()) {
             return Some(Parts { tracks, problems: Vec::new(), are_complete: true });
         }
         let mut problems: Vec<StemProblem> = errors.into_iter().map(StemProblem::from).collect();
@@ -146,9 +152,22 @@ impl SongOfParts<'_> {
         let tracks = tracks_of(&readings);
         // Problems are reported each time, so a stem with a problem is read again.
         if let Some(key) = key.filter(|_| problems.is_empty()) {
-            cache.save(key, &tracks);
+            cache.save(key, &tracks.to_bytes());
         }
         Some(Parts { tracks, problems, are_complete: true })
+    }
+
+    /// Returns the key of the stems' bytes, of what decides about the analysis, and of the version of the analysis; `None`
+    /// without stems, and as [`CachedFiles::key`].
+    fn key(&self, stems: &[Stem], cache: &CachedFiles, go_on: &GoOn<'_>) -> Option<FileKey> {
+        let mut files: Vec<Song> = stems.iter().map(|stem| Song::File(stem.path().to_owned())).collect();
+        files.dedup();
+        files.first()?;
+        let parts: Vec<usize> = stems.iter().map(|stem| stem.part).collect();
+        let names: Vec<&str> = kept_numbers().iter().map(|kept| kept.name).collect();
+        let cut = self.cut.map(|cut| (cut.start, cut.end));
+        let about = (PART_TRACK_VERSION, parts, names, cut, self.scene_gain.to_bits());
+        cache.key(about, &files, &|| go_on())
     }
 }
 
@@ -244,7 +263,7 @@ fn kept_numbers() -> Vec<KeptNumber> {
 /// # Errors
 /// Fails if the system cannot start a thread.
 pub fn start_reader(
-    cache: PartsCache,
+    cache: CachedFiles,
     wake: impl Fn() + Send + 'static,
 ) -> std::io::Result<SongReader<Parts>> {
     let find = move |track: &TrackInfo, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)| {

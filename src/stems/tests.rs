@@ -7,7 +7,6 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use super::*;
-use crate::config::Folders;
 use mariana_field::graph::{LevelList, Part};
 use mariana_player::playlist::Playlist;
 use mariana_player::track::Repeat;
@@ -33,8 +32,8 @@ fn song_with_stems() -> (tempfile::TempDir, Song) {
 }
 
 /// A cache that keeps nothing.
-fn none() -> PartsCache {
-    PartsCache::among(&Folders::default())
+fn none() -> CachedFiles {
+    parts_cache(&Folders::default())
 }
 
 fn volume(parts: &Parts, part: Part, time: f64) -> f32 {
@@ -107,7 +106,7 @@ fn the_beginning_is_known_before_the_end() {
 fn parts_without_problems_are_cached_by_the_bytes_of_their_stems() {
     let (folder, song) = song_with_stems();
     let stem = |name: &str| folder.path().join("song.stems").join(name);
-    let cache = PartsCache::in_folder(folder.path().join("cache"));
+    let cache = parts_cache(&Folders { cache: Some(folder.path().join("cache")), ..Folders::default() });
     let read = |scene_gain: f32| {
         let of_song = SongOfParts { song: &song, cut: None, duration: Some(6.0), scene_gain };
         let published = RefCell::new(0);
