@@ -46,7 +46,8 @@ impl Playback {
                 self.cues.set_show(track, prepared_show.clone(), song);
                 match prepared_show {
                     Some(prepared_show) if track.is_none() && prepared_show.is_directed() => {
-                        self.live = Some(LiveDirector::new((*prepared_show).clone()));
+                        let director = LiveDirector::new(prepared_show.cards().to_vec());
+                        self.live = Some((prepared_show, director));
                     }
                     other => {
                         let cued = self.cues.prepared_show().or(other);
@@ -57,12 +58,13 @@ impl Playback {
             Some(ShowNotice::Problem { heading, text }) => self.scene.messages.set_problem(heading, text),
             None => {}
         }
-        if let Some(live) = &mut self.live {
+        if let Some((show, director)) = &mut self.live {
             let (features, time) = (&moment.features, moment.song_time);
             let (tempo, phase) = (features.tempo, features.phase);
             let (energy, novelty, drop) = (moment.song.energy, features.live.novelty, moment.song.drop);
             let heard = Hearing { time, energy, tempo, phase, novelty, drop };
-            if let Some(prepared_show) = live.process(heard).map(Arc::new) {
+            if let Some(timeline) = director.process(heard) {
+                let prepared_show = Arc::new(show.with_timeline(Some(timeline)));
                 match self.scene.show.has_prepared_show() {
                     true => self.scene.show.extend_prepared_show(prepared_show, None),
                     false => self.scene.show.set_prepared_show(Some(prepared_show), None),

@@ -55,6 +55,7 @@ pub mod waker;
 
 pub use error::SessionError;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cues::Cues;
@@ -84,7 +85,7 @@ use crate::session::reports::Reports;
 use crate::session::scene::SceneSession;
 use crate::session::title::{live_title, title};
 use crate::session::typing_times::TypingTimes;
-use crate::show::LiveDirector;
+use crate::show::{LiveDirector, PreparedShow};
 use crate::thumbnails::Thumbnails;
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, UiEvent};
@@ -123,8 +124,8 @@ pub(crate) struct Playback {
     listening: Listening,
     scene: SceneSession,
     direction: Direction,
-    /// Chooses scenes while an audio input plays.
-    live: Option<LiveDirector>,
+    /// Chooses among the scenes of a show while an audio input plays.
+    live: Option<(Arc<PreparedShow>, LiveDirector)>,
     cues: Cues,
     controllers: Controllers,
     renderer: Renderer,

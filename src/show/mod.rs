@@ -1,12 +1,9 @@
 //! Shows with the sources of their scenes: [`mariana_show`] knows only names; [`prepared_show`] adds the sources.
 
-mod live;
 mod prepared_show;
-mod scene_facts;
 
-pub use live::LiveDirector;
 pub use mariana_show::{
-    Clip, Cue, Finish, Hearing, Held, Moment, Move, Moved, OnStage, OtherDeck, Performance, Picture,
-    TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
+    Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, Moved, OnStage, OtherDeck, Performance,
+    Picture, TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, name_of};

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use super::scene_facts::{facts_of, refusal, source_of};
-use crate::scenes::{SceneBlend, SceneSource, SeenScene};
+use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
 use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits as show_limits;
-use mariana_show::{Clip, CueListError, Moment, Show, TimedTransition, Timeline, TransitionKind};
+use mariana_show::{
+    Clip, CueListError, Moment, Refusal, SceneFacts, Show, TimedTransition, Timeline, TransitionKind,
+};
 
 const DEMO_NAME: &str = "demo.show";
 
@@ -92,7 +93,8 @@ impl Deref for PreparedShow {
 }
 
 impl PreparedShow {
-    pub(super) fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
+    /// Returns the same scenes with another timeline.
+    pub fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
         Self { show: self.show.with_timeline(timeline), ..self.clone() }
     }
 
@@ -118,29 +120,21 @@ impl PreparedShow {
 
     /// Returns a show that cuts to each scene at its time, in seconds.
     pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
-        let mut prepared_show = Self::default();
-        let mut clips = Vec::new();
-        for (start, source) in scenes {
-            let scene = name_of(&source);
-            prepared_show.scenes.insert(scene.clone(), source);
-            clips.push(Clip {
-                start,
-                scene,
-                camera: None,
-                transition: TimedTransition::CUT,
-                moves: Vec::new(),
-            });
-        }
-        prepared_show.with_timeline(Timeline::new(clips))
+        Self::of_clips(scenes.into_iter().map(|(start, source)| (source, start, TimedTransition::CUT)))
     }
 
     /// Returns a show of two decks: a fader leads from the first scene to the second, which was loaded at `start`
     /// seconds of the song. The scenes must have different names.
     pub fn of_decks(scenes: [SceneSource; 2], kind: TransitionKind, start: f64) -> Self {
-        let transitions = [(0.0, TimedTransition::CUT), (start, TimedTransition::by_fader(kind))];
+        let [from, to] = scenes;
+        let by_fader = TimedTransition::by_fader(kind);
+        Self::of_clips([(from, 0.0, TimedTransition::CUT), (to, start, by_fader)])
+    }
+
+    fn of_clips(scenes: impl IntoIterator<Item = (SceneSource, f64, TimedTransition)>) -> Self {
         let mut prepared_show = Self::default();
         let mut clips = Vec::new();
-        for (source, (start, transition)) in scenes.into_iter().zip(transitions) {
+        for (source, start, transition) in scenes {
             let scene = name_of(&source);
             prepared_show.scenes.insert(scene.clone(), source);
             clips.push(Clip { start, scene, camera: None, transition, moves: Vec::new() });
@@ -183,9 +177,9 @@ impl PreparedShow {
     ) -> Result<Self, ShowError> {
         let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
         for source in scenes {
-            match facts_of(source) {
+            match source.checked() {
                 Ok(facts) => {
-                    known.insert(name_of(source), facts);
+                    known.insert(name_of(source), SceneFacts::from(facts));
                     sources.insert(name_of(source), source.clone());
                 }
                 Err(error) => tracing::warn!("not shown: {error}"),
@@ -209,7 +203,7 @@ impl PreparedShow {
         let mut scenes = BTreeMap::new();
         let (show, reported) = Show::of_text(name, text, song, |scene| {
             let source = source_of(scene, folder).map_err(refusal)?;
-            let facts = facts_of(&source).map_err(refusal)?;
+            let facts = SceneFacts::from(source.checked().map_err(refusal)?);
             scenes.insert(scene.to_owned(), source);
             Ok(facts)
         })?;
@@ -261,6 +255,27 @@ pub fn name_of(source: &SceneSource) -> String {
         SceneSource::File(path) => path.display().to_string(),
         SceneSource::Formula(text) => text.clone(),
         SceneSource::Blend(blend) => name_of(&blend.to.source),
+    }
+}
+
+fn refusal(error: SceneError) -> Refusal {
+    match error {
+        SceneError::Mistakes { name, plain, .. } => {
+            Refusal { sentence: format!("the scene {name} has mistakes"), mistakes: Some(plain) }
+        }
+        error => Refusal { sentence: error.to_string(), mistakes: None },
+    }
+}
+
+/// Returns the scene with this name in a show: a file in its folder, or a shipped scene.
+fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
+    let beside = folder.join(name);
+    if beside.is_file() {
+        return Ok(SceneSource::File(beside));
+    }
+    match SceneSource::find(name)? {
+        SceneSource::File(_) => Ok(SceneSource::File(beside)),
+        found => Ok(found),
     }
 }
 
