@@ -109,6 +109,6 @@ fn size_of(settings: &PlaySettings) -> (u32, u32) {
 }
 
 /// A size with even sides: in videos, groups of four pixels share their colour.
-pub(super) fn even((width, height): (u32, u32)) -> (u32, u32) {
-    ((width & !1).max(2), (height & !1).max(2))
+pub(super) fn even(size: (u32, u32)) -> (u32, u32) {
+    ((size.0 & !1).max(2), (size.1 & !1).max(2))
 }

@@ -39,7 +39,7 @@ impl Session {
 
     fn close_panels(&mut self) {
         self.interface.ui_state.panels = PanelSwitches::default();
-        self.leave_panels();
+        self.show_open_panel();
     }
 
     pub(super) fn placement(&self) -> Placement {

@@ -24,11 +24,16 @@ impl Session {
         self.interface.ui_state.panels.toggle(panel);
         // Keys now act on the panel.
         self.interface.overlay.drop_key_focus();
-        let open = self.interface.ui_state.panels.open;
-        self.write_text(open == Some(Panel::Editor));
-        if open == Some(Panel::Sources) {
+        if self.interface.ui_state.panels.open == Some(Panel::Sources) {
             self.playback.listening.sound.show_list();
         }
+        self.show_open_panel();
+    }
+
+    /// Shows the open panel, and closes all others.
+    pub(super) fn show_open_panel(&mut self) {
+        let open = self.interface.ui_state.panels.open;
+        self.write_text(open == Some(Panel::Editor));
         self.interface.toggle_scene_browser(&mut self.playback, open == Some(Panel::Scenes));
         self.interface.toggle_file_browser(&mut self.playback, open == Some(Panel::Files));
         self.show_settings(open == Some(Panel::Settings));
@@ -63,18 +68,8 @@ impl Session {
             self.screen.set_fullscreen(false);
         }
         if self.interface.ui_state.panels.open.is_none() {
-            self.leave_panels();
+            self.show_open_panel();
         }
-    }
-
-    pub(super) fn leave_panels(&mut self) {
-        self.interface.toggle_scene_browser(&mut self.playback, false);
-        self.interface.toggle_file_browser(&mut self.playback, false);
-        self.show_settings(false);
-        self.write_text(false);
-        self.interface.show_controllers(&mut self.playback, false);
-        self.show_corners(false);
-        self.video_desk().show(false);
     }
 
     pub(super) fn handle_ui_events(&mut self) -> Vec<Command> {
