@@ -27,7 +27,7 @@ impl Session {
         let InputBatch { params, mut actions, knobs, since } = batch.unwrap_or_default();
         let before = self.playback.scene.revision();
         for change in &params {
-            if !self.playback.scene.parameters_in_hand_mut().turn(change) {
+            if !self.playback.scene.turn(change) {
                 self.playback.controllers.input_queue.refuse(|refusals| refusals.unknown += 1);
             }
         }
@@ -41,7 +41,7 @@ impl Session {
             self.playback.controllers.apply_knobs(&knobs, &self.playback.scene, &levels);
         for outcome in outcomes {
             match outcome {
-                Outcome::Turn(change) => drop(self.playback.scene.parameters_in_hand_mut().turn(&change)),
+                Outcome::Turn(change) => drop(self.playback.scene.turn(&change)),
                 Outcome::Act(action) => actions.push(action),
                 Outcome::Waits { name, leads_to, stands } => {
                     let way = if leads_to < stands { "up" } else { "down" };

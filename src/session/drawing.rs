@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::ui_state::{Seen, content_of};
+use super::ui_state::Seen;
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::Panel;
@@ -13,7 +13,7 @@ use crate::session::drawing_pace::Verdict;
 use crate::session::dynamic_resolution::Level;
 use crate::session::lay::Lay;
 use crate::session::listening::Listening;
-use crate::session::scene::{Drawn, SceneSession, Shown, WantedPicture};
+use crate::session::scene::{Drawn, SceneSession, Shown, WantedPicture, report};
 use crate::session::screen::Screen;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
@@ -95,8 +95,7 @@ impl Session {
         }
         self.interface.update_scene(&mut self.playback);
         let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);
-        let mut content =
-            content_of(&mut self.playback.scene, corner.as_deref(), self.interface.ui_state.panels);
+        let mut content = self.playback.scene.content(corner.as_deref(), self.interface.ui_state.panels);
         self.interface.ui_state.add_to(
             &mut content,
             &seen,
@@ -148,7 +147,8 @@ impl Session {
             self.playback.controllers.record_shown(shown.revision);
         }
         if painted.params_changed {
-            self.playback.scene.parameters_in_hand_mut().record_moved();
+            let turned = self.playback.scene.parameters_in_hand_mut();
+            turned.into_iter().for_each(|mut turned| turned.record_moved());
         }
         self.interface.apply_painted(&mut *self.screen, painted);
         if first {
@@ -287,7 +287,7 @@ impl Playback {
         self.listening.parts.wanted = self.scene.scenes.all().any(|scene| scene.hears_parts);
         if self.listening.parts_arrive() {
             // While paused, a frame is drawn only if the last one is outdated.
-            self.scene.composer.outdate();
+            self.scene.composer.redraw();
         }
     }
 
@@ -309,7 +309,7 @@ impl Playback {
     }
 
     pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
-        self.pace.could_be_better(now, self.scene.composer.view().is_some(), self.side_max(screen))
+        self.pace.could_be_better(now, self.scene.composer.views.choice.is_some(), self.side_max(screen))
     }
 
     /// True if the show is idle, and its frame is being refined.
@@ -318,7 +318,7 @@ impl Playback {
     }
 
     pub(super) fn level(&self, now: Instant) -> Level {
-        self.pace.level(now, self.scene.composer.view().is_some())
+        self.pace.level(now, self.scene.composer.views.choice.is_some())
     }
 
     fn side_max(&self, screen: &dyn Screen) -> u32 {
@@ -384,7 +384,7 @@ impl Interface {
     ) -> Option<Instant> {
         let corner = self.corner_line(playback, now);
         let seen = self.update_ui_state(playback, screen, now);
-        let mut content = content_of(&mut playback.scene, corner.as_deref(), self.ui_state.panels);
+        let mut content = playback.scene.content(corner.as_deref(), self.ui_state.panels);
         self.ui_state.add_to(
             &mut content,
             &seen,
@@ -433,15 +433,8 @@ impl Interface {
     }
 
     fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
-        let wanted = self.ui_state.panels.corner;
-        wanted
-            .then(|| {
-                playback
-                    .scene
-                    .report()
-                    .line(&playback.pace.about_pictures(now), &playback.pace.resolution.to_string())
-            })
-            .flatten()
+        let (pictures, quality) = (playback.pace.about_pictures(now), playback.pace.resolution.to_string());
+        self.ui_state.panels.corner.then(|| report::line(&playback.scene, &pictures, &quality)).flatten()
     }
 }
 
@@ -468,7 +461,7 @@ impl Waiting<'_> {
         let bands = listening.now().filter(|_| listening.started).map(|now| now.features.bands);
         let title = scene.preparation.library.wanted.title();
         let bands = bands.as_ref().map_or(&[][..], |bands| bands);
-        let content = OverlayContent { bands, ..content_of(scene, None, PanelSwitches::default()) };
+        let content = OverlayContent { bands, ..scene.content(None, PanelSwitches::default()) };
         paint_waiting(self.screen, self.overlay, &title, content)
     }
 }

@@ -258,7 +258,7 @@ impl Session {
         for complaint in self.playback.listening.sound.drain_reported_problems() {
             self.playback.reports.announce(complaint);
         }
-        let mut notes = self.playback.scene.report().notes();
+        let mut notes = scene::report::notes(&self.playback.scene);
         notes.extend(self.videos.title_note());
         if let Some(live) = self.playback.listening.sound.live_status() {
             let paused = self.playback.listening.paused;

@@ -39,7 +39,7 @@ impl Playback {
         }
         let track = self.listening.track_of(moment);
         let picture = self.finish(begun);
-        let Some(performed) = self.scene.performed(moment.song_time) else { return };
+        let Some(performed) = Performed::of(&self.scene, moment.song_time) else { return };
         let performed = Performed { picture, ..performed };
         // Record a still scene at the current time, because `moment` is the time at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());

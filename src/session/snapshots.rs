@@ -43,7 +43,8 @@ impl SnapshotDesk<'_> {
             Some(snapshot) => {
                 let SnapshotKeys { morphs, beats, .. } = self.snapshots.keys;
                 let seconds = if morphs { f32::from(beats) * self.playback.beat_seconds() } else { 0.0 };
-                self.playback.scene.parameters_in_hand_mut().recall(&snapshot, seconds);
+                let turned = self.playback.scene.parameters_in_hand_mut();
+                turned.into_iter().for_each(|mut turned| turned.recall(&snapshot, seconds));
                 self.playback.reports.answer(format!("snapshot {number}"));
             }
             None => self.playback.save_snapshot(number),
@@ -131,7 +132,8 @@ impl SnapshotDesk<'_> {
 
 impl Playback {
     pub(super) fn bind(&mut self, Bind { name, binding }: Bind) {
-        if !self.scene.parameters_in_hand_mut().bind(&name, binding) {
+        let turned = self.scene.parameters_in_hand_mut();
+        if !turned.is_some_and(|mut turned| turned.bind(&name, binding)) {
             self.reports.answer(format!("this scene has no parameter '{name}'"));
         }
     }

@@ -11,15 +11,12 @@ use crate::scenes::SceneSource;
 use crate::session::controllers::Controllers;
 use crate::session::listening::Listening;
 use crate::session::reports::Reports;
-use crate::session::scene::{SceneSession, SceneWords};
 use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
 use crate::ui::file_browser::FileBrowser;
 use crate::ui::help_panel::HelpPanel;
-use crate::ui::overlay::{
-    Bar, Cover, CueSheet, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome,
-};
+use crate::ui::overlay::{Bar, Cover, CueSheet, OverlayContent, PanelSwitches, SnapshotRow, Tracks, Welcome};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use crate::ui::track_panel::TrackPanel;
@@ -94,24 +91,6 @@ pub(super) struct Seen {
     pub(super) follows: bool,
     /// The analysis of the track, if known and the bar is visible.
     pub(super) song: Option<Arc<SongStructure>>,
-}
-
-pub(super) fn content_of<'a>(
-    scene: &'a mut SceneSession,
-    corner: Option<&'a str>,
-    panels: PanelSwitches,
-) -> OverlayContent<'a> {
-    let decks = scene.deck_strip();
-    let SceneWords { problem, notice, hint, sliders } = scene.words();
-    OverlayContent {
-        corner,
-        problem: problem.map(|(heading, text)| Problem { heading, text }),
-        notice: notice.map(|(text, since)| Notice { text, fraction: None, since }),
-        params: Some(sliders).filter(|sliders| panels.sliders && !sliders.is_empty()),
-        hint,
-        decks,
-        ..OverlayContent::default()
-    }
 }
 
 impl UiState {

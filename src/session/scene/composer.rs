@@ -68,13 +68,6 @@ pub(super) struct Ingredients<'a> {
     pub choice: DrawingChoice,
 }
 
-/// The show, the parameters and the way of drawing by which a frame is composed.
-pub(super) struct Direction<'a> {
-    pub show: &'a ShowFollower,
-    pub parameters: &'a Parameters,
-    pub choice: DrawingChoice,
-}
-
 /// A scene of a frame. `below` is set for the outgoing scene.
 #[derive(Clone, Copy)]
 struct Layer<'a> {
@@ -106,7 +99,7 @@ pub(crate) struct SceneComposer {
     pub(crate) regions: SceneRegions,
     pub(crate) fading: Fading,
     pub(super) change: SceneChange,
-    pub(super) views: Views,
+    pub(crate) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
     feedback: FeedbackPace,
@@ -144,45 +137,13 @@ impl SceneComposer {
         }
     }
 
-    /// Draws for about the time `go`, at the session's `revision`: continues the frame in progress, or
-    /// begins one at a moment for which the regions are built. Returns `None` until the frame is finished. Requests
-    /// missing resources. Keeps scenes that are neither shown nor fading out only as neighbours.
-    pub(super) fn draw(
-        &mut self,
-        scenes: &mut PreparedScenes,
-        of: Direction<'_>,
-        renderer: &mut Renderer,
-        picture: &WantedPicture<'_>,
-        go: Duration,
-        revision: u64,
-    ) -> Result<Option<Drawn>, GpuError> {
-        let Direction { show, parameters, choice } = of;
-        let of = Ingredients { scenes, show, parameters, choice };
-        if self.give_up_another(of, picture)
-            && of.scenes.fading_out.is_some()
-            && !self.fades_out(of, &picture.moment, Place::FadingOut)
-        {
-            scenes.end_fade();
-        }
-        let of = Ingredients { scenes, show, parameters, choice };
-        let drawn = self.resume(of, renderer, picture, go, revision)?;
-        if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
-            // The previous scene is kept for its fade, or as a neighbour.
-            let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
-            match scenes.before.take() {
-                Some(before) if fades_out => scenes.fade_out(before),
-                Some(before) => scenes.ahead.keep(before),
-                None => {}
-            }
-        }
-        Ok(drawn)
-    }
-
-    fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
+    pub(super) fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
         self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
     }
 
-    fn resume(
+    /// Draws for about the time `go`, at the session's `revision`: continues the frame in progress, or begins one at a
+    /// moment for which the regions are built. Returns `None` until the frame is finished.
+    pub(super) fn resume(
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
@@ -190,8 +151,8 @@ impl SceneComposer {
         go: Duration,
         revision: u64,
     ) -> Result<Option<Drawn>, GpuError> {
-        let Some((id, mode)) = shown(of) else { return Ok(None) };
-        let now = (id, mode, self.views.choice);
+        let Some((shown, mode)) = of.scenes.drawn(of.choice.sdf) else { return Ok(None) };
+        let now = (shown.id, mode, self.views.choice);
         let drawn = loop {
             if self.making.is_none() {
                 self.making = self.begin(of, renderer, now, picture, revision)?;
@@ -222,7 +183,7 @@ impl SceneComposer {
         if let Some(Making { legend, .. }) = self.making.take() {
             renderer.put_legend(legend.as_deref())?;
         }
-        self.pictures.finish(Some(id), drawn.spent);
+        self.pictures.finish(Some(shown.id), drawn.spent);
         if self.fading.goes_on_by_itself() || std::mem::take(&mut self.feedback.is_incomplete) {
             self.revision += 1;
         }
@@ -230,16 +191,16 @@ impl SceneComposer {
     }
 
     /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in progress now.
-    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture<'_>) -> bool {
-        let Some((id, mode)) = shown(of) else { return false };
-        let now = (id, mode, self.views.choice);
+    pub(super) fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture<'_>) -> bool {
+        let Some((shown, mode)) = of.scenes.drawn(of.choice.sdf) else { return false };
+        let now = (shown.id, mode, self.views.choice);
         let is_of_use = |making: &Making| {
             (making.shown.size, making.shown.edges) == (wanted.size, wanted.edges) && making.of == now
         };
         if self.making.as_ref().is_some_and(is_of_use) {
             return false;
         }
-        if self.making.take().is_some_and(|making| making.of.0 != id) {
+        if self.making.take().is_some_and(|making| making.of.0 != shown.id) {
             self.has_interrupted = true;
         }
         true
@@ -418,15 +379,6 @@ impl SceneComposer {
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
-    pub(super) fn save_outgoing(
-        &mut self,
-        left: &PreparedScene,
-        show: &ShowFollower,
-        parameters: &Parameters,
-    ) {
-        self.change.save_outgoing(left, self.pictures.took(), self.camera.orbit, show, parameters);
-    }
-
     /// Starts a fade from the outgoing to the incoming scene. Cuts during a view, whose colours encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
@@ -471,13 +423,15 @@ impl SceneComposer {
     }
 
     pub(super) fn record_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
-        let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
+        let Some((scene, mode)) = of.scenes.drawn(of.choice.sdf) else { return };
         // Ignore the times of views, which use other programs, and of fades, which draw two scenes.
         if self.views.choice.is_some() || of.scenes.fading_out.is_some() {
             return;
         }
         let built = scene.resources.regions();
-        if built.is_some_and(|built| self.regions.record_frame_time(drawn, &built, time, of.choice.cells)) {
+        if built.is_some_and(|built| {
+            self.regions.record_frame_time((scene.id, mode), &built, time, of.choice.cells)
+        }) {
             self.revision += 1;
         }
     }
@@ -507,14 +461,6 @@ impl SceneComposer {
         self.making = None;
     }
 
-    pub(crate) fn view(&self) -> Option<ViewChoice> {
-        self.views.choice
-    }
-
-    pub(crate) fn redraw(&mut self) {
-        self.revision += 1;
-    }
-
     /// Notes the pointer over the picture. Requests a new frame if a scene follows it.
     pub(crate) fn point(&mut self, pointer: ([f32; 2], bool), is_followed: bool) {
         if std::mem::replace(&mut self.pointer, pointer) != pointer && is_followed {
@@ -528,8 +474,8 @@ impl SceneComposer {
         Screen { pointer: at, pressed, ..Screen::of_size(size) }
     }
 
-    /// Requests a new frame: an input has changed that neither the sound's features nor the parameters show.
-    pub(crate) fn outdate(&mut self) {
+    /// Requests a new frame: something has changed that neither the sound's features nor the parameters show.
+    pub(crate) fn redraw(&mut self) {
         self.revision += 1;
     }
 
@@ -538,7 +484,7 @@ impl SceneComposer {
     pub(crate) fn follow_textures(&mut self, cover: Option<Arc<RgbaImage>>) -> Vec<String> {
         let is_another = cover.is_some() && self.textures.set_cover(cover);
         if self.textures.has_new_pictures() || is_another {
-            self.outdate();
+            self.redraw();
         }
         self.textures.drain_messages()
     }
@@ -548,18 +494,13 @@ impl SceneComposer {
     pub(crate) fn follow_song_texts(&mut self, texts: Option<SongTexts>) {
         let are_others = texts.is_some_and(|texts| self.song_shapes.set_texts(texts));
         if self.song_shapes.has_new_texts() || are_others {
-            self.outdate();
+            self.redraw();
         }
     }
 
     pub(super) fn revision(&self) -> u64 {
         self.revision + self.views.revision + self.camera.revision
     }
-}
-
-fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
-    let scene = of.scenes.shown.as_ref()?;
-    Some((scene.id, scene.mode(of.choice.sdf)?))
 }
 
 /// The parameters of a scene at `time` seconds of the song, and the number of its camera. A parameter has the show's

@@ -1,16 +1,14 @@
 //! The inputs of a scene session, and the state that survives the loss of its OpenGL context.
 
-use std::time::Instant;
-
 use super::decks::Decks;
 use super::library::SceneLoader;
+use super::parameters::Parameters;
 use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
 use crate::gpu::mode::CellUse;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
-use mariana_control::Model;
 
 pub(crate) struct SceneLoaders {
     pub shown: SceneLoader,
@@ -35,8 +33,7 @@ pub(crate) struct DrawingWays {
 
 /// What a session takes over from another one.
 pub(crate) struct TakenOver {
-    /// The values that controllers have set, and the start time of the model's clock.
-    pub controllers: (Model, Instant),
+    pub parameters: Parameters,
     /// The requested scene.
     pub wanted: SceneSource,
     pub show: ShowFollower,

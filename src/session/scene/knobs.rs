@@ -64,6 +64,10 @@ impl SceneKnobs {
         self.sliders.iter().rposition(|slider| slider.name == name)
     }
 
+    pub(super) fn named(&self, name: &str) -> Option<(&Slider, &Knob)> {
+        self.get(self.place_of(name)?)
+    }
+
     pub(super) fn titles(&self) -> Vec<&str> {
         let mut titles: Vec<&str> = self.knobs.iter().map(|knob| &*knob.scene).collect();
         titles.dedup();

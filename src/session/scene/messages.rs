@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::clock;
-use mariana_control::Slider;
+use crate::ui::overlay::{Notice, OverlayContent, Problem};
 
 #[derive(Default)]
 pub(crate) struct Messages {
@@ -12,15 +12,6 @@ pub(crate) struct Messages {
     pub(super) hint: Option<String>,
     /// The latest technical remark, and the task it is about.
     remark: Option<(String, Option<u64>)>,
-}
-
-pub(crate) struct SceneWords<'a> {
-    /// A problem: its heading and its text.
-    pub problem: Option<(&'a str, &'a str)>,
-    /// A notice that fades, and when it appeared.
-    pub notice: Option<(&'a str, Instant)>,
-    pub hint: Option<&'a str>,
-    pub sliders: &'a mut [Slider],
 }
 
 impl Messages {
@@ -49,12 +40,13 @@ impl Messages {
         due.map(|(text, _)| &**text)
     }
 
-    pub(super) fn with<'a>(&'a self, sliders: &'a mut [Slider]) -> SceneWords<'a> {
-        SceneWords {
-            problem: self.problem.as_ref().map(|(heading, text)| (&**heading, &**text)),
-            notice: self.notice.as_ref().map(|(text, since)| (&**text, *since)),
+    pub(super) fn content(&self) -> OverlayContent<'_> {
+        let notice = self.notice.as_ref();
+        OverlayContent {
+            problem: self.problem.as_ref().map(|(heading, text)| Problem { heading, text }),
+            notice: notice.map(|(text, since)| Notice { text, fraction: None, since: *since }),
             hint: self.hint.as_deref(),
-            sliders,
+            ..OverlayContent::default()
         }
     }
 }
@@ -73,10 +65,11 @@ mod tests {
         assert_eq!(messages.remark(|_| false), Some("interpreted instead"));
         messages.set_problem("orb has mistakes".to_owned(), "line 3".to_owned());
         messages.answer("compiled");
-        let words = messages.with(&mut []);
-        assert_eq!(words.problem, Some(("orb has mistakes", "line 3")));
-        assert_eq!(words.notice.map(|(text, _)| text), Some("compiled"));
+        let content = messages.content();
+        let problem = content.problem.map(|problem| (problem.heading, problem.text));
+        assert_eq!(problem, Some(("orb has mistakes", "line 3")));
+        assert_eq!(content.notice.map(|notice| notice.text), Some("compiled"));
         messages.clear_problem();
-        assert!(messages.with(&mut []).problem.is_none() && messages.hint.is_none());
+        assert!(messages.content().problem.is_none() && messages.hint.is_none());
     }
 }

@@ -8,12 +8,13 @@ use std::time::Instant;
 
 use super::active_clips::ActiveClips;
 use super::beat_count::BeatCount;
-use super::knobs::param_of;
+use super::knobs::{Knob, param_of};
 use super::prepared_scene::PreparedScene;
+use super::show_follower::ShowFollower;
 use crate::clock;
 use crate::config::Snapshot;
 use crate::frame::sound_inputs;
-use mariana_control::{ChangedBy, Model, ParamChange, Reading, SoundBinding, Turn};
+use mariana_control::{ChangedBy, Directed, Model, ParamChange, Reading, Slider, SoundBinding, Turn};
 use mariana_field::graph::UnitInput;
 use mariana_player::Moment;
 
@@ -44,15 +45,6 @@ impl Parameters {
         Self { model, begun, now, song_time: 0.0, beats: BeatCount::default(), turned: None, revision: 0 }
     }
 
-    pub(super) fn kept(self) -> (Model, Instant) {
-        (self.model, self.begun)
-    }
-
-    pub(super) fn adopt(&mut self, model: Model, begun: Instant) {
-        let (beats, turned) = (self.beats, self.turned.take());
-        *self = Self { revision: self.revision, beats, turned, ..Self::new(model, begun) };
-    }
-
     /// Returns the time of the model's clock, in seconds.
     pub(super) fn clock(&self) -> f64 {
         clock::since(self.begun).as_secs_f64()
@@ -67,152 +59,8 @@ impl Parameters {
         self.model.move_bound(self.now, |name| Some(UnitInput::named(name)?.value(&sound, beats)));
     }
 
-    pub(super) fn follow_sound(&self, scene: &PreparedScene) -> bool {
-        scene.knobs.titles().into_iter().any(|title| self.model.follows_sound(title))
-    }
-
     pub(super) fn record_turning(&mut self) {
         self.revision += 1;
-    }
-
-    pub(super) fn is_turning(&self, scene: &PreparedScene) -> bool {
-        scene.knobs.titles().into_iter().any(|title| self.model.moves(title, self.now))
-    }
-
-    pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
-        let readings = self.read(scene, clips, self.song_time);
-        let mut is_turned = false;
-        for (slider, reading) in scene.knobs.sliders.iter_mut().zip(readings) {
-            // Ignore parameters that the show moves: a running show draws new frames anyway.
-            is_turned |=
-                slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
-            (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
-        }
-        scene.knobs.update_bindings(|scene, name| self.model.bound(scene, name));
-        if is_turned {
-            self.revision += 1;
-        }
-    }
-
-    /// Applies `change` to a parameter; in a blend, of the incoming scene. Returns `false` for an unknown name.
-    pub(super) fn turn(
-        &mut self,
-        scene: &mut PreparedScene,
-        clips: &ActiveClips<'_>,
-        change: &ParamChange,
-    ) -> bool {
-        let place = scene.knobs.place_of(&change.name);
-        if let Some((place, (slider, _))) = place.and_then(|place| Some((place, scene.knobs.get(place)?))) {
-            let to = change.to.of(&param_of(slider));
-            self.turn_at(
-                scene,
-                clips,
-                place,
-                Turn { to, seconds: change.seconds, changed_by: change.changed_by },
-            );
-        }
-        place.is_some()
-    }
-
-    pub(super) fn record_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
-        let before = self.read(scene, clips, self.song_time);
-        let moved: Vec<(usize, f32)> = (scene.knobs.sliders.iter().zip(before).enumerate())
-            .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
-            .map(|(place, (slider, _))| (place, slider.value))
-            .collect();
-        for (place, to) in moved {
-            self.turn_at(scene, clips, place, Turn { to, seconds: 0.0, changed_by: ChangedBy::Slider });
-        }
-        self.revision += 1;
-    }
-
-    /// Sets the parameter of a slider. A slider moved back to the text's default follows the text again.
-    fn turn_at(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>, place: usize, turn: Turn) {
-        let Some((slider, knob)) = scene.knobs.get(place) else { return };
-        let param = param_of(slider);
-        let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
-        if turn.changed_by == ChangedBy::Slider && turn.to == param.default && directed.is_none() {
-            self.model.release(&knob.scene, param.name);
-        } else {
-            self.model.turn(&knob.scene, &param, turn, directed, self.now);
-        }
-        self.update_sliders(scene, clips);
-    }
-
-    /// Binds a parameter to a sound, or ends its binding. Returns `false` for an unknown name.
-    pub(super) fn bind(
-        &mut self,
-        scene: &mut PreparedScene,
-        clips: &ActiveClips<'_>,
-        name: &str,
-        binding: Option<SoundBinding>,
-    ) -> bool {
-        let Some((slider, knob)) = scene.knobs.place_of(name).and_then(|place| scene.knobs.get(place)) else {
-            return false;
-        };
-        match binding {
-            Some(binding) => {
-                let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
-                self.model.bind(&knob.scene, &param_of(slider), binding, 0.0, directed, self.now);
-            }
-            None => self.model.unbind(&knob.scene, &param_of(slider)),
-        }
-        self.update_sliders(scene, clips);
-        self.revision += 1;
-        true
-    }
-
-    /// All sliders of the scene, and the sounds that move them; in a blend, of the incoming scene.
-    pub(super) fn snapshot(&self, scene: &PreparedScene, clips: &ActiveClips<'_>) -> Snapshot {
-        let (title, moves) = (scene.title(), clips.moves(self.song_time));
-        let begin = scene.resources.world().blended.unwrap_or(0);
-        let own = scene.knobs.iter().filter(|(_, knob)| knob.place >= begin);
-        let sliders = own.map(|(slider, knob)| {
-            let directed = moves.of(knob, &slider.name, scene.split());
-            (slider.name.clone(), self.model.target(&knob.scene, &param_of(slider), directed))
-        });
-        Snapshot { sliders: sliders.collect(), bindings: self.bindings(scene, &title) }
-    }
-
-    /// Moves all sliders of the scene to a snapshot within `seconds`. Sliders that are not in the snapshot stay.
-    pub(super) fn recall(
-        &mut self,
-        scene: &mut PreparedScene,
-        clips: &ActiveClips<'_>,
-        snapshot: &Snapshot,
-        seconds: f32,
-    ) {
-        let (split, moves) = (scene.split(), clips.moves(self.song_time));
-        let begin = scene.resources.world().blended.unwrap_or(0);
-        for (slider, knob) in scene.knobs.iter().filter(|(_, knob)| knob.place >= begin) {
-            let (param, directed) = (param_of(slider), moves.of(knob, &slider.name, split));
-            if let Some(binding) = snapshot.bindings.get(param.name) {
-                self.model.bind(&knob.scene, &param, binding.clone(), seconds, directed, self.now);
-            } else if let Some(to) = snapshot.sliders.get(param.name) {
-                let turn = Turn { to: *to, seconds, changed_by: ChangedBy::Slider };
-                self.model.morph(&knob.scene, &param, turn, directed, self.now);
-            }
-        }
-        self.update_sliders(scene, clips);
-        self.revision += 1;
-    }
-
-    fn bindings(&self, scene: &PreparedScene, title: &str) -> BTreeMap<String, SoundBinding> {
-        let mut bindings = self.model.bindings(title);
-        bindings.retain(|name, _| scene.knobs.place_of(name).is_some());
-        bindings
-    }
-
-    /// The value to which a parameter moves, and the controller that set this value.
-    pub(super) fn target(
-        &self,
-        scene: &PreparedScene,
-        clips: &ActiveClips<'_>,
-        name: &str,
-    ) -> Option<(f32, ChangedBy)> {
-        let (slider, knob) = scene.knobs.get(scene.knobs.place_of(name)?)?;
-        let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
-        Some((self.model.target(&knob.scene, &param_of(slider), directed), slider.changed_by))
     }
 
     /// Restores the saved values and bindings of the scene with this title.
@@ -223,17 +71,6 @@ impl Parameters {
         for (name, binding) in &moved.bindings {
             self.model.remember_binding(title, name, binding.clone());
         }
-    }
-
-    /// The parameters of a scene that differ from its text, and the bindings.
-    pub(super) fn moved(&self, scene: &PreparedScene) -> Snapshot {
-        let title = scene.title();
-        let turned = self.model.turned(&title).filter(|(name, value, _)| {
-            let slider = scene.knobs.sliders.iter().find(|slider| slider.name == *name);
-            slider.is_some_and(|slider| slider.default.to_bits() != value.to_bits())
-        });
-        let sliders = turned.map(|(name, value, _)| (name.to_owned(), value)).collect();
-        Snapshot { sliders, bindings: self.bindings(scene, &title) }
     }
 
     /// All parameters at `time` seconds of the song: set by controllers and clips, otherwise the text's defaults.
@@ -251,7 +88,7 @@ impl Parameters {
 
     fn read(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<Reading> {
         let (split, moves) = (scene.split(), clips.moves(time));
-        let read = |(slider, knob): (&mariana_control::Slider, &super::knobs::Knob)| {
+        let read = |(slider, knob): (&Slider, &Knob)| {
             let directed = moves.of(knob, &slider.name, split);
             self.model.read(&knob.scene, &param_of(slider), directed, self.now)
         };
@@ -282,6 +119,181 @@ impl Parameters {
     }
 }
 
+/// Read access to the parameters of the scene in hand, which sliders and controllers change: the shown scene, or the
+/// scene on one of two decks.
+pub(crate) struct ParametersInHand<'a> {
+    pub(super) scene: Option<&'a PreparedScene>,
+    pub(super) show: &'a ShowFollower,
+    pub(super) parameters: &'a Parameters,
+}
+
+impl<'a> ParametersInHand<'a> {
+    pub(crate) fn title(&self) -> Option<String> {
+        self.scene.map(PreparedScene::title)
+    }
+
+    pub(crate) fn sliders(&self) -> &'a [Slider] {
+        self.scene.map_or(&[], |scene| &scene.knobs.sliders)
+    }
+
+    /// The titles of the scenes whose parameters these are: two in a blend.
+    fn titles(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        self.scene.into_iter().flat_map(|scene| scene.knobs.titles())
+    }
+
+    pub(crate) fn are_turning(&self) -> bool {
+        self.titles().any(|title| self.parameters.model.moves(title, self.parameters.now))
+    }
+
+    pub(super) fn follow_sound(&self) -> bool {
+        self.titles().any(|title| self.parameters.model.follows_sound(title))
+    }
+
+    /// The value to which a parameter moves, and the controller that set this value.
+    pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
+        let (slider, knob) = self.scene?.knobs.named(name)?;
+        Some((self.target_of(slider, knob)?, slider.changed_by))
+    }
+
+    fn target_of(&self, slider: &Slider, knob: &Knob) -> Option<f32> {
+        let (scene, time) = (self.scene?, self.parameters.song_time);
+        let (clips, _) = self.show.clips(scene, time);
+        let directed = clips.moves(time).of(knob, &slider.name, scene.split());
+        Some(self.parameters.model.target(&knob.scene, &param_of(slider), directed))
+    }
+
+    /// The parameters of the scene that differ from its text, and the bindings.
+    pub(crate) fn moved(&self) -> Snapshot {
+        let Some(scene) = self.scene else { return Snapshot::default() };
+        let title = scene.title();
+        let turned = self.parameters.model.turned(&title).filter(|(name, value, _)| {
+            let slider = scene.knobs.sliders.iter().find(|slider| slider.name == *name);
+            slider.is_some_and(|slider| slider.default.to_bits() != value.to_bits())
+        });
+        let sliders = turned.map(|(name, value, _)| (name.to_owned(), value)).collect();
+        Snapshot { sliders, bindings: self.bindings(scene) }
+    }
+
+    /// All sliders of the scene, and the sounds that move them; in a blend, of the incoming scene. `None` if it has no
+    /// sliders.
+    pub(crate) fn snapshot(&self) -> Option<Snapshot> {
+        let scene = self.scene?;
+        let target =
+            |(slider, knob): (&Slider, &Knob)| Some((slider.name.clone(), self.target_of(slider, knob)?));
+        let sliders: BTreeMap<_, _> = scene.own_knobs().filter_map(target).collect();
+        (!sliders.is_empty()).then(|| Snapshot { sliders, bindings: self.bindings(scene) })
+    }
+
+    fn bindings(&self, scene: &PreparedScene) -> BTreeMap<String, SoundBinding> {
+        let mut bindings = self.parameters.model.bindings(&scene.title());
+        bindings.retain(|name, _| scene.knobs.place_of(name).is_some());
+        bindings
+    }
+}
+
+/// Write access to the parameters of a scene.
+pub(crate) struct TurnedParameters<'a> {
+    scene: &'a mut PreparedScene,
+    clips: ActiveClips<'a>,
+    parameters: &'a mut Parameters,
+}
+
+impl<'a> TurnedParameters<'a> {
+    pub(super) fn of(
+        scene: &'a mut PreparedScene,
+        show: &'a ShowFollower,
+        parameters: &'a mut Parameters,
+    ) -> Self {
+        let (clips, _) = show.clips(scene, parameters.song_time);
+        Self { scene, clips, parameters }
+    }
+
+    fn directed(&self, slider: &Slider, knob: &Knob) -> Option<Directed> {
+        self.clips.moves(self.parameters.song_time).of(knob, &slider.name, self.scene.split())
+    }
+
+    pub(super) fn update_sliders(&mut self) {
+        let readings = self.parameters.read(self.scene, &self.clips, self.parameters.song_time);
+        let mut is_turned = false;
+        for (slider, reading) in self.scene.knobs.sliders.iter_mut().zip(readings) {
+            // Ignore parameters that the show moves: a running show draws new frames anyway.
+            is_turned |=
+                slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
+            (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
+        }
+        self.scene.knobs.update_bindings(|scene, name| self.parameters.model.bound(scene, name));
+        if is_turned {
+            self.parameters.revision += 1;
+        }
+    }
+
+    /// Applies `change` to a parameter; in a blend, of the incoming scene. Returns `false` for an unknown name.
+    pub(crate) fn turn(&mut self, change: &ParamChange) -> bool {
+        let knobs = &self.scene.knobs;
+        let Some((place, (slider, _))) = knobs.place_of(&change.name).zip(knobs.named(&change.name)) else {
+            return false;
+        };
+        let to = change.to.of(&param_of(slider));
+        self.turn_at(place, Turn { to, seconds: change.seconds, changed_by: change.changed_by });
+        true
+    }
+
+    pub(crate) fn record_moved(&mut self) {
+        let before = self.parameters.read(self.scene, &self.clips, self.parameters.song_time);
+        let moved: Vec<(usize, f32)> = (self.scene.knobs.sliders.iter().zip(before).enumerate())
+            .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
+            .map(|(place, (slider, _))| (place, slider.value))
+            .collect();
+        for (place, to) in moved {
+            self.turn_at(place, Turn { to, seconds: 0.0, changed_by: ChangedBy::Slider });
+        }
+        self.parameters.revision += 1;
+    }
+
+    /// Sets the parameter of a slider. A slider moved back to the text's default follows the text again.
+    fn turn_at(&mut self, place: usize, turn: Turn) {
+        let Some((slider, knob)) = self.scene.knobs.get(place) else { return };
+        let (param, directed) = (param_of(slider), self.directed(slider, knob));
+        let Parameters { model, now, .. } = &mut *self.parameters;
+        if turn.changed_by == ChangedBy::Slider && turn.to == param.default && directed.is_none() {
+            model.release(&knob.scene, param.name);
+        } else {
+            model.turn(&knob.scene, &param, turn, directed, *now);
+        }
+        self.update_sliders();
+    }
+
+    /// Binds a parameter to a sound, or ends its binding. Returns `false` for an unknown name.
+    pub(crate) fn bind(&mut self, name: &str, binding: Option<SoundBinding>) -> bool {
+        let Some((slider, knob)) = self.scene.knobs.named(name) else { return false };
+        let (param, directed) = (param_of(slider), self.directed(slider, knob));
+        let Parameters { model, now, .. } = &mut *self.parameters;
+        match binding {
+            Some(binding) => model.bind(&knob.scene, &param, binding, 0.0, directed, *now),
+            None => model.unbind(&knob.scene, &param),
+        }
+        self.update_sliders();
+        self.parameters.revision += 1;
+        true
+    }
+
+    /// Moves all sliders of the scene to a snapshot within `seconds`. Sliders that are not in the snapshot stay.
+    pub(crate) fn recall(&mut self, snapshot: &Snapshot, seconds: f32) {
+        for (slider, knob) in self.scene.own_knobs() {
+            let (param, directed) = (param_of(slider), self.directed(slider, knob));
+            let Parameters { model, now, .. } = &mut *self.parameters;
+            if let Some(binding) = snapshot.bindings.get(param.name) {
+                model.bind(&knob.scene, &param, binding.clone(), seconds, directed, *now);
+            } else if let Some(to) = snapshot.sliders.get(param.name) {
+                let turn = Turn { to: *to, seconds, changed_by: ChangedBy::Slider };
+                model.morph(&knob.scene, &param, turn, directed, *now);
+            }
+        }
+        self.update_sliders();
+        self.parameters.revision += 1;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::{text, uploaded};
@@ -300,25 +312,25 @@ mod tests {
         let context = Headless::new(false).unwrap();
         let mut scene = uploaded(context.gl(), 0, &text(BALL));
         let mut parameters = Parameters::new(Model::default(), Instant::now());
-        let clips = ActiveClips::default();
-        assert!(
-            !parameters.turn(&mut scene, &clips, &change("width", 2.0, ChangedBy::Midi)),
-            "no such parameter"
-        );
-        assert_eq!(parameters.revision, 0);
-        assert!(parameters.turn(&mut scene, &clips, &change("size", 2.5, ChangedBy::Midi)));
+        let (show, clips) = (ShowFollower::default(), ActiveClips::default());
+        let mut turned = TurnedParameters::of(&mut scene, &show, &mut parameters);
+        assert!(!turned.turn(&change("width", 2.0, ChangedBy::Midi)), "no such parameter");
+        assert_eq!(turned.parameters.revision, 0);
+        assert!(turned.turn(&change("size", 2.5, ChangedBy::Midi)));
         assert_eq!(parameters.numbers(&scene, &clips, 0.0), [2.5]);
-        assert_eq!(parameters.target(&scene, &clips, "size"), Some((2.5, ChangedBy::Midi)));
+        let in_hand = ParametersInHand { scene: Some(&scene), show: &show, parameters: &parameters };
+        assert_eq!(in_hand.target("size"), Some((2.5, ChangedBy::Midi)));
         assert!(parameters.revision > 0, "the same moment looks different");
-        let moved = parameters.moved(&scene);
+        let moved = in_hand.moved();
         assert_eq!(moved.sliders.get("size"), Some(&2.5));
         // A slider moved back to the text's default follows the text again.
         if let Some(slider) = scene.knobs.sliders.first_mut() {
             slider.value = slider.default;
         }
-        parameters.record_moved(&mut scene, &clips);
-        assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
-        assert_eq!(parameters.moved(&scene), Snapshot::default());
+        TurnedParameters::of(&mut scene, &show, &mut parameters).record_moved();
+        let in_hand = ParametersInHand { scene: Some(&scene), show: &show, parameters: &parameters };
+        assert_eq!(in_hand.target("size"), Some((1.0, ChangedBy::Text)));
+        assert_eq!(in_hand.moved(), Snapshot::default());
         let mut again = Parameters::new(Model::default(), Instant::now());
         again.remember(&scene.title(), &moved);
         assert_eq!(again.numbers(&scene, &clips, 0.0), [2.5]);

@@ -1,13 +1,10 @@
 //! The shown scene, in the form in which it is recorded.
 
 use super::active_clips::ActiveClips;
-use super::camera::SceneCamera;
 use super::decks::Decks;
-use super::fading::Fading;
 use super::parameters::Parameters;
 use super::prepared_scenes::PreparedScenes;
-use super::show_follower::ShowFollower;
-use crate::config::SdfChoice;
+use super::session::SceneSession;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
 use crate::show::{Finish, Move, TimedTransition, Turned};
@@ -41,22 +38,23 @@ pub(crate) struct OtherPerformed<'a> {
 }
 
 impl<'a> Performed<'a> {
-    pub(super) fn at(
-        time: f64,
-        scenes: &'a PreparedScenes,
-        show: &'a ShowFollower,
-        fading: &Fading,
-        camera: &SceneCamera,
-        sdf: SdfChoice,
-    ) -> Option<Self> {
-        let scene = scenes.shown.as_ref()?;
+    /// The frame at `time` seconds of the song.
+    pub(crate) fn of(session: &'a SceneSession, time: f64) -> Option<Self> {
+        let performed = Self::at(session, time)?;
+        Some(match &session.decks {
+            Some(decks) => performed.on_decks(decks, session),
+            None => performed,
+        })
+    }
+
+    fn at(session: &'a SceneSession, time: f64) -> Option<Self> {
+        let SceneSession { scenes, show, composer, preparation, .. } = session;
+        let (scene, fading, sdf) = (scenes.shown.as_ref()?, &composer.fading, preparation.choice.sdf);
         let (clips, _) = show.clips(scene, time);
-        let split = scene.resources.world().blended.unwrap_or(0);
         let staged = clips.last();
         // Ignore the show's values if the user chose or locked the scene: then the show only turns the camera.
         let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked);
-        let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
-        let params = params.map(|(slider, _)| Turned {
+        let params = scene.own_knobs().map(|(slider, _)| Turned {
             name: &slider.name,
             value: slider.value,
             own: slider.default,
@@ -75,24 +73,18 @@ impl<'a> Performed<'a> {
             fades: faded.is_some() || (!fading.goes_on() && show.outgoing(time, scenes, sdf).is_some()),
             params: params.collect(),
             moves: clip.map_or(&[], |clip| &clip.moves),
-            orbit: camera.at(&clips, time),
+            orbit: composer.camera.at(&clips, time),
             picture: Finish::NOTHING,
             other: None,
         })
     }
 
     /// The same frame as a mix of two decks.
-    pub(super) fn on_decks(
-        self,
-        decks: &'a Decks,
-        fader: f32,
-        scenes: &'a PreparedScenes,
-        parameters: &Parameters,
-        camera: &SceneCamera,
-    ) -> Self {
+    fn on_decks(self, decks: &'a Decks, session: &'a SceneSession) -> Self {
         let [from, to] = decks.pair();
-        let of = |source: &SceneSource| turned_of(source, scenes, parameters);
-        let orbit_if = |is_its: bool| if is_its { camera.orbit } else { OrbitControls::OFF };
+        let fader = session.show.fader().unwrap_or_default();
+        let of = |source: &SceneSource| turned_of(source, &session.scenes, &session.parameters);
+        let orbit_if = |is_its: bool| if is_its { session.composer.camera.orbit } else { OrbitControls::OFF };
         let (of_from, of_to) = (fader < 1.0, fader > 0.0);
         let other = OtherPerformed {
             source: from,

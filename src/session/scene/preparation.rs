@@ -21,11 +21,11 @@ use super::prepared_scenes::PreparedScenes;
 use super::program_library::ProgramLibrary;
 use super::program_task::{ProgramOf, Task};
 use super::refusal::{Refusal, TREE_TOO_LONG, too_expensive};
-use super::tree_trials::TreeTrials;
+use super::region_builder::RegionBuilder;
 use super::versions::{last_version, only_settles};
 use crate::clock;
 use crate::config::SdfChoice;
-use crate::gpu::{BuiltRegions, CellUse, Gl, GpuError, Mode, Program, Renderer};
+use crate::gpu::{BuiltRegions, Gl, GpuError, Mode, Program, Renderer};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 use mariana_field::lang::render_all;
 
@@ -45,7 +45,8 @@ pub(crate) struct ScenePreparation {
     gl: Gl,
     pub(super) choice: DrawingChoice,
     pub library: SceneLibrary,
-    pub(super) trials: TreeTrials,
+    /// Builds the first trees of new scenes. The build time shows whether a scene is fast enough to be drawn.
+    pub(super) trials: RegionBuilder<u64>,
     next_scene: u64,
     pub(crate) asked_mode: Option<Mode>,
     // The last field, because its threads draw with objects of the fields above.
@@ -57,14 +58,10 @@ impl ScenePreparation {
         gl: &Gl,
         choice: DrawingChoice,
         library: SceneLibrary,
-        trials: TreeTrials,
+        trials: RegionBuilder<u64>,
         programs: ProgramLibrary,
     ) -> Self {
         Self { gl: gl.clone(), choice, library, trials, next_scene: 0, asked_mode: None, programs }
-    }
-
-    pub(super) fn set_cells(&mut self, cells: CellUse) {
-        self.choice.cells = cells;
     }
 
     /// Takes the loaded scene. If the scene cannot be shown, returns the reason and keeps the last good scene.
@@ -138,7 +135,7 @@ impl ScenePreparation {
         self.forget_obsolete(scenes);
         let PreparedScenes { coming: Some(scene), ahead, .. } = scenes else { return };
         if scene.tree == FirstTree::Coming {
-            self.trials.request(scene.id, &scene.resources, self.choice.cells);
+            self.trials.request_first(scene.id, &scene.resources, self.choice.cells);
             ahead.request_trees_again();
         }
         let fits = scene.programs.interpreter.is_some();
@@ -427,7 +424,7 @@ impl ScenePreparation {
         let Some(scene) = scenes.get_mut(id) else { return };
         if tree {
             tracing::info!("{} is prepared ahead", scene.title());
-            self.trials.request(id, &scene.resources, self.choice.cells);
+            self.trials.request_first(id, &scene.resources, self.choice.cells);
         }
         match program {
             Some(Mode::Compiled) => self.request_compiled(scene),

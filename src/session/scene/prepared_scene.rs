@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::knobs::SceneKnobs;
+use super::knobs::{Knob, SceneKnobs};
 use super::program_task::ProgramOf;
 use crate::clock;
 use crate::config::SdfChoice;
@@ -12,6 +12,7 @@ use crate::gpu::scene_program::COMPILED_BY_ITSELF_MAX;
 use crate::gpu::{CellUse, Gl, GpuError, Interpreter, Mode, Program, SceneResources};
 use crate::scenes::{ReadyScene, SceneSource, TextureSource};
 use crate::song_shapes;
+use mariana_control::Slider;
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
@@ -204,6 +205,12 @@ impl PreparedScene {
     /// In a blend, the number of parameters of the outgoing scene; otherwise `usize::MAX`.
     pub(super) fn split(&self) -> usize {
         self.resources.world().blended.unwrap_or(usize::MAX)
+    }
+
+    /// The sliders of the scene; in a blend, of the incoming scene.
+    pub(super) fn own_knobs(&self) -> impl Iterator<Item = (&Slider, &Knob)> {
+        let begin = self.resources.world().blended.unwrap_or(0);
+        self.knobs.iter().filter(move |(_, knob)| knob.place >= begin)
     }
 
     pub(super) fn is_blend(&self) -> bool {

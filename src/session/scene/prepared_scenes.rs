@@ -5,6 +5,7 @@ use super::prepared_scene::PreparedScene;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::picture::Picture;
+use crate::gpu::Mode;
 use crate::scenes::SceneSource;
 use mariana_music::Features;
 
@@ -66,6 +67,12 @@ impl PreparedScenes {
 
     pub(crate) fn shown_id(&self) -> Option<u64> {
         self.shown.as_ref().map(|scene| scene.id)
+    }
+
+    /// The shown scene, and the mode in which it is drawn now.
+    pub(super) fn drawn(&self, sdf: SdfChoice) -> Option<(&PreparedScene, Mode)> {
+        let scene = self.shown.as_ref()?;
+        Some((scene, scene.mode(sdf)?))
     }
 
     /// The prepared scene with this source; the shown scene if there is none.

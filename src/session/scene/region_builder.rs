@@ -13,8 +13,12 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use mariana_work::{Latest, Shared, contained, latest};
 
+use crate::faults::{self, Fault};
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
+use crate::gpu::{CellUse, Mode, SceneResources};
+use crate::limits;
+use mariana_music::Features;
 
 pub(super) struct TreeJob<Tag> {
     /// The caller's identifier of the request.
@@ -37,6 +41,9 @@ pub(super) struct BuiltTree<Tag> {
 /// draw.
 const END_WAIT: Duration = Duration::from_millis(200);
 
+/// Size of the frame for a scene's first tree. Only its aspect ratio matters.
+const TRIAL_SIZE: (u32, u32) = (16, 9);
+
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
     done: Option<BuiltTree<Tag>>,
@@ -45,6 +52,24 @@ struct State<Tag> {
 }
 
 pub(super) struct RegionBuilder<Tag>(Latest<State<Tag>>);
+
+impl RegionBuilder<u64> {
+    /// Requests the first tree of the scene `id`. Replaces the request for any other scene.
+    pub(super) fn request_first(&self, id: u64, scene: &SceneResources, cells: CellUse) {
+        scene.set_cells(cells != CellUse::Never || scene.world().non_lipschitz, Mode::Interpreted);
+        let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
+        let request = scene.region_request(&frame);
+        self.forget();
+        let (maker, patience) = (scene.region_maker(), longest_wait());
+        self.request(TreeJob { tag: id, frame, maker, request, patience });
+    }
+}
+
+/// The longest that a scene's first tree may take.
+pub(super) fn longest_wait() -> Duration {
+    let share = if faults::is_wanted(Fault::LittlePatience) { 0.1 } else { 1.0 };
+    Duration::from_secs_f64(share * limits::PICTURE_SECONDS_MAX)
+}
 
 impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// Starts the thread, which calls `wake` after each tree.

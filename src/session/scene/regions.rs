@@ -3,12 +3,11 @@
 
 use std::time::Duration;
 
-use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
+use super::region_builder::{BuiltTree, RegionBuilder, TreeJob, longest_wait};
 use crate::faults::{self, Fault};
 use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::{BuiltRegions, CellUse, EdgeSamples, Mode, SceneResources};
-use crate::limits;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
@@ -211,11 +210,6 @@ impl SceneRegions {
             None => "regions are being built".to_owned(),
         }
     }
-}
-
-pub(super) fn longest_wait() -> Duration {
-    let share = if faults::is_wanted(Fault::LittlePatience) { 0.1 } else { 1.0 };
-    Duration::from_secs_f64(share * limits::PICTURE_SECONDS_MAX)
 }
 
 fn milliseconds(time: Duration) -> f64 {

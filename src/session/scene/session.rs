@@ -3,35 +3,32 @@
 use std::time::{Duration, Instant};
 
 use super::ahead::PreparedAhead;
-use super::composer::{Direction, Drawn, Ingredients, SceneComposer, WantedPicture};
+use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
 use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders, TakenOver};
 use super::decks::Decks;
 use super::library::SceneLibrary;
-use super::messages::{Messages, SceneWords};
+use super::messages::Messages;
 use super::on_decks::DeckChanges;
-use super::parameters::Parameters;
-use super::parameters_in_hand::{ParametersInHand, TurnedParameters};
-use super::performed::Performed;
+use super::parameters::{Parameters, ParametersInHand, TurnedParameters};
 use super::preparation::{ScenePreparation, TreeVerdict};
 use super::prepared_scene::{DrawingChoice, PreparedScene};
-use super::prepared_scenes::PreparedScenes;
+use super::prepared_scenes::{Place, PreparedScenes};
 use super::preview::NextPicture;
 use super::program_library::ProgramLibrary;
 use super::refinement::Refinement;
 use super::refusal::{Refusal, TREE_TOO_LONG};
+use super::region_builder::{BuiltTree, RegionBuilder};
 use super::regions::SceneRegions;
-use super::report::SceneReport;
 use super::show_follower::{Circumstances, ShowFollower, Step};
-use super::tree_trials::TreeTrials;
 use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::{CellUse, Gl, GpuError, Mode, PictureReader, Renderer, Sketch, Sources, WorkerContext};
 use crate::moving_textures::LiveTextures;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use crate::song_shapes::LiveSongShapes;
-use crate::ui::overlay::DeckStrip;
+use crate::ui::overlay::{DeckStrip, OverlayContent, PanelSwitches};
 use crate::view::ViewChoice;
-use mariana_control::Model;
+use mariana_control::{Model, ParamChange};
 use mariana_music::Sound;
 use mariana_player::Moment;
 
@@ -45,7 +42,7 @@ pub(crate) struct SceneSession {
     pub(crate) composer: SceneComposer,
     next_picture: NextPicture,
     refinement: Refinement,
-    decks: Option<Decks>,
+    pub(super) decks: Option<Decks>,
     announced: Option<(u64, Mode)>,
     // The last field, because the compiler's threads draw with objects of the fields above.
     pub(crate) preparation: ScenePreparation,
@@ -68,7 +65,7 @@ impl SceneSession {
         let LoadedScene { source, scene } = first;
         let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
-        let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
+        let trials = RegionBuilder::start(wake.clone()).map_err(no_worker)?;
         let textures = LiveTextures::new(wake.clone());
         let song_shapes = LiveSongShapes::start(wake.clone()).map_err(no_worker)?;
         let programs = ProgramLibrary::start(gl, contexts, sources, ways.projection, wake);
@@ -96,28 +93,22 @@ impl SceneSession {
         let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
         let shown = shown.or(coming).map(PreparedScene::into_ready);
         let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
-        let (view, fade) = (self.composer.view(), self.composer.fading.seconds());
+        let (view, fade) = (self.composer.views.choice, self.composer.fading.seconds());
         let projection = self.composer.projection;
         let (loader, wanted) = self.preparation.library.into_loader();
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
             shown,
             ways: DrawingWays { sdf, cells, view, projection, fade },
-            taken_over: TakenOver {
-                controllers: self.parameters.kept(),
-                wanted,
-                show: self.show,
-                decks: self.decks,
-            },
+            taken_over: TakenOver { parameters: self.parameters, wanted, show: self.show, decks: self.decks },
         }
     }
 
     /// Continues where another session ended: with its parameter values, its requested scene, its show and its decks.
     pub(crate) fn adopt(&mut self, from: TakenOver) {
-        let TakenOver { controllers, wanted, show, decks } = from;
-        self.parameters.adopt(controllers.0, controllers.1);
+        let TakenOver { parameters, wanted, show, decks } = from;
+        (self.parameters, self.show, self.decks) = (parameters, show, decks);
         self.preparation.library.adopt(wanted);
-        (self.show, self.decks) = (show, decks);
     }
 
     /// The parameters of the scene in hand: the shown scene, or the scene on the deck in hand.
@@ -126,9 +117,14 @@ impl SceneSession {
         ParametersInHand { scene, show: &self.show, parameters: &self.parameters }
     }
 
-    pub(crate) fn parameters_in_hand_mut(&mut self) -> TurnedParameters<'_> {
-        let scene = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
-        TurnedParameters { scene, show: &self.show, parameters: &mut self.parameters }
+    pub(crate) fn parameters_in_hand_mut(&mut self) -> Option<TurnedParameters<'_>> {
+        let scene = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand))?;
+        Some(TurnedParameters::of(scene, &self.show, &mut self.parameters))
+    }
+
+    /// Applies `change` to a parameter of the scene in hand. Returns `false` if there is none of this name.
+    pub(crate) fn turn(&mut self, change: &ParamChange) -> bool {
+        self.parameters_in_hand_mut().is_some_and(|mut turned| turned.turn(change))
     }
 
     /// The decks and the time of their clock, in seconds; `None` while there is one scene.
@@ -169,17 +165,6 @@ impl SceneSession {
         }
     }
 
-    pub(crate) fn report(&self) -> SceneReport<'_> {
-        SceneReport {
-            scenes: &self.scenes,
-            show: &self.show,
-            composer: &self.composer,
-            messages: &self.messages,
-            programs: &self.preparation.programs,
-            choice: self.preparation.choice,
-        }
-    }
-
     /// Takes the results of the loader and the compilers.
     ///
     /// # Errors
@@ -194,8 +179,8 @@ impl SceneSession {
             let refused = self.preparation.receive_program(&task, program, scenes, messages)?;
             refused.into_iter().for_each(|refusal| self.refuse(refusal));
         }
-        while let Some((id, tree)) = self.preparation.trials.poll() {
-            match self.preparation.receive_tree(id, tree, &mut self.scenes) {
+        while let Some(BuiltTree { tag, regions, .. }) = self.preparation.trials.poll() {
+            match self.preparation.receive_tree(tag, regions, &mut self.scenes) {
                 TreeVerdict::Fine => {}
                 TreeVerdict::DrawnWithout(id) => self.composer.regions.late_for = Some((id, Mode::Compiled)),
                 TreeVerdict::Refused(refusal) => self.refuse(refusal),
@@ -260,7 +245,8 @@ impl SceneSession {
             self.composer.edits.record(clock::now());
         }
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
-            self.composer.save_outgoing(left, &self.show, &self.parameters);
+            let (took, orbit) = (self.composer.pictures.took(), self.composer.camera.orbit);
+            self.composer.change.save_outgoing(left, took, orbit, &self.show, &self.parameters);
         }
         // Do not keep a scene that was never drawn.
         if self.composer.pictures.scene() == replaced.as_ref().map(|scene| scene.id) {
@@ -285,7 +271,7 @@ impl SceneSession {
     }
 
     fn announce(&mut self) {
-        let now = self.scenes.shown.as_ref().map(|scene| scene.id).zip(self.mode());
+        let now = self.drawn().map(|(scene, mode)| (scene.id, mode));
         let before = self.announced;
         if now == before {
             return;
@@ -305,7 +291,8 @@ impl SceneSession {
         (&mut self.composer, Ingredients { scenes, show, parameters, choice })
     }
 
-    /// Draws the shown scene or continues the frame in progress: [`SceneComposer::draw`].
+    /// Draws the shown scene or continues the frame in progress ([`SceneComposer::resume`]). Requests missing resources.
+    /// Keeps scenes that are neither shown nor fading out only as neighbours.
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -313,9 +300,24 @@ impl SceneSession {
     ) -> Result<Option<Drawn>, GpuError> {
         let known = self.scenes.ids();
         let (go, revision) = (self.preparation.library.length_of_go(), self.revision());
-        let of =
-            Direction { show: &self.show, parameters: &self.parameters, choice: self.preparation.choice };
-        let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, go, revision)?;
+        let (composer, of) = self.composing();
+        if composer.give_up_another(of, &picture)
+            && of.scenes.fading_out.is_some()
+            && !composer.fades_out(of, &picture.moment, Place::FadingOut)
+        {
+            self.scenes.end_fade();
+        }
+        let (composer, of) = self.composing();
+        let drawn = composer.resume(of, renderer, &picture, go, revision)?;
+        if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
+            // The previous scene is kept for its fade, or as a neighbour.
+            let fades_out = composer.fades_out(of, &drawn.shown.moment, Place::Before);
+            match self.scenes.before.take() {
+                Some(before) if fades_out => self.scenes.fade_out(before),
+                Some(before) => self.scenes.ahead.keep(before),
+                None => {}
+            }
+        }
         if self.scenes.ids() != known {
             self.preparation.forget_obsolete(&self.scenes);
         }
@@ -427,19 +429,6 @@ impl SceneSession {
         self.request_scene(source);
     }
 
-    pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
-        let (fading, camera, sdf) =
-            (&self.composer.fading, &self.composer.camera, self.preparation.choice.sdf);
-        let performed = Performed::at(time, &self.scenes, &self.show, fading, camera, sdf)?;
-        match &self.decks {
-            Some(decks) => {
-                let fader = self.show.fader().unwrap_or_default();
-                Some(performed.on_decks(decks, fader, &self.scenes, &self.parameters, camera))
-            }
-            None => Some(performed),
-        }
-    }
-
     pub(crate) fn follow_controllers(&mut self, moment: &Moment) {
         if self.composer.change.is_begun() {
             return;
@@ -452,10 +441,11 @@ impl SceneSession {
     }
 
     fn update_sliders(&mut self) {
-        let (show, parameters) = (&self.show, &mut self.parameters);
-        TurnedParameters { scene: self.scenes.shown.as_mut(), show, parameters }.update_sliders();
+        if let Some(shown) = &mut self.scenes.shown {
+            TurnedParameters::of(shown, &self.show, &mut self.parameters).update_sliders();
+        }
         if self.decks.is_some() {
-            self.parameters_in_hand_mut().update_sliders();
+            self.parameters_in_hand_mut().into_iter().for_each(|mut turned| turned.update_sliders());
         }
     }
 
@@ -476,10 +466,12 @@ impl SceneSession {
     }
 
     pub(crate) fn toggle_regions(&mut self) {
-        let drawn = self.scenes.shown.as_ref().zip(self.mode());
-        let drawn = drawn.map(|(scene, mode)| ((scene.id, mode), &scene.resources));
+        let drawn = self
+            .scenes
+            .drawn(self.preparation.choice.sdf)
+            .map(|(scene, mode)| ((scene.id, mode), &scene.resources));
         let cells = self.composer.regions.toggle(drawn, self.preparation.choice.cells);
-        self.preparation.set_cells(cells);
+        self.preparation.choice.cells = cells;
         let words = if cells == CellUse::Never { "no regions" } else { "regions" };
         self.messages.answer(words);
         self.composer.redraw();
@@ -499,9 +491,8 @@ impl SceneSession {
     fn show_view(&mut self, choice: Option<ViewChoice>) {
         self.composer.show_view(choice);
         self.request_view();
-        let mode = self.mode();
-        let ready = self.scenes.shown.as_ref().zip(mode);
-        let ready = ready.and_then(|(scene, mode)| self.composer.views.program(scene, mode));
+        let drawn = self.scenes.drawn(self.preparation.choice.sdf);
+        let ready = drawn.and_then(|(scene, mode)| self.composer.views.program(scene, mode));
         self.messages.answer(match choice {
             None => "views are off".to_owned(),
             Some(choice) if ready.is_some() => format!("view: {choice}"),
@@ -551,12 +542,25 @@ impl SceneSession {
             || self.parameters_in_hand().follow_sound()
     }
 
-    pub(super) fn mode(&self) -> Option<Mode> {
-        self.scenes.shown.as_ref()?.mode(self.preparation.choice.sdf)
+    /// The shown scene, and the mode in which it is drawn now.
+    pub(super) fn drawn(&self) -> Option<(&PreparedScene, Mode)> {
+        self.scenes.drawn(self.preparation.choice.sdf)
     }
 
-    pub(crate) fn words(&mut self) -> SceneWords<'_> {
+    pub(super) fn mode(&self) -> Option<Mode> {
+        Some(self.drawn()?.1)
+    }
+
+    /// What the overlay shows of the scene, with the status line `corner`.
+    pub(crate) fn content<'a>(
+        &'a mut self,
+        corner: Option<&'a str>,
+        panels: PanelSwitches,
+    ) -> OverlayContent<'a> {
+        let decks = self.deck_strip();
         let in_hand = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
-        self.messages.with(in_hand.map_or(&mut [][..], |scene| &mut scene.knobs.sliders))
+        let sliders = in_hand.map(|scene| &mut *scene.knobs.sliders);
+        let params = sliders.filter(|sliders| panels.sliders && !sliders.is_empty());
+        OverlayContent { corner, params, decks, ..self.messages.content() }
     }
 }

@@ -10,7 +10,9 @@ use mariana_music::{Features, Section, SongStructure};
 use mariana_player::Moment;
 use mariana_testing::process::wait_until;
 
+use super::performed::Performed;
 use super::program_task::{ProgramOf, Task};
+use super::report;
 use super::testing::loader;
 use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
 use crate::config::SdfChoice;
@@ -18,6 +20,7 @@ use crate::frame::projection::Projection;
 use crate::gpu::{CellUse, Counting, EdgeSamples, GpuError, Headless, Renderer, ShaderLibrary, Sources};
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
+use crate::ui::overlay::PanelSwitches;
 
 /// Names of scenes, and the energies that they are made for.
 const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), ("other", "0.5 .. 0.8")];
@@ -132,9 +135,10 @@ impl Staged {
     }
 
     fn words(&mut self) -> Vec<String> {
-        let words = self.session.words();
-        let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
-        words.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
+        let content = self.session.content(None, PanelSwitches::default());
+        let notice = content.notice.map(|notice| notice.text);
+        let problem = content.problem.map(|problem| problem.heading);
+        content.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
     }
 }
 
@@ -167,7 +171,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     staged.session.follow(LOUD + 0.1);
     staged.wait_for("other");
     assert_eq!(staged.words(), [""; 0]);
-    let line = staged.session.report().line("", "").unwrap();
+    let line = report::line(&staged.session, "", "").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
     let loud = staged.source("loud");
     staged.session.show_source(loud);
@@ -239,7 +243,7 @@ fn a_fade_by_the_user_follows_the_songs_time_and_shows_both_scenes() {
         let found = staged.session.composer.fading.fraction_of_scene(&at(time)).unwrap();
         assert!((found - fraction).abs() < 0.001, "{found} at {time}");
         assert_eq!(staged.session.scenes.fading_out.as_ref().map(|scene| scene.id), calm);
-        let performed = staged.session.performed(time).unwrap();
+        let performed = Performed::of(&staged.session, time).unwrap();
         assert_eq!((performed.faded, performed.fades), (Some((2.0, 10.249)), true));
     }
     // The fade has ended, and the outgoing scene is dropped.

@@ -38,7 +38,7 @@ impl SceneSession {
 
     /// True if the shown frame is at rest, and [`Self::refine`] makes it better.
     pub(crate) fn can_refine(&self) -> bool {
-        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return false };
+        let Some((scene, mode)) = self.drawn() else { return false };
         let is_ready =
             || scene.program_of(mode).is_some_and(|wanted| self.refinement.programs.cover(&wanted));
         self.refinement.is_unfinished()
@@ -55,7 +55,7 @@ impl SceneSession {
     pub(crate) fn refine(&mut self, renderer: &mut Renderer, of: Shown) -> Result<Option<Drawn>, GpuError> {
         let begun = crate::clock::now();
         let patience = self.preparation.library.length_of_go();
-        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return Ok(None) };
+        let Some((scene, mode)) = self.scenes.drawn(self.preparation.choice.sdf) else { return Ok(None) };
         let Some(frame) = self.composer.pictures.frame() else { return Ok(None) };
         match self.refinement.resume(renderer, scene, mode, frame, of, patience) {
             Ok((is_better, words)) => {
@@ -74,7 +74,7 @@ impl SceneSession {
     }
 
     pub(super) fn request_view(&mut self) {
-        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
+        let Some((scene, mode)) = self.scenes.drawn(self.preparation.choice.sdf) else { return };
         if let Some(wanted) = self.composer.views.missing(scene, mode) {
             self.preparation.programs.request_special(scene, Task::Views(wanted));
         }
@@ -90,7 +90,7 @@ impl SceneSession {
             self.refinement.end();
             return self.messages.answer(words);
         }
-        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
+        let Some((scene, mode)) = self.scenes.drawn(self.preparation.choice.sdf) else { return };
         // Another program may still come, which will draw the scene.
         if self.preparation.programs.is_making(scene, Mode::Compiled) {
             return;
@@ -126,7 +126,7 @@ impl SceneSession {
 
 /// The reason why the shown frame cannot be refined.
 fn why_not_refined(scenes: &PreparedScenes, composer: &SceneComposer) -> Option<&'static str> {
-    if composer.view().is_some() {
+    if composer.views.choice.is_some() {
         return Some("views show numbers, not light: turn them off (V) to refine the moment");
     }
     let is_blend = scenes.shown.as_ref().is_some_and(PreparedScene::is_blend);
