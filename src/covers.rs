@@ -3,7 +3,7 @@
 //! A cover comes from the song's file or from an image in its folder ([`mariana_player::covers`]). A cover that is
 //! damaged, or larger than the limits, is only logged: the song then has no cover.
 
-use std::io::{self, Cursor};
+use std::io::Cursor;
 
 use image::{ImageFormat, ImageReader, Limits, Rgba, RgbaImage};
 
@@ -20,14 +20,11 @@ const SIDE: u32 = 256;
 const KNOWN_MAX: usize = 8;
 
 /// Starts the thread that finds the cover of tracks. It calls `wake` after each track.
-///
-/// # Errors
-/// Fails if the system cannot start a thread.
-pub fn start_reader(wake: impl Fn() + Send + 'static) -> io::Result<SongReader<RgbaImage>> {
+pub fn start_reader(wake: impl Fn() + Send + 'static) -> SongReader<RgbaImage> {
     let find = |track: &TrackInfo, _: &(dyn Fn() -> bool + Sync), _: &dyn Fn(RgbaImage)| {
         Some(track.reopen.content().and_then(|content| picture_of(&content.song)))
     };
-    SongReader::of("covers", KNOWN_MAX, find, wake)
+    SongReader::of("covers", "show the covers of songs", KNOWN_MAX, find, wake)
 }
 
 /// Returns the cover of a song, at most 256 pixels wide and high. Returns `None` for a song without a usable cover.

@@ -2,30 +2,27 @@
 
 use std::sync::Arc;
 
+use crate::song_structures::SongReader;
 use crate::stems::Parts;
 use mariana_player::track::TrackInfo;
 
-type Reader = crate::song_structures::SongReader<Parts>;
-
 /// The parts of the current track.
-#[derive(Default)]
 pub(super) struct HeardParts {
-    /// Reads the stems; `None` if its thread could not start.
-    reader: Option<Reader>,
+    reader: SongReader<Parts>,
     pub(crate) wanted: bool,
     /// The last track whose parts were found.
     found: Option<u64>,
 }
 
 impl HeardParts {
-    pub(super) fn new(reader: Option<Reader>) -> Self {
-        Self { reader, ..Self::default() }
+    pub(super) fn new(reader: SongReader<Parts>) -> Self {
+        Self { reader, wanted: false, found: None }
     }
 
     /// Requests the parts of these tracks, the current one first, if a scene needs them.
     pub(super) fn request<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
-        if let Some(reader) = self.reader.as_ref().filter(|_| self.wanted) {
-            reader.request(tracks);
+        if self.wanted {
+            self.reader.request(tracks);
         }
     }
 
@@ -34,14 +31,14 @@ impl HeardParts {
         if self.found == Some(track) {
             return None;
         }
-        let parts = self.reader.as_ref()?.get(track).filter(|parts| parts.are_complete)?;
+        let parts = self.reader.get(track).filter(|parts| parts.are_complete)?;
         self.found = Some(track);
         Some(parts)
     }
 
     /// Returns the numbers of the parts at a time of a track in seconds; none, or zeros, while they are unknown.
     pub(super) fn at(&self, track: u64, time: f64) -> Vec<f32> {
-        let parts = self.reader.as_ref().filter(|_| self.wanted).and_then(|reader| reader.get(track));
+        let parts = self.reader.get(track).filter(|_| self.wanted);
         parts.map(|parts| parts.tracks.at(time)).unwrap_or_default()
     }
 }

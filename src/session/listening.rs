@@ -14,7 +14,7 @@ use crate::session::direction::Playing;
 use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
 use crate::song_shapes::{SongTexts, shown_title};
-use crate::song_structures::SongReader;
+use crate::song_structures::{ReadSong, SongReader};
 use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
@@ -28,11 +28,11 @@ const NO_SONG: &str = "this show listens to an input: start Mariana without --mi
 /// The sound, with everything known about it. Returned strings are messages for the user.
 pub(crate) struct Listening {
     pub(crate) sound: Sound,
-    /// Analyses whole tracks; `None` if its thread could not start.
-    songs: Option<SongReader>,
+    /// Analyses whole tracks.
+    songs: SongReader,
     pub(crate) parts: HeardParts,
-    /// Finds the covers of tracks; `None` if its thread could not start.
-    covers: Option<SongReader<RgbaImage>>,
+    /// Finds the covers of tracks.
+    covers: SongReader<RgbaImage>,
     energy: LiveEnergy,
     taps: TapTempo,
     /// The last reading of a device's clock, which has priority over tapped beats.
@@ -69,9 +69,9 @@ impl PaintedCover {
 impl Listening {
     pub(crate) fn new(
         sound: Sound,
-        songs: Option<SongReader>,
-        stems: Option<SongReader<Parts>>,
-        covers: Option<SongReader<RgbaImage>>,
+        songs: SongReader,
+        stems: SongReader<Parts>,
+        covers: SongReader<RgbaImage>,
     ) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
@@ -213,8 +213,7 @@ impl Listening {
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
-        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
-        now.song = match songs.and_then(|songs| songs.get(now.track)) {
+        now.song = match self.read_song(now.track) {
             Some(song) => {
                 now.features.follow_song(&song.structure, now.song_time);
                 song.moment(now.song_time)
@@ -262,8 +261,7 @@ impl Listening {
 
     /// Adds to `features` what is known of an earlier moment, and returns its place in the song.
     fn placed(&self, now: &Moment, song_time: f64, features: &mut Features) -> SongMoment {
-        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
-        let song = match songs.and_then(|songs| songs.get(now.track)) {
+        let song = match self.read_song(now.track) {
             Some(song) => {
                 features.follow_song(&song.structure, song_time);
                 song.moment(song_time)
@@ -322,13 +320,10 @@ impl Listening {
         let content = status.track.reopen.content();
         let is_demo = content.is_some_and(|content| is_demo(&content.song));
         self.playing = if is_demo { Playing::Demo } else { Playing::Song };
-        if let Some(songs) = &self.songs {
-            songs.request([&status.track].into_iter().chain(&status.next));
-        }
-        if let Some(covers) = &self.covers {
-            covers.request([&status.track].into_iter().chain(&status.next));
-        }
-        self.parts.request([&status.track].into_iter().chain(&status.next));
+        let tracks = || [&status.track].into_iter().chain(&status.next);
+        self.songs.request(tracks());
+        self.covers.request(tracks());
+        self.parts.request(tracks());
         self.painted.track = Some(status.track.clone());
         Some(PlayerStatus { paused: self.paused, ..status })
     }
@@ -343,7 +338,7 @@ impl Listening {
 
     /// The cover of the track that plays, at most 256 pixels wide and high, once it is decoded.
     pub(crate) fn cover(&self) -> Option<Arc<RgbaImage>> {
-        self.covers.as_ref().filter(|_| self.sound.plays_song())?.get(self.track)
+        self.covers.get(self.track).filter(|_| self.sound.plays_song())
     }
 
     /// The cover of the track that plays, or a painted one.
@@ -356,7 +351,7 @@ impl Listening {
         let Some(track) = self.painted.track.as_ref().filter(|_| self.sound.plays_song()) else {
             return SongTexts::default();
         };
-        let known = self.songs.as_ref().and_then(|songs| songs.get(track.id));
+        let known = self.read_song(track.id);
         SongTexts {
             title: shown_title(track.title.as_deref(), &track.name),
             artist: track.artist.clone().unwrap_or_default(),
@@ -369,8 +364,12 @@ impl Listening {
     }
 
     pub(crate) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
-        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song())?;
-        Some(songs.get(track)?.structure.clone())
+        Some(self.read_song(track)?.structure.clone())
+    }
+
+    /// What is known of a whole track; `None` while another source plays.
+    fn read_song(&self, track: u64) -> Option<Arc<ReadSong>> {
+        self.songs.get(track).filter(|_| self.sound.plays_song())
     }
 
     /// Adds the hints and the source list to the overlay. `stays_open` is true while the user keeps the list open.

@@ -100,34 +100,22 @@ impl Opening {
         // Start the analysis first, so that the song is analysed before its first frame.
         let folders = memory.folders.clone();
         let songs = SongReader::start(structure_cache(&folders), waker.waking());
-        let songs = if_started(songs, "analyse whole songs");
-        if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
-            songs.request([&tracks.first.info]);
-        }
+        songs.request(tracks.iter().map(|tracks| &tracks.first.info));
         if settings.fullscreen {
             screen.set_fullscreen(true);
         }
-        let Begun { loaders, first, message } = load_first(first, &mut *screen)?;
-        let (title, is_chosen) = (first.source.title(), first.source == choice.source);
         // Request the scene first: the driver compiles its program while everything else is created.
-        let SceneChoice { sdf, cells, view, projection, .. } = choice;
-        let ways = DrawingWays { sdf, cells, view, projection, fade: settings.fade };
-        let mut scene = start_scene(&*screen, &settings, &choice, ways, loaders, first, &waker)?;
-        if is_chosen {
-            scene.parameters.remember(&title, &settings.moved);
-        }
+        let (scene, title, message) = start_first(first, &mut *screen, &settings, &choice, &waker)?;
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         let waits_since = clock::now();
         tracing::info!("the window shows the name of the scene being prepared");
         let renderer = renderer(screen.gl(), &choices, &choice)?;
-        let troubles = tracks.iter().flat_map(|tracks| &tracks.track_errors);
-        troubles.clone().for_each(|trouble| print_message(trouble));
-        let notices: Vec<String> = message.into_iter().chain(troubles.cloned()).collect();
-        let player = tracks.map(|tracks| start_player(tracks, &settings)).transpose()?;
-        let mut reports = Reports::new(desktop(player.as_ref().map(Player::position)), clock::now());
-        notices.into_iter().for_each(|notice| reports.announce(notice));
-        let sound = start_sound(player, memory, &settings)?;
+        let troubles = tracks.iter().flat_map(|tracks| tracks.track_errors.clone());
+        let troubles: Vec<String> = troubles.inspect(|trouble| print_message(trouble)).collect();
+        let (sound, position) = start_sound(tracks, memory, &settings)?;
+        let mut reports = Reports::new(desktop(position), clock::now());
+        message.into_iter().chain(troubles).for_each(|notice| reports.announce(notice));
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
         let direction = start_direction(&settings, &waker)?;
@@ -136,8 +124,8 @@ impl Opening {
             listening: Listening::new(
                 sound,
                 songs,
-                if_started(start_reader(parts_cache(&folders), waker.waking()), "read the stems of songs"),
-                if_started(covers::start_reader(waker.waking()), "show the covers of songs"),
+                start_reader(parts_cache(&folders), waker.waking()),
+                covers::start_reader(waker.waking()),
             ),
             scene,
             direction,
@@ -156,8 +144,7 @@ impl Opening {
         };
         let videos = VideoMaking::start(Videos::start(&folders, waker.waking()));
         let thumbnails_ahead = (!settings.wallpaper).then(|| thumbnails_ahead_at(now));
-        let hints = choices.hints;
-        let interface = start_interface(overlay, drafts, folders, hints, thumbnails_ahead, &waker);
+        let interface = start_interface(overlay, drafts, folders, choices.hints, thumbnails_ahead, &waker);
         let session = Session {
             playback,
             interface,
@@ -203,13 +190,28 @@ fn start_interface(
     }
 }
 
-/// Waits for the first scene. Meanwhile the window shows its name.
-fn load_first(first: FirstScene, screen: &mut dyn Screen) -> Result<Begun, SessionError> {
+/// Waits for the first scene and starts it. Until then, the window shows its name. Returns also the scene's title, and a
+/// message if it is another scene than the last show's.
+fn start_first(
+    first: FirstScene,
+    screen: &mut dyn Screen,
+    settings: &PlaySettings,
+    choice: &SceneChoice,
+    waker: &Waker,
+) -> Result<(SceneSession, String, Option<String>), SessionError> {
     if first.loaded.is_none() {
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), || ());
         paint_waiting(screen, &mut overlay, &first.title(), OverlayContent::default())?;
     }
-    first.wait()
+    let Begun { loaders, first, message } = first.wait()?;
+    let (title, is_chosen) = (first.source.title(), first.source == choice.source);
+    let SceneChoice { sdf, cells, view, projection, .. } = *choice;
+    let ways = DrawingWays { sdf, cells, view, projection, fade: settings.fade };
+    let mut scene = start_scene(screen, settings, choice, ways, loaders, first, waker)?;
+    if is_chosen {
+        scene.parameters.remember(&title, &settings.moved);
+    }
+    Ok((scene, title, message))
 }
 
 fn start_scene(
@@ -245,12 +247,15 @@ fn start_player(tracks: Opened, settings: &PlaySettings) -> Result<Player, Sessi
     Ok(player)
 }
 
+/// Starts the tracks or the input. Returns also the position in the song.
 fn start_sound(
-    player: Option<Player>,
+    tracks: Option<Opened>,
     memory: Memory,
     settings: &PlaySettings,
-) -> Result<Sound, SessionError> {
-    Sound::start(Start {
+) -> Result<(Sound, Option<Position>), SessionError> {
+    let player = tracks.map(|tracks| start_player(tracks, settings)).transpose()?;
+    let position = player.as_ref().map(Player::position);
+    let sound = Sound::start(Start {
         player,
         memory,
         listen: settings.listen,
@@ -258,18 +263,14 @@ fn start_sound(
         output: (!settings.silent).then(|| output_of(settings)),
         latency: settings.latency,
         gain: settings.choices.gain,
-    })
+    })?;
+    Ok((sound, position))
 }
 
 fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
     let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
     Direction::start(file, follow, settings.names_scene, waker.waking())
         .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
-}
-
-/// Returns what has started. Without it, the session goes on.
-fn if_started<T>(started: std::io::Result<T>, doing: &str) -> Option<T> {
-    started.inspect_err(|error| tracing::warn!("cannot {doing}: {error}")).ok()
 }
 
 fn output_of(settings: &PlaySettings) -> Target {

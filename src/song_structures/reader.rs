@@ -2,7 +2,6 @@
 //! thread abandons a track that is no longer wanted at once.
 
 use std::collections::VecDeque;
-use std::io;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -22,7 +21,8 @@ const FIRST_NICENESS: i32 = 5;
 /// The thread that reads songs and finds a `T` for each track. Dropping this value ends the thread.
 #[derive(Debug)]
 pub struct SongReader<T = ReadSong> {
-    shared: Latest<State<T>>,
+    /// `None` if the thread could not start: then nothing is known.
+    shared: Option<Latest<State<T>>>,
 }
 
 #[derive(Debug)]
@@ -56,10 +56,7 @@ impl<T> State<T> {
 
 impl SongReader {
     /// Starts a thread that analyses tracks and reads their lyrics. It calls `wake` after each track.
-    ///
-    /// # Errors
-    /// Fails if the system cannot start a thread.
-    pub fn start(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn start(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> Self {
         let read = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
             let reopen = &track.reopen;
             let structure = find(reopen.content(), || reopen.open(), &cache, go_on)?;
@@ -68,23 +65,22 @@ impl SongReader {
             let lyrics = Arc::new(whole.map(|content| lyrics_of(&content.song)).unwrap_or_default());
             Some(structure.map(|structure| ReadSong { structure: Arc::new(structure), lyrics }))
         };
-        Self::of("songs", KNOWN_MAX, read, wake)
+        Self::of("songs", "analyse whole songs", KNOWN_MAX, read, wake)
     }
 }
 
 impl<T: Send + Sync + 'static> SongReader<T> {
     /// Starts a thread called `name` that finds something for each track and keeps up to `known_max` results. `find`
     /// returns `None` as soon as its second argument returns false, and `Some(None)` for a track without a result. It
-    /// may pass the beginning of a result to its third argument. The thread calls `wake` after each track.
-    ///
-    /// # Errors
-    /// Fails if the system cannot start a thread.
+    /// may pass the beginning of a result to its third argument. The thread calls `wake` after each track. If the system
+    /// cannot start a thread, a warning says that Mariana cannot do what `doing` says.
     pub fn of(
         name: &'static str,
+        doing: &str,
         known_max: usize,
         find: impl Fn(&TrackInfo, &(dyn Fn() -> bool + Sync), &dyn Fn(T)) -> Option<Option<T>> + Send + 'static,
         wake: impl Fn() + Send + 'static,
-    ) -> io::Result<Self> {
+    ) -> Self {
         let state = State { wanted: Vec::new(), known: VecDeque::new(), begun: None };
         let mut niceness = FIRST_NICENESS;
         let work = move |track: Arc<TrackInfo>, shared: &Shared<State<T>>| {
@@ -102,13 +98,14 @@ impl<T: Send + Sync + 'static> SongReader<T> {
                 niceness = NICENESS;
             }
         };
-        let shared = latest(name, state, |state| state.next().cloned(), work)?;
-        Ok(Self { shared })
+        let shared = latest(name, state, |state| state.next().cloned(), work);
+        Self { shared: shared.inspect_err(|error| tracing::warn!("cannot {doing}: {error}")).ok() }
     }
 
     /// Replaces the list of wanted tracks, the most urgent first.
     pub fn request<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
-        let mut state = self.shared.lock();
+        let Some(shared) = &self.shared else { return };
+        let mut state = shared.lock();
         state.wanted.clear();
         for track in tracks {
             if track.reopen.is_possible() {
@@ -120,13 +117,13 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         }
         if state.next().is_some() {
             drop(state);
-            self.shared.change(|_| ());
+            shared.change(|_| ());
         }
     }
 
     /// Returns the result of the track with this id ([`TrackInfo::id`]), or its beginning, once it is known.
     pub fn get(&self, track: u64) -> Option<Arc<T>> {
-        let state = self.shared.lock();
+        let state = self.shared.as_ref()?.lock();
         let begun = || state.begun.as_ref().filter(|(of, _)| *of == track).map(|(_, begun)| begun.clone());
         state.find(track).cloned().unwrap_or_else(begun)
     }

@@ -159,7 +159,7 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     fs::write(folder.path().join("a.lrc"), "[00:02.00]La la").unwrap();
     let cache = cache_in(folder.path().join("kept"));
     let (wake, woken) = channel();
-    let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default()).unwrap();
+    let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default());
     let tracks = [numbered(&track_of(&first), 3), numbered(&track_of(&second), 7)];
     assert_eq!(reader.get(3), None);
     reader.request(&tracks);
@@ -194,7 +194,7 @@ fn a_panic_at_one_song_ended_the_analysis_of_all_later_songs() {
         assert!(track.id != 1, "on purpose");
         Some(Some(track.id))
     };
-    let reader = SongReader::of("test", 2, find, move || wake.send(()).unwrap_or_default()).unwrap();
+    let reader = SongReader::of("test", "test", 2, find, move || wake.send(()).unwrap_or_default());
     reader.request(&[1, 2].map(|id| numbered(&track_of(&path), id)));
     (0..2).for_each(|_| woken.recv_timeout(Duration::from_secs(60)).unwrap());
     assert_eq!((reader.get(1), reader.get(2).as_deref()), (None, Some(&2)));
@@ -231,7 +231,7 @@ fn a_track_that_is_wanted_no_more_is_left() {
     write_song(&path, 4, 2);
     let (wake, woken) = channel();
     let cache = cache_in(folder.path().join("kept"));
-    let reader = SongReader::start(cache, move || wake.send(()).unwrap_or_default()).unwrap();
+    let reader = SongReader::start(cache, move || wake.send(()).unwrap_or_default());
     let (asked, asks) = channel();
     let mut endless = (*numbered(&track_of(&path), 1)).clone();
     endless.reopen = mariana_player::track::Reopen::by(move || Ok(Box::new(Endless(asked.clone()))));

@@ -259,20 +259,14 @@ fn kept_numbers() -> Vec<KeptNumber> {
 }
 
 /// Starts a thread that reads the parts of tracks during a show. It calls `wake` after each track.
-///
-/// # Errors
-/// Fails if the system cannot start a thread.
-pub fn start_reader(
-    cache: CachedFiles,
-    wake: impl Fn() + Send + 'static,
-) -> std::io::Result<SongReader<Parts>> {
+pub fn start_reader(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> SongReader<Parts> {
     let find = move |track: &TrackInfo, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)| {
         let Some(content) = track.reopen.content() else { return Some(None) };
         let (cut, duration) = (content.cut, track.duration);
         let song = SongOfParts { song: &content.song, cut, duration, scene_gain: track.scene_gain };
         Some(Some(song.read(&cache, go_on, publish)?))
     };
-    SongReader::of("stems", SONGS_KEPT, find, wake)
+    SongReader::of("stems", "read the stems of songs", SONGS_KEPT, find, wake)
 }
 
 #[cfg(test)]

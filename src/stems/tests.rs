@@ -137,7 +137,7 @@ fn the_thread_of_a_show_finds_the_same_parts() {
     let Song::File(path) = &song else { panic!("a file") };
     let track = Playlist::open(std::slice::from_ref(path), Repeat::All, false).unwrap().first.info;
     let (wake, woken) = channel();
-    let reader = start_reader(none(), move || wake.send(()).unwrap_or_default()).unwrap();
+    let reader = start_reader(none(), move || wake.send(()).unwrap_or_default());
     reader.request([&track]);
     woken.recv_timeout(Duration::from_secs(60)).unwrap();
     let of_song = SongOfParts { song: &song, cut: None, duration: track.duration, scene_gain: 1.0 };
