@@ -188,10 +188,7 @@ impl PreparedAhead {
 
     /// True if a source is prepared and was drawn once, so that the next frame can show it.
     pub(super) fn has_rehearsed(&self, source: &SceneSource) -> bool {
-        self.all().any(|neighbour| {
-            neighbour.source.as_ref() == Some(source)
-                && matches!(neighbour.state, NeighbourState::Loaded { is_rehearsed: true, .. })
-        })
+        self.rehearsed().any(|scene| scene.source == *source)
     }
 
     /// The prepared sources, the next scene first.
@@ -209,10 +206,11 @@ impl PreparedAhead {
 
     /// Removes and returns a scene that is prepared and was drawn once.
     pub(super) fn give(&mut self, source: &SceneSource) -> Option<PreparedScene> {
-        let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
-        if !matches!(neighbour.state, NeighbourState::Loaded { is_rehearsed: true, .. }) {
-            return None;
-        }
+        let is_it = |neighbour: &&mut Neighbour| {
+            matches!(&neighbour.state, NeighbourState::Loaded { scene, is_rehearsed: true, .. }
+                if scene.source == *source)
+        };
+        let neighbour = self.all_mut().find(is_it)?;
         match std::mem::replace(&mut neighbour.state, NeighbourState::Unasked) {
             NeighbourState::Loaded { scene, .. } => Some(*scene),
             _ => None,

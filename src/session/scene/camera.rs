@@ -3,18 +3,14 @@
 use super::active_clips::ActiveClips;
 use crate::frame::orbit_controls::OrbitControls;
 
+#[derive(Default)]
 pub(super) struct SceneCamera {
     pub(super) orbit: OrbitControls,
-    shown: OrbitControls,
+    /// The motion of the camera in the last frame.
+    pub(super) shown: OrbitControls,
     /// The pitch of the scene's own camera above its target in the last frame, in radians.
     pub(crate) own_pitch: f64,
     pub(super) revision: u64,
-}
-
-impl Default for SceneCamera {
-    fn default() -> Self {
-        Self { orbit: OrbitControls::OFF, shown: OrbitControls::OFF, own_pitch: 0.0, revision: 0 }
-    }
 }
 
 impl SceneCamera {
@@ -36,20 +32,12 @@ impl SceneCamera {
         "the scene's own camera"
     }
 
-    pub(super) fn forget(&mut self) {
-        self.orbit = OrbitControls::OFF;
-    }
-
     /// Returns the camera motion at `time` seconds of the song: the user's, or otherwise the show's.
     pub(super) fn at(&self, clips: &ActiveClips<'_>, time: f64) -> OrbitControls {
         match clips.last() {
             Some(clip) if self.orbit == OrbitControls::OFF => OrbitControls::of_turns(clip.turns_at(time)),
             _ => self.orbit,
         }
-    }
-
-    pub(super) fn record_shown(&mut self, shown: OrbitControls) {
-        self.shown = shown;
     }
 }
 
@@ -59,9 +47,8 @@ mod tests {
 
     #[test]
     fn the_first_move_starts_from_the_shows_camera_and_explains_how_to_return() {
-        let mut camera = SceneCamera::default();
         let turned = OrbitControls::of_turns([0.25, 0.0, 1.0]);
-        camera.record_shown(turned);
+        let mut camera = SceneCamera { shown: turned, ..SceneCamera::default() };
         assert!(camera.move_by(|orbit, _| orbit.zoom(1.0)).is_some());
         let mut wanted = turned;
         wanted.zoom(1.0);

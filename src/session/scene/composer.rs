@@ -178,7 +178,7 @@ impl SceneComposer {
                 }
             }
         };
-        self.change.end();
+        self.change.begun = None;
         self.has_interrupted = false;
         if let Some(Making { legend, .. }) = self.making.take() {
             renderer.put_legend(legend.as_deref())?;
@@ -233,7 +233,7 @@ impl SceneComposer {
         };
         let layer = Layer { scene, mode, below };
         let ((params, camera), orbit) = self.numbers_and_orbit(of, layer, time);
-        self.camera.record_shown(orbit);
+        self.camera.shown = orbit;
         let (is_untried, cells) = (scene.tree == FirstTree::Untried, of.choice.cells);
         let draw_options =
             DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away: below.is_some() };

@@ -13,6 +13,7 @@ use mariana_player::Moment;
 /// Maximum progress in one frame of a fade by the clock, so that a slow frame does not turn the fade into a cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
+#[derive(Default)]
 pub(crate) struct Fading {
     /// Usual duration of a fade; zero cuts.
     length: Duration,
@@ -29,14 +30,16 @@ pub(crate) struct Fading {
     announced: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum From {
+    #[default]
     Scene,
     HeldPicture,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 enum State {
+    #[default]
     None,
     /// A fade begins with the next frame, the first one of another scene.
     Wanted,
@@ -60,19 +63,7 @@ pub(super) struct Begun<'a> {
 impl Fading {
     /// Fades take this many seconds; 0 cuts.
     pub(super) fn of(seconds: f64) -> Self {
-        let length = Duration::from_secs_f64(seconds);
-        let (from, state) = (From::Scene, State::None);
-        Self {
-            length,
-            cuts: false,
-            next: None,
-            going: length,
-            from,
-            state,
-            begun: None,
-            fraction: 0.0,
-            announced: false,
-        }
+        Self { length: Duration::from_secs_f64(seconds), ..Self::default() }
     }
 
     pub(crate) fn seconds(&self) -> f64 {

@@ -43,10 +43,6 @@ impl SceneLibrary {
         [Some(self.list.next(source)), Some(self.list.previous(source))]
     }
 
-    pub(super) fn beside(&self, forward: bool) -> SceneSource {
-        self.next_after(&self.wanted, forward)
-    }
-
     /// The next or the previous scene of the list. Reads a folder.
     pub(super) fn next_after(&self, source: &SceneSource, forward: bool) -> SceneSource {
         if forward { self.list.next(source) } else { self.list.previous(source) }
@@ -65,11 +61,6 @@ impl SceneLibrary {
 
     pub(super) fn length_of_go(&self) -> Duration {
         if self.is_written { GO_OF_EDITOR } else { GO }
-    }
-
-    /// Notes that this scene was requested. Does not load it.
-    pub(super) fn request(&mut self, source: SceneSource) {
-        self.wanted = source;
     }
 
     pub(super) fn load(&self) {
@@ -93,9 +84,5 @@ impl SceneLibrary {
             }
         }
         None
-    }
-
-    pub(super) fn into_loader(self) -> (SceneLoader, SceneSource) {
-        (self.loader, self.wanted)
     }
 }

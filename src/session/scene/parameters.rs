@@ -59,10 +59,6 @@ impl Parameters {
         self.model.move_bound(self.now, |name| Some(UnitInput::named(name)?.value(&sound, beats)));
     }
 
-    pub(super) fn record_turning(&mut self) {
-        self.revision += 1;
-    }
-
     /// Restores the saved values and bindings of the scene with this title.
     pub(crate) fn remember(&mut self, title: &str, moved: &Snapshot) {
         for (name, value) in &moved.sliders {

@@ -25,7 +25,7 @@ use super::region_builder::RegionBuilder;
 use super::versions::{last_version, only_settles};
 use crate::clock;
 use crate::config::SdfChoice;
-use crate::gpu::{BuiltRegions, Gl, GpuError, Mode, Program, Renderer};
+use crate::gpu::{BuiltRegions, Gl, GpuError, Mode, Program};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 use mariana_field::lang::render_all;
 
@@ -445,10 +445,6 @@ impl ScenePreparation {
         }
     }
 
-    pub(super) fn rehearse(&self, renderer: &mut Renderer, scenes: &mut PreparedScenes) {
-        scenes.ahead.rehearse(self.choice.sdf, renderer);
-    }
-
     /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
     pub(super) fn request_scene(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
         // Only a scene that is already shown can take a neighbour's place.
@@ -456,17 +452,13 @@ impl ScenePreparation {
         let PreparedScenes { ahead, fading_out, .. } = scenes;
         let prepared =
             from.and_then(|from| ahead.remove(&source, from, &mut self.library.loader, fading_out));
-        self.library.request(source);
+        self.library.wanted = source;
+        let is_prepared = prepared.is_some();
         match prepared {
-            Some(scene) => {
-                self.bring(scene, scenes);
-                true
-            }
-            None => {
-                self.library.load();
-                false
-            }
+            Some(scene) => self.bring(scene, scenes),
+            None => self.library.load(),
         }
+        is_prepared
     }
 
     /// Reloads the scene after its numbers have rested for a while.
@@ -486,18 +478,14 @@ impl ScenePreparation {
             Mode::Interpreted => Mode::Compiled,
             Mode::Compiled => Mode::Interpreted,
         };
-        let waited_for = match self.choice.sdf {
-            SdfChoice::Auto => None,
-            SdfChoice::Interpreted => Some(Mode::Interpreted),
-            SdfChoice::Compiled => Some(Mode::Compiled),
-        };
-        // A mode that is still being prepared is cancelled.
-        let is_coming = scenes.shown.as_ref().is_some_and(|scene| self.programs.is_making(scene, other));
-        let wanted = if waited_for == Some(other) && is_coming { shown } else { other };
-        self.choice.sdf = match wanted {
+        let choice_of = |mode: Mode| match mode {
             Mode::Interpreted => SdfChoice::Interpreted,
             Mode::Compiled => SdfChoice::Compiled,
         };
+        // A mode that is still being prepared is cancelled.
+        let is_coming = scenes.shown.as_ref().is_some_and(|scene| self.programs.is_making(scene, other));
+        let wanted = if self.choice.sdf == choice_of(other) && is_coming { shown } else { other };
+        self.choice.sdf = choice_of(wanted);
         // The next scene also waits for the new mode.
         for scene in scenes.present_mut() {
             match wanted {

@@ -27,7 +27,7 @@ pub(super) struct ProgramLibrary {
     projection: Projection,
     pub(crate) universal: UniversalInterpreters,
     /// Interpreters made for particular scenes.
-    pub(crate) interpreters: KeptPrograms<Interpreter>,
+    pub(crate) interpreters: KeptPrograms,
     tasks: HashMap<u64, Task>,
     next_task: u64,
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
@@ -70,10 +70,6 @@ impl ProgramLibrary {
         None
     }
 
-    pub(super) fn record_picture(&mut self) {
-        self.has_shown = true;
-    }
-
     pub(super) fn is_idle(&self) -> bool {
         self.tasks.is_empty()
     }
@@ -89,7 +85,7 @@ impl ProgramLibrary {
 
     pub(super) fn add_interpreter(&mut self, variant: Interpreter, program: Program) {
         tracing::info!("an interpreter is ready");
-        self.interpreters.add(variant, program);
+        self.interpreters.add(ProgramOf::Interpreted(variant), program);
     }
 
     /// Takes a universal interpreter or its error. After an error, returns a message; each scene then gets its own
@@ -122,7 +118,8 @@ impl ProgramLibrary {
     }
 
     pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
-        self.universal.find(needed).or_else(|| self.interpreters.find(|known| known.covers(needed)))
+        let wanted = || ProgramOf::Interpreted(needed.clone());
+        self.universal.find(needed).or_else(|| self.interpreters.covering(&wanted()))
     }
 
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
@@ -180,8 +177,8 @@ impl ProgramLibrary {
             Task::Interpreter(asked) => Some(asked),
             _ => None,
         });
-        let covers = |known: &Interpreter| known.covers(&needed);
-        if self.interpreters.has(covers) || asked.any(covers) {
+        let wanted = ProgramOf::Interpreted(needed.clone());
+        if self.interpreters.cover(&wanted) || asked.any(|asked| asked.covers(&needed)) {
             return;
         }
         let variant = needed.clone();

@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use super::kept::KeptPrograms;
 use super::prepared_scene::PreparedScene;
-use super::program_task::ProgramOf;
 use super::regions::Shown;
 use crate::export::paths::PathChoice;
 use crate::frame::Frame;
@@ -16,7 +15,7 @@ use crate::session::drawing_pace::within_pixels;
 #[derive(Default)]
 pub(super) struct Refinement {
     stage: Stage,
-    pub(super) programs: KeptPrograms<ProgramOf>,
+    pub(super) programs: KeptPrograms,
 }
 
 #[derive(Default)]

@@ -1,5 +1,7 @@
 //! Status texts about the shown scene, for the title and the status line (key I).
 
+use std::fmt::Display;
+
 use super::prepared_scene::PreparedScene;
 use super::session::SceneSession;
 use crate::scenes::SceneSource;
@@ -11,7 +13,7 @@ pub(crate) fn notes(session: &SceneSession) -> Vec<String> {
 }
 
 /// The status line: name; rate and size of frames (`pictures`); mode; clauses and regions; `quality`; pending work.
-pub(crate) fn line(session: &SceneSession, pictures: &str, quality: &str) -> Option<String> {
+pub(crate) fn line(session: &SceneSession, pictures: &str, quality: &impl Display) -> Option<String> {
     let (scene, mode) = session.drawn()?;
     let clauses = scene.resources.buffers().cost.distance;
     let (built, drawn) = (scene.resources.regions(), (scene.id, mode));

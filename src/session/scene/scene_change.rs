@@ -24,7 +24,8 @@ const LIVE_MAX: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
 pub(super) struct SceneChange {
-    begun: Option<Begun>,
+    /// The frame in progress, whose outgoing scene is drawn first.
+    pub(super) begun: Option<Begun>,
     left: Option<LeftScene>,
     orbit: OrbitControls,
 }
@@ -37,7 +38,7 @@ struct LeftScene {
     moved: Vec<(usize, String)>,
 }
 
-struct Begun {
+pub(super) struct Begun {
     shown: Shown,
     sound: Sound,
     /// Drawing time of the outgoing scene; `None` until the scene is drawn.
@@ -69,14 +70,6 @@ impl SceneChange {
         if let Some(begun) = &mut self.begun {
             begun.lit = Some(spent);
         }
-    }
-
-    pub(super) fn is_begun(&self) -> bool {
-        self.begun.is_some()
-    }
-
-    pub(super) fn end(&mut self) {
-        self.begun = None;
     }
 
     /// The scene that the user left, if the scene keeps moving while it fades out.

@@ -95,7 +95,7 @@ impl SceneSession {
         let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
         let (view, fade) = (self.composer.views.choice, self.composer.fading.seconds());
         let projection = self.composer.projection;
-        let (loader, wanted) = self.preparation.library.into_loader();
+        let SceneLibrary { loader, wanted, .. } = self.preparation.library;
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
             shown,
@@ -140,13 +140,7 @@ impl SceneSession {
     }
 
     pub(crate) fn deck_changes(&mut self) -> DeckChanges<'_> {
-        DeckChanges {
-            decks: &mut self.decks,
-            show: &mut self.show,
-            library: &self.preparation.library,
-            messages: &mut self.messages,
-            times: (self.parameters.clock(), self.parameters.song_time),
-        }
+        DeckChanges(self)
     }
 
     pub(crate) fn toggle_decks(&mut self) {
@@ -228,7 +222,7 @@ impl SceneSession {
         if self.preparation.can_show_coming(&self.scenes) && !must_wait {
             self.show_coming();
         }
-        self.composer.views.keep(&self.scenes.ids());
+        self.composer.views.programs.keep(&self.scenes.ids());
         self.request_view();
         self.request_paths();
         self.preparation.request_cells(&self.scenes);
@@ -264,7 +258,7 @@ impl SceneSession {
                     self.scenes.shown_source().map(|source| self.preparation.library.placed_name(source));
                 self.messages.answer(words.unwrap_or_default());
             }
-            self.composer.camera.forget();
+            self.composer.camera.orbit = OrbitControls::OFF;
         }
         let warning = self.scenes.shown.as_mut().and_then(|shown| shown.warning.take());
         warning.into_iter().for_each(|warning| self.messages.answer(warning));
@@ -322,7 +316,7 @@ impl SceneSession {
             self.preparation.forget_obsolete(&self.scenes);
         }
         if drawn.is_some() {
-            self.preparation.programs.record_picture();
+            self.preparation.programs.has_shown = true;
         } else if self.scenes.shown_id().is_some_and(|id| self.composer.regions.has_given_up(id)) {
             self.withdraw(TREE_TOO_LONG);
         }
@@ -345,7 +339,7 @@ impl SceneSession {
 
     pub(crate) fn rehearse(&mut self, renderer: &mut Renderer) {
         if self.is_complete() {
-            self.preparation.rehearse(renderer, &mut self.scenes);
+            self.scenes.ahead.rehearse(self.preparation.choice.sdf, renderer);
         }
     }
 
@@ -376,7 +370,9 @@ impl SceneSession {
 
     pub(crate) fn step_scene(&mut self, forward: bool) {
         let of_deck = self.deck_changes().neighbour(forward);
-        self.show_source(of_deck.unwrap_or_else(|| self.preparation.library.beside(forward)));
+        self.show_source(of_deck.unwrap_or_else(|| {
+            self.preparation.library.next_after(&self.preparation.library.wanted, forward)
+        }));
     }
 
     /// Shows a scene. With decks, loads it into the deck that is less visible.
@@ -412,7 +408,7 @@ impl SceneSession {
             let now = self.parameters.clock();
             self.show.set_fader(decks.fader(now));
             if decks.moves(now) {
-                self.parameters.record_turning();
+                self.parameters.revision += 1;
             }
         }
         let step = self.show.follow(time, &mut self.scenes, &now);
@@ -420,23 +416,19 @@ impl SceneSession {
             self.preparation.forget_obsolete(&self.scenes);
         }
         let Some(Step { source, seconds }) = step else { return };
-        match seconds {
-            Some(seconds) => {
-                self.composer.fading.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default())
-            }
-            None => self.composer.fading.next = None,
-        }
+        let duration = |seconds| Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        self.composer.fading.next = seconds.map(duration);
         self.request_scene(source);
     }
 
     pub(crate) fn follow_controllers(&mut self, moment: &Moment) {
-        if self.composer.change.is_begun() {
+        if self.composer.change.begun.is_some() {
             return;
         }
         self.parameters.seek(moment);
         self.update_sliders();
         if self.parameters_in_hand().are_turning() {
-            self.parameters.record_turning();
+            self.parameters.revision += 1;
         }
     }
 
@@ -540,6 +532,11 @@ impl SceneSession {
             || self.composer.fading.follows_song()
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
             || self.parameters_in_hand().follow_sound()
+    }
+
+    /// The shown scene, or the requested one before a scene is shown.
+    pub(crate) fn present_source(&self) -> &SceneSource {
+        self.scenes.shown_source().unwrap_or(&self.preparation.library.wanted)
     }
 
     /// The shown scene, and the mode in which it is drawn now.

@@ -171,7 +171,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     staged.session.follow(LOUD + 0.1);
     staged.wait_for("other");
     assert_eq!(staged.words(), [""; 0]);
-    let line = report::line(&staged.session, "", "").unwrap();
+    let line = report::line(&staged.session, "", &"").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
     let loud = staged.source("loud");
     staged.session.show_source(loud);

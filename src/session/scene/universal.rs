@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use crate::gpu::{Interpreter, Program};
 
+/// The interpreters for distances and for other formulas.
 pub(super) struct UniversalInterpreters([UniversalInterpreter; 2]);
 
 struct UniversalInterpreter {
@@ -31,8 +32,7 @@ impl UniversalInterpreters {
     }
 
     fn of(&mut self, non_lipschitz: bool) -> &mut UniversalInterpreter {
-        let [of_distances, of_others] = &mut self.0;
-        if non_lipschitz { of_others } else { of_distances }
+        &mut self.0[usize::from(non_lipschitz)]
     }
 
     /// Marks the interpreter for this kind of formula as requested. Returns its variant, or `None` if already marked.
@@ -46,12 +46,9 @@ impl UniversalInterpreters {
 
     /// The `non_lipschitz` flag of an interpreter that was never requested; `None` if both were requested.
     pub(super) fn unasked(&self) -> Option<bool> {
-        let [of_distances, of_others] = &self.0;
-        let is_unasked = |one: &UniversalInterpreter| matches!(one.state, State::Unasked);
-        [(false, of_distances), (true, of_others)]
-            .into_iter()
-            .find(|(_, one)| is_unasked(one))
-            .map(|(non_lipschitz, _)| non_lipschitz)
+        let is_unasked =
+            |non_lipschitz: &bool| matches!(self.0[usize::from(*non_lipschitz)].state, State::Unasked);
+        [false, true].into_iter().find(is_unasked)
     }
 
     pub(super) fn put(&mut self, non_lipschitz: bool, program: Program) {

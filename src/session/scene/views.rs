@@ -15,7 +15,7 @@ use crate::view::{View, ViewChoice};
 #[derive(Default)]
 pub(crate) struct Views {
     pub(crate) choice: Option<ViewChoice>,
-    programs: KeptPrograms<ProgramOf>,
+    pub(super) programs: KeptPrograms,
     legends: Option<LegendPainter>,
     number: Option<f32>,
     pub(super) revision: u64,
@@ -39,10 +39,6 @@ impl Views {
             let wanted = scene.program_of(mode)?;
             self.programs.covering(&wanted).map(|program| (choice, mode, program))
         })
-    }
-
-    pub(super) fn keep(&mut self, kept: &[u64]) {
-        self.programs.keep(kept);
     }
 
     /// Begins a view of a frame. Returns the legend to draw over it.
