@@ -30,19 +30,6 @@ pub(super) enum Jump {
     Nowhere,
 }
 
-#[derive(Debug)]
-pub(super) enum Pressed {
-    NoCues,
-    NoneLeft,
-    Cue {
-        prepared_show: Arc<PreparedShow>,
-        /// Number of the cue, from 1.
-        number: usize,
-        of: usize,
-        scene: String,
-    },
-}
-
 impl Cues {
     /// Sets the show of a track. Key presses stay valid if only the show's file has changed.
     pub(super) fn set_show(
@@ -112,24 +99,25 @@ impl Cues {
         Some(Arc::new(show.with_cues(song, &self.pressed)))
     }
 
-    /// Notes a key press at `time` seconds of the song. Forgets presses at later times, as after a seek back.
-    pub(super) fn press(&mut self, time: f64) -> Pressed {
-        let Some((show, song)) = &self.show else { return Pressed::NoCues };
+    /// Notes a key press at `time` seconds of the song. Forgets presses at later times, as after a seek back. Returns the
+    /// show with the cue, and a message.
+    ///
+    /// # Errors
+    /// Fails with a message if no cue is left.
+    pub(super) fn press(&mut self, time: f64) -> Result<(Arc<PreparedShow>, String), &'static str> {
+        const NO_CUES: &str = "this show has no cues: add `at cue SCENE` to the show file";
+        let (show, song) = self.show.as_ref().ok_or(NO_CUES)?;
         let cues = show.cues();
         if cues.is_empty() {
-            return Pressed::NoCues;
+            return Err(NO_CUES);
         }
         self.pressed.retain(|pressed| *pressed <= time);
-        let Some(scene) = cues.get(self.pressed.len()) else { return Pressed::NoneLeft };
+        let scene = cues.get(self.pressed.len()).ok_or("that was the last cue of the show")?;
         self.pressed.push(time);
-        let pressed = Pressed::Cue {
-            prepared_show: Arc::new(show.with_cues(song, &self.pressed)),
-            number: self.pressed.len(),
-            of: cues.len(),
-            scene: (*scene).to_owned(),
-        };
+        let words = format!("cue {} of {}: {scene}", self.pressed.len(), cues.len());
+        let prepared_show = Arc::new(show.with_cues(song, &self.pressed));
         self.update_rows();
-        pressed
+        Ok((prepared_show, words))
     }
 
     pub(super) fn next(&self) -> Option<SceneSource> {
@@ -157,23 +145,24 @@ mod tests {
         let song = SongStructure::default();
         let (show, _) = PreparedShow::of_song(&ShowSource::File(path), &song, &[]).unwrap();
         let mut cues = Cues::default();
-        assert!(matches!(cues.press(1.0), Pressed::NoCues));
+        let no_cues = "this show has no cues: add `at cue SCENE` to the show file";
+        assert_eq!(cues.press(1.0).unwrap_err(), no_cues);
         cues.set_show(Some(7), Some(Arc::new(show.clone())), None);
         assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
-        let on = |pressed: Pressed, time: f64| match pressed {
-            Pressed::Cue { prepared_show, number, of: 2, .. } => {
-                (number, prepared_show.at(time).unwrap().clip.scene.clone())
-            }
-            other => panic!("{other:?}"),
+        let press = |cues: &mut Cues, at: f64, time: f64| {
+            let (prepared_show, words) = cues.press(at).unwrap();
+            (words, prepared_show.at(time).unwrap().clip.scene.clone())
         };
-        assert_eq!(on(cues.press(10.0), 10.0), (1, "city".to_owned()));
-        assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
-        assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
+        let city = ("cue 1 of 2: city".to_owned(), "city".to_owned());
+        let letters = ("cue 2 of 2: letters".to_owned(), "letters".to_owned());
+        assert_eq!(press(&mut cues, 10.0, 10.0), city);
+        assert_eq!(press(&mut cues, 40.0, 40.0), letters);
+        assert_eq!(cues.press(50.0).unwrap_err(), "that was the last cue of the show");
         assert_eq!(cues.current(50.0), Some(3));
         // Key presses do not move the show's timed entries.
         assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
-        assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
-        assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
+        assert_eq!(press(&mut cues, 20.0, 25.0), letters);
+        assert_eq!(press(&mut cues, 5.0, 8.0), city);
         // Saving the file keeps the key presses. A change of the track drops them.
         cues.set_show(Some(7), Some(Arc::new(show.clone())), None);
         assert!(cues.prepared_show().is_some());

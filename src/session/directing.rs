@@ -1,6 +1,6 @@
 //! Lets a show choose the scenes. The show comes from the director or from a file.
 
-use super::cues::{Jump, Pressed};
+use super::cues::Jump;
 use super::{Playback, Session};
 use crate::clock;
 use crate::commands::SetSetting;
@@ -83,12 +83,11 @@ impl Playback {
             }
             None => return,
             Some(moment) => match self.cues.press(moment.song_time) {
-                Pressed::NoCues => "this show has no cues: add `at cue SCENE` to the show file".to_owned(),
-                Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
-                Pressed::Cue { prepared_show, number, of, scene } => {
+                Ok((prepared_show, words)) => {
                     self.scene.show.extend_prepared_show(prepared_show, self.cues.next());
-                    format!("cue {number} of {of}: {scene}")
+                    words
                 }
+                Err(words) => words.to_owned(),
             },
         };
         self.reports.answer(words);

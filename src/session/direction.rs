@@ -1,12 +1,14 @@
 //! Creates the show of the current track on a separate thread, and creates it again when the show's file changes.
 
 use std::io;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use crate::config::FollowChoice;
 use crate::scenes::{Loader, SceneSource};
 use crate::show::{PreparedShow, ShowError, ShowSource, name_of};
 use mariana_music::SongStructure;
+use mariana_work::lock;
 
 /// Id of the playing track; `None` for an input.
 pub(crate) type OfTrack = Option<u64>;
@@ -20,8 +22,9 @@ pub(crate) enum ShowNotice {
     },
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Asked {
+    source: ShowSource,
     track: OfTrack,
     song: Arc<SongStructure>,
     scenes: Vec<SceneSource>,
@@ -68,21 +71,13 @@ impl Direction {
     ) -> io::Result<Self> {
         let asked = Arc::new(Mutex::new(Asked::default()));
         let of_thread = asked.clone();
-        let load = move |source: &SceneSource| {
-            let (track, song, scenes, recent) = {
-                let asked = of_thread.lock().unwrap_or_else(PoisonError::into_inner);
-                (asked.track, asked.song.clone(), asked.scenes.clone(), asked.recent.clone())
-            };
-            let (show, files) = match source {
-                SceneSource::File(path) => (ShowSource::File(path.clone()), vec![path.clone()]),
-                SceneSource::Shipped(_) => (ShowSource::Demo, Vec::new()),
-                _ => (ShowSource::Auto, Vec::new()),
-            };
-            let show = match show {
+        let load = move |watched: &SceneSource| {
+            let Asked { source, track, song, scenes, recent } = lock(&of_thread).clone();
+            let show = match source {
                 ShowSource::Auto => PreparedShow::directed(&song, &scenes, &recent).map(|show| (show, None)),
                 named => PreparedShow::of_song(&named, &song, &scenes),
             };
-            (Made { track, show }, files)
+            (Made { track, show }, watched.file().map(Path::to_owned).into_iter().collect())
         };
         let loader = Loader::start(load, wake)?;
         Ok(Self {
@@ -147,20 +142,20 @@ impl Direction {
                 return Some(ShowNotice::PreparedShow(None));
             }
             Some((source, track)) if !is_the_same => {
-                let key = match &source {
-                    ShowSource::File(path) => SceneSource::File(path.clone()),
-                    ShowSource::Demo => SceneSource::Shipped(String::new()),
-                    ShowSource::Auto => SceneSource::Formula(String::new()),
-                };
                 if let Some(song) = song {
                     // A track whose show is made once more gets the same show.
                     if self.before.0 != track {
                         self.before = (track, self.seen.iter().map(name_of).collect());
                     }
-                    let asked = Asked { track, song, scenes: scenes(), recent: self.before.1.clone() };
-                    *self.asked.lock().unwrap_or_else(PoisonError::into_inner) = asked;
+                    let (recent, scenes) = (self.before.1.clone(), scenes());
+                    // The loader watches the file of a show.
+                    let watched = match &source {
+                        ShowSource::File(path) => SceneSource::File(path.clone()),
+                        ShowSource::Demo | ShowSource::Auto => SceneSource::Formula(String::new()),
+                    };
+                    *lock(&self.asked) = Asked { source: source.clone(), track, song, scenes, recent };
                     self.of = Some((source, track));
-                    self.loader.request(key);
+                    self.loader.request(watched);
                 } else if self.of.take().is_some() {
                     // End the previous track's show. The current scene stays until the new track is analysed.
                     return Some(ShowNotice::PreparedShow(None));

@@ -16,9 +16,10 @@ use mariana_show::{
 const DEMO_NAME: &str = "demo.show";
 
 /// The source of a show.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum ShowSource {
     /// The director chooses among scenes.
+    #[default]
     Auto,
     /// The demo track's own show.
     Demo,
