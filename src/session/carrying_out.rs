@@ -16,7 +16,7 @@ impl Session {
         match command {
             Command::Pause(_) => {
                 self.playback.set_paused(!self.playback.listening.paused);
-                self.playback.answer_position(&mut *self.screen);
+                self.playback.answer_position(&*self.screen);
             }
             Command::Refine => {
                 if self.playback.scene.toggle_refinement() {
@@ -25,7 +25,7 @@ impl Session {
             }
             Command::SeekBy(seconds) => {
                 self.playback.with_song(|player| player.seek_by(seconds));
-                self.playback.answer_position(&mut *self.screen);
+                self.playback.answer_position(&*self.screen);
             }
             Command::SeekTo(seconds) => self.playback.with_song(|player| player.seek_to(seconds)),
             Command::Position(fraction) => self.playback.seek_to_fraction(&mut *self.screen, fraction),
@@ -139,11 +139,11 @@ impl Session {
             Command::ToggleSliders => self.interface.ui_state.panels.sliders ^= true,
             Command::Bind(bind) => self.playback.bind(bind),
             Command::WriteBinding(name) => self.write_binding(&name),
-            Command::Snapshot(number) => self.snapshot_desk().press(number),
-            Command::TakeNext(_) => self.snapshot_desk().toggle_take(),
-            Command::Morph(_) => self.snapshot_desk().toggle_morph(),
-            Command::MorphBeats(beats) => self.snapshot_desk().morph_over(beats),
-            Command::WriteSnapshots => self.snapshot_desk().write(),
+            Command::Snapshot(number) => self.snapshots.press(&mut self.playback, number),
+            Command::TakeNext(_) => self.snapshots.toggle_take(&mut self.playback),
+            Command::Morph(_) => self.snapshots.toggle_morph(&mut self.playback),
+            Command::MorphBeats(beats) => self.snapshots.morph_over(&mut self.playback, beats),
+            Command::WriteSnapshots => self.snapshots.write(&mut self.playback, &self.interface.folders),
             Command::ToggleSceneLine => self.interface.ui_state.panels.corner ^= true,
             Command::Blackout(_) => self.toggle_blackout(),
             Command::Freeze(_) => self.playback.toggle_freeze(),
@@ -210,14 +210,8 @@ impl Playback {
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {
-                match self
-                    .scene
-                    .preparation
-                    .library
-                    .all_sources()
-                    .into_iter()
-                    .find(|scene| scene.title() == title)
-                {
+                let mut scenes = self.scene.preparation.library.all_sources().into_iter();
+                match scenes.find(|scene| scene.title() == title) {
                     Some(scene) => self.scene.show_source(scene),
                     None => self.reports.answer(format!("there is no scene '{title}': press B for a list")),
                 }

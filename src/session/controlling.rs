@@ -37,8 +37,8 @@ impl Session {
             levels.extend(commands::levels(&self.state()));
             levels.extend(tempo.map(|tempo| ("tempo", tempo)));
         }
-        let (outcomes, learned) =
-            self.playback.controllers.apply_knobs(&knobs, &self.playback.scene, &levels);
+        let outcomes = self.playback.controllers.midi.apply(&knobs, &self.playback.scene, &levels);
+        let learned = self.playback.controllers.midi.finish_learning();
         for outcome in outcomes {
             match outcome {
                 Outcome::Turn(change) => drop(self.playback.scene.turn(&change)),

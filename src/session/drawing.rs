@@ -85,7 +85,6 @@ impl Session {
     /// Shows the frame and the overlay, if either has changed. Returns `true` for the first frame.
     fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
         let Picture { wanted, new, dims, level, begun } = picture;
-        let corner = self.interface.corner_line(&self.playback, begun);
         let is_drawing = self.playback.scene.composer.is_drawing();
         let area = self.interface.update_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
@@ -95,10 +94,9 @@ impl Session {
         }
         self.interface.update_scene(&mut self.playback);
         let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);
-        let mut content = self.playback.scene.content(corner.as_deref(), self.interface.ui_state.panels);
-        self.interface.ui_state.add_to(
-            &mut content,
+        let mut content = self.interface.ui_state.content(
             &seen,
+            &mut self.playback.scene,
             &self.playback.controllers,
             &self.playback.listening,
             &self.playback.reports,
@@ -382,12 +380,10 @@ impl Interface {
         screen: &mut dyn Screen,
         now: Instant,
     ) -> Option<Instant> {
-        let corner = self.corner_line(playback, now);
         let seen = self.update_ui_state(playback, screen, now);
-        let mut content = playback.scene.content(corner.as_deref(), self.ui_state.panels);
-        self.ui_state.add_to(
-            &mut content,
+        let mut content = self.ui_state.content(
             &seen,
+            &mut playback.scene,
             &playback.controllers,
             &playback.listening,
             &playback.reports,
@@ -416,7 +412,10 @@ impl Interface {
         let (assisted, follows) = (self.overlay.assisted, playback.follows());
         let fullscreen = screen.is_fullscreen();
         let cues = (self.ui_state.panels.open == Some(Panel::Cues)).then(|| playback.cue_sheet());
-        Seen { awake, assisted, fullscreen, cues, cover, shape, follows, song }
+        let pace = &playback.pace;
+        let corner = || report::line(&playback.scene, &pace.about_pictures(now), &pace.resolution);
+        let corner = self.ui_state.panels.corner.then(corner).flatten();
+        Seen { corner, awake, assisted, fullscreen, cues, cover, shape, follows, song }
     }
 
     fn update_scene(&mut self, playback: &mut Playback) {
@@ -430,11 +429,6 @@ impl Interface {
             };
             self.ui_state.words.placed_scene = Some((source.clone(), words));
         }
-    }
-
-    fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
-        let (pictures, quality) = (playback.pace.about_pictures(now), playback.pace.resolution.to_string());
-        self.ui_state.panels.corner.then(|| report::line(&playback.scene, &pictures, &quality)).flatten()
     }
 }
 

@@ -98,28 +98,14 @@ impl Session {
     }
 
     fn left(&mut self) -> Left {
-        let before = self.playback.listening.sound.settings().last_show.clone().unwrap_or_default();
-        let fullscreen = self.screen.is_fullscreen();
-        let mut show = LastShow {
-            fullscreen,
-            size: self.screen.size().filter(|_| !fullscreen).or(before.size),
-            place: self.screen.place().or(before.place),
-            scene: name_of(
-                self.surprises.lasting(
-                    self.playback
-                        .scene
-                        .scenes
-                        .shown_source()
-                        .unwrap_or(&self.playback.scene.preparation.library.wanted),
-                ),
-            )
-            .or(before.scene),
-            volume: before.volume,
-            track: if self.choices.last_tracks { before.track } else { 0 },
-            seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
-            shuffled: before.shuffled,
-            repeat: before.repeat,
-        };
+        let mut show = self.playback.listening.sound.settings().last_show.clone().unwrap_or_default();
+        show.fullscreen = self.screen.is_fullscreen();
+        show.size = self.screen.size().filter(|_| !show.fullscreen).or(show.size);
+        show.place = self.screen.place().or(show.place);
+        show.scene = name_of(self.surprises.lasting(self.playback.scene.present_source())).or(show.scene);
+        if !self.choices.last_tracks {
+            (show.track, show.seconds) = (0, 0.0);
+        }
         if let Some(status) = self.playback.listening.with_song(|player| player.status()) {
             let remaining = status.track.duration.map(|duration| duration - status.position);
             let is_over = remaining.is_some_and(|remaining| remaining < LEFT_MIN);
@@ -151,16 +137,10 @@ impl Playback {
     fn write_left(&mut self, Left { show, scene, moved }: Left) {
         self.listening.sound.remember(move |settings| {
             settings.last_show = Some(show.clone());
-            if moved.sliders.is_empty() {
-                settings.sliders.remove(&scene);
-            } else {
-                settings.sliders.insert(scene.clone(), moved.sliders.clone());
-            }
-            if moved.bindings.is_empty() {
-                settings.bindings.remove(&scene);
-            } else {
-                settings.bindings.insert(scene.clone(), moved.bindings.clone());
-            }
+            settings.sliders.insert(scene.clone(), moved.sliders.clone());
+            settings.sliders.retain(|_, sliders| !sliders.is_empty());
+            settings.bindings.insert(scene.clone(), moved.bindings.clone());
+            settings.bindings.retain(|_, bindings| !bindings.is_empty());
         });
     }
 }

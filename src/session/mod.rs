@@ -25,12 +25,10 @@ mod loading;
 mod master_output;
 mod mastering;
 mod music_lists;
-mod noting;
 pub mod offscreen;
 mod opening;
 pub mod pacing;
 mod panels;
-mod picture_taking;
 mod pictures;
 mod preview;
 mod recording;
@@ -38,13 +36,10 @@ mod reports;
 mod running;
 pub(crate) mod scene;
 pub(crate) mod screen;
-mod sending;
 mod settings;
-mod shader_importing;
 mod snapshots;
 pub(crate) mod sound;
 mod surprising;
-mod title;
 mod typing_times;
 mod ui_state;
 mod variations;
@@ -71,6 +66,7 @@ pub use waker::Waker;
 use crate::clock;
 use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, Folders, PlaySettings};
+use crate::export::print::print_message;
 use crate::gpu::{Renderer, ShaderLibrary};
 use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::{Drafts, ImportedShader, ShaderError};
@@ -80,18 +76,18 @@ use crate::session::drawing_pace::DrawingPace;
 use crate::session::frame_senders::FrameSenders;
 use crate::session::listening::Listening;
 use crate::session::master_output::MasterOutput;
+use crate::session::pictures::picture_name;
 use crate::session::recording::Recording;
-use crate::session::reports::Reports;
-use crate::session::scene::SceneSession;
-use crate::session::title::{live_title, title};
+use crate::session::reports::{Reports, live_title, title};
+use crate::session::scene::{Performed, SceneSession};
 use crate::session::typing_times::TypingTimes;
-use crate::show::{LiveDirector, PreparedShow};
+use crate::show::{Finish, LiveDirector, PreparedShow};
 use crate::thumbnails::Thumbnails;
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, UiEvent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
-use mariana_player::Player;
+use mariana_player::{Moment, Player};
 use mariana_work::Awaited;
 
 /// Interval at which an idle session looks for changes.
@@ -203,39 +199,29 @@ impl Session {
             return true;
         }
         let command_key = held.control_key() || held.super_key();
-        if let Some(browser) = &mut self.interface.ui_state.browser {
-            let commands = browser.handle_key(key, command_key);
+        let panels = &mut self.interface.ui_state;
+        let of_list = if let Some(browser) = &mut panels.browser {
+            Some(browser.handle_key(key, command_key))
+        } else if let Some(files) = &mut panels.files {
+            Some(files.handle_key(key, held))
+        } else {
+            panels.tracks.as_mut().and_then(|tracks| tracks.handle_key(key, held))
+        };
+        if let Some(commands) = of_list {
             self.carry_out_all(commands);
             return true;
         }
-        if let Some(files) = &mut self.interface.ui_state.files {
-            let commands = files.handle_key(key, held);
-            self.carry_out_all(commands);
-            return true;
-        }
-        let of_tracks =
-            self.interface.ui_state.tracks.as_mut().and_then(|tracks| tracks.handle_key(key, held));
-        if let Some(commands) = of_tracks {
-            self.carry_out_all(commands);
-            return true;
-        }
-        let of_settings = self.interface.ui_state.settings.as_mut().map(|settings| settings.handle_key(key));
-        let taken = of_settings.filter(|(taken, _)| *taken);
-        let taken = taken.or_else(|| {
-            self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.handle_key(key))
-        });
-        let taken =
-            taken.or_else(|| self.interface.ui_state.video.panel.as_mut().map(|panel| panel.handle_key(key)));
-        if let Some((true, command)) = taken {
+        let of_settings = panels.settings.as_mut().map(|settings| settings.handle_key(key));
+        let of_panel = of_settings
+            .filter(|(taken, _)| *taken)
+            .or_else(|| panels.controllers.as_mut().map(|controllers| controllers.handle_key(key)))
+            .or_else(|| panels.video.panel.as_mut().map(|panel| panel.handle_key(key)));
+        if let Some((true, command)) = of_panel {
             self.carry_out_all(command);
             return true;
         }
-        let of_corners = self
-            .interface
-            .ui_state
-            .corners
-            .as_mut()
-            .and_then(|controllers| controllers.handle_key(key, held.shift_key()));
+        let of_corners =
+            panels.corners.as_mut().and_then(|corners| corners.handle_key(key, held.shift_key()));
         let taken = of_corners.is_some();
         self.carry_out_all(of_corners.flatten());
         // Files can be dropped while no panel is open, so the former list comes back without one.
@@ -263,7 +249,7 @@ impl Session {
         if let Some(live) = self.playback.listening.sound.live_status() {
             let paused = self.playback.listening.paused;
             self.playback.reports.report_input(&live, paused);
-            self.playback.set_title(&mut *self.screen, live_title(&live, notes, paused));
+            self.playback.reports.set_title(&mut *self.screen, live_title(&live, notes, paused));
             return Ok(false);
         }
         let Some(status) = self.playback.listening.song_status() else { return Ok(false) };
@@ -279,7 +265,7 @@ impl Session {
             self.playback.listening.started,
             self.screen.is_fullscreen(),
         );
-        self.playback.set_title(&mut *self.screen, title(notes, &status, silence_asked));
+        self.playback.reports.set_title(&mut *self.screen, title(notes, &status, silence_asked));
         Ok(status.ended && settings.once)
     }
 
@@ -290,6 +276,39 @@ impl Session {
                 || self.interface.ui_state.panels.open == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }
+    }
+
+    /// Takes the results of the threads that write shows and scenes.
+    pub(super) fn report_written_files(&mut self) {
+        self.playback.recording.update(clock::now());
+        if let Some(news) = self.playback.recording.news() {
+            tracing::info!("{news}");
+            self.playback.reports.answer(news);
+        }
+        self.interface.ui_state.snapshots = self.snapshots.update(&mut self.playback);
+        self.update_surprises();
+    }
+
+    /// Takes a wanted picture of the finished frame. `time` is the frame's time in the song, and `whole` the size of
+    /// the window.
+    pub(super) fn save_picture(&mut self, time: f64, whole: (u32, u32)) {
+        let folder = &self.interface.folders.pictures;
+        let title = &self.playback.reports.playing.title;
+        let file = || Some(folder.as_ref()?.join(picture_name(title, time)));
+        let renderer = &mut self.playback.renderer;
+        if let Err(words) = self.pictures.save(self.screen.gl(), renderer, whole, file) {
+            self.playback.reports.answer(words);
+        }
+    }
+
+    /// Follows the pictures and videos that are being made. Returns when to call again.
+    pub(super) fn update_made(&mut self, now: Instant) -> Option<Instant> {
+        let (due, messages) = self.pictures.update(now, &self.interface.waker);
+        for words in messages {
+            tracing::info!("{words}");
+            self.playback.reports.answer(words);
+        }
+        due.into_iter().chain(self.video_desk().update(now)).min()
     }
 
     /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
@@ -352,6 +371,7 @@ impl Session {
         let seen = self.screen.is_seen()
             || self.playback.pace.shown.is_none()
             || self.playback.frame_senders.are_any();
+        let due = self.playback.pace.due(self.playback.controllers.are_unseen());
         if !moving || !seen {
             // While paused, ended or covered, the show waits for an event. In silence, sound may start at any time.
             if seen {
@@ -360,14 +380,11 @@ impl Session {
             let listens = seen && !self.playback.listening.paused;
             let idle = now + if listens { LISTEN_INTERVAL } else { IDLE_INTERVAL };
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.playback.pace.due(self.playback.controllers.are_unseen())
-            || self.playback.scene.composer.regions.have_come()
-        {
+        } else if now >= due || self.playback.scene.composer.regions.have_come() {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.screen.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            let due = self.playback.pace.due(self.playback.controllers.are_unseen());
             self.update_preview(now, Some(due.saturating_duration_since(now)))?;
             Ok(to_send.map_or(due, |sends| sends.min(due)))
         }
@@ -418,10 +435,70 @@ impl Playback {
         self.renderer.forget_flashes();
     }
 
-    fn set_title(&mut self, screen: &mut dyn Screen, title: String) {
-        if let Some(title) = self.reports.changed_title(title) {
-            screen.set_title(title);
+    /// Sends due frames. Returns when to call again, if no event comes first.
+    pub(super) fn send(
+        &mut self,
+        screen: &mut dyn Screen,
+        now: Instant,
+    ) -> Result<Option<Instant>, SessionError> {
+        for sentence in self.frame_senders.news() {
+            print_message(&sentence);
+            self.reports.announce(sentence);
         }
+        if self.pace.shown.is_none() {
+            return Ok(None);
+        }
+        Ok(self.frame_senders.send_due(screen.gl(), &mut self.renderer, now)?)
+    }
+
+    pub(super) fn toggle_recording(&mut self) {
+        let begins = self.recording.toggle(clock::now());
+        if let Some(shown) = self.pace.shown.filter(|_| begins) {
+            self.record(shown.moment, clock::now());
+        }
+        let words = match begins {
+            true if self.listening.song_status().is_none() => {
+                "recording starts with the next song: an audio input cannot be recorded"
+            }
+            true => "recording: press F9 to stop",
+            false => "recording stopped",
+        };
+        self.reports.answer(words);
+    }
+
+    pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
+        if !self.recording.is_on {
+            return;
+        }
+        let track = self.listening.track_of(moment);
+        let picture = self.finish(begun);
+        let Some(performed) = Performed::of(&self.scene, moment.song_time) else { return };
+        let performed = Performed { picture, ..performed };
+        // Record a still scene at the current time, because `moment` is the time at which the scene became still.
+        let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
+        let time = now.map_or(moment.song_time, |now| now.song_time);
+        let title = self.reports.playing.title.as_str();
+        if let Some(words) = self.recording.record(track, title, time, performed, clock::now()) {
+            self.reports.answer(words);
+        }
+    }
+
+    /// Records that the last frame is still shown: it is frozen, or only its brightness changes.
+    pub(super) fn record_again(&mut self, begun: Instant) {
+        if !self.recording.is_on {
+            return;
+        }
+        let Some(now) = self.listening.now() else { return };
+        let (track, is_held) = (self.listening.track_of(now), self.holds_picture());
+        let picture = self.finish(begun);
+        self.recording.record_picture(track, now.song_time, &picture, is_held);
+    }
+
+    pub(super) fn finish(&self, begun: Instant) -> Finish {
+        let fraction = if self.holds_picture() { 1.0 } else { self.scene.composer.fading.fraction_held() };
+        let is_shown = self.master_output.are_idle(begun)
+            && (fraction == 0.0 || self.master_output.shown.held.is_some());
+        Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 }
 

@@ -133,13 +133,8 @@ impl Interface {
         if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;
         }
-        let of_folder = playback
-            .scene
-            .preparation
-            .library
-            .all_sources()
-            .into_iter()
-            .filter(|source| source.file().is_some());
+        let scenes = playback.scene.preparation.library.all_sources().into_iter();
+        let of_folder = scenes.filter(|source| source.file().is_some());
         let of_folder: Vec<_> = of_folder.take(limits::THUMBNAILS_AHEAD_MAX).collect();
         if of_folder.is_empty() {
             return;

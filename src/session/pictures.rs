@@ -13,6 +13,7 @@ use super::waker::Waker;
 use crate::atomic_file::{AtomicFile, Unwritable};
 use crate::clock;
 use crate::export::still::png;
+use crate::file_names::plain_name;
 use crate::gpu::{Gl, GpuError, PictureReader, Renderer};
 use crate::limits;
 use crate::placement::Placement;
@@ -143,4 +144,11 @@ fn write(rgba: &[u8], size: (u32, u32), file: &std::path::Path) -> String {
         Ok(file) => format!("saved as {}", file.display()),
         Err(error) => format!("the picture was not saved: {error}"),
     }
+}
+
+/// A name such as "Song 1.23.png" for a picture at `time` seconds.
+pub(super) fn picture_name(title: &str, time: f64) -> PathBuf {
+    let seconds = time.max(0.0) as u64;
+    let name = plain_name(&format!("{title} {}.{:02}", seconds / 60, seconds % 60), "picture");
+    PathBuf::from(name + ".png")
 }

@@ -53,14 +53,9 @@ impl Preview {
 impl Session {
     /// Updates the preview if there is time. `rest` is the time until the next frame; `None` while the show is idle.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
-        let is_wanted = self.choices.next_scene
-            || (self.screen.has_output() && !self.interface.ui_state.hidden.by_setting);
-        let title = self
-            .playback
-            .scene
-            .scenes
-            .next_title()
-            .filter(|_| is_wanted && !self.interface.ui_state.hidden.is_bare());
+        let hidden = self.interface.ui_state.hidden;
+        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !hidden.by_setting);
+        let title = self.playback.scene.scenes.next_title().filter(|_| is_wanted && !hidden.is_bare());
         let Some(title) = title else {
             if self.playback.preview.next.take().is_some() {
                 self.screen.request_redraw();
@@ -81,17 +76,18 @@ impl Session {
             (next.level, next.beat) = (level, beat);
             next.revision += 1;
         }
-        let has_one = self.playback.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
-        if has_one && self.playback.preview.took.mul_f64(RESERVE) > rest {
+        let preview = &mut self.playback.preview;
+        let has_one = preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
+        if has_one && preview.took.mul_f64(RESERVE) > rest {
             // Lower the last drawing time, so that a preview that was slow once is tried again.
-            self.playback.preview.took = self.playback.preview.took.mul_f64(0.9);
+            preview.took = preview.took.mul_f64(0.9);
             return Ok(());
         }
         let wanted = (title, moment.song_time);
-        if self.playback.preview.drawn.as_ref() == Some(&wanted) {
+        if preview.drawn.as_ref() == Some(&wanted) {
             return Ok(());
         }
-        let reader = match &mut self.playback.preview.reader {
+        let reader = match &mut preview.reader {
             Some(reader) => reader,
             none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
         };
@@ -99,16 +95,12 @@ impl Session {
         let parts = self.playback.listening.parts(moment);
         let sound = Sound { features: moment.features, song: moment.song, parts, ..Sound::default() };
         let heard = (moment.song_time, sound);
-        let drawn = self.playback.scene.preview(
-            &mut self.playback.renderer,
-            &mut self.playback.preview.sketch,
-            reader,
-            heard,
-        )?;
+        let renderer = &mut self.playback.renderer;
+        let drawn = self.playback.scene.preview(renderer, &mut preview.sketch, reader, heard)?;
         if drawn.is_some() {
-            self.playback.preview.took = clock::since(begun);
-            tracing::debug!("the next scene in {:?} of {rest:?}", self.playback.preview.took);
-            self.playback.preview.drawn = drawn.map(|title| (title, wanted.1));
+            preview.took = clock::since(begun);
+            tracing::debug!("the next scene in {:?} of {rest:?}", preview.took);
+            preview.drawn = drawn.map(|title| (title, wanted.1));
         }
         Ok(())
     }

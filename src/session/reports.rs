@@ -8,6 +8,7 @@ use crate::clock;
 use crate::commands::Command;
 use crate::export::print::print_message;
 use crate::session::desktop::DesktopControls;
+use crate::session::screen::Screen;
 use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::input::LiveStatus;
 use mariana_player::track::TrackInfo;
@@ -202,11 +203,12 @@ impl Reports {
         self.set_playing(NowPlaying::of_input(status, paused));
     }
 
-    /// Returns `title` if it has changed, because some window systems are slow to set a title.
-    pub(crate) fn changed_title(&mut self, title: String) -> Option<&str> {
-        let is_new = title != self.title;
-        self.title = title;
-        is_new.then_some(&*self.title)
+    /// Sets the window's title if it has changed, because some window systems are slow to set a title.
+    pub(crate) fn set_title(&mut self, screen: &mut dyn Screen, title: String) {
+        if title != self.title {
+            screen.set_title(&title);
+            self.title = title;
+        }
     }
 }
 
@@ -225,6 +227,41 @@ fn described(track: &TrackInfo) -> String {
         0 | 1 => track.name.clone(),
         count => format!("{} · {} of {count}", track.name, track.entry + 1),
     }
+}
+
+/// The window's title: track, program, notes on the scene, unusual states. Silence is unusual unless `silence_asked`.
+pub(crate) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
+    let track = &status.track;
+    let mut title = format!("{} - Mariana", track.name);
+    let mut notes = Vec::new();
+    if track.count > 1 {
+        notes.push(format!("{}/{}", track.entry + 1, track.count));
+    }
+    notes.extend(scene);
+    if status.paused {
+        notes.push("paused".to_owned());
+    }
+    if status.muted {
+        notes.push("muted".to_owned());
+    } else if status.volume < 0.995 {
+        notes.push(format!("volume {:.0} %", status.volume * 100.0));
+    }
+    if status.silent.is_some() && !silence_asked {
+        notes.push("no sound device".to_owned());
+    }
+    if !notes.is_empty() {
+        title.push_str(&format!(" ({})", notes.join(", ")));
+    }
+    title
+}
+
+pub(crate) fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) -> String {
+    let mut notes = scene;
+    if paused {
+        notes.push("paused".to_owned());
+    }
+    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
+    format!("{} - Mariana ({})", status.name, notes.join(", "))
 }
 
 #[cfg(test)]

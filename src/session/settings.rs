@@ -1,9 +1,8 @@
 //! The settings panel: changes take effect at once and are saved.
 
-use super::{Playback, Session};
+use super::Session;
 use crate::commands::{Command, Panel, SetSetting};
 use crate::config::Setting;
-use crate::gpu::error::GpuError;
 use crate::ui::overlay::SettingEvent;
 use crate::ui::settings_panel::{Facts, SettingsPanel};
 
@@ -44,7 +43,9 @@ impl Session {
                 self.playback.pace.resolution = self.playback.pace.resolution.chosen_anew(*quality)
             }
             Setting::FlashLimiter(on) => {
-                if let Err(error) = self.playback.limit_flashes(*on) {
+                if !on {
+                    self.playback.renderer.remove_flash_limiter();
+                } else if let Err(error) = self.playback.renderer.add_flash_limiter(&self.playback.shaders) {
                     return self.playback.reports.answer(format!("cannot limit flashes: {error}"));
                 }
             }
@@ -77,15 +78,5 @@ impl Session {
             self.playback.listening.sound.remember(move |settings| settings.choices.set(&setting));
         }
         self.update_settings();
-    }
-}
-
-impl Playback {
-    pub(super) fn limit_flashes(&mut self, on: bool) -> Result<(), GpuError> {
-        if !on {
-            self.renderer.remove_flash_limiter();
-            return Ok(());
-        }
-        self.renderer.add_flash_limiter(&self.shaders)
     }
 }

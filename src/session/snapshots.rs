@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Interface, Playback, Session};
+use super::Playback;
 use crate::commands::{Bind, SnapshotKeys};
-use crate::config::{PerformanceFiles, Snapshot};
+use crate::config::{Folders, PerformanceFiles, Snapshot};
 use crate::session::recording::named;
 use crate::show::{print, snapshot_cues};
 use crate::ui::overlay::{SNAPSHOTS, SnapshotRow};
@@ -21,112 +21,96 @@ pub(super) struct Snapshots {
     written: u64,
 }
 
-/// The snapshots with everything that they change.
-pub(super) struct SnapshotDesk<'a> {
-    playback: &'a mut Playback,
-    interface: &'a mut Interface,
-    snapshots: &'a mut Snapshots,
-}
-
-impl Session {
-    pub(super) fn snapshot_desk(&mut self) -> SnapshotDesk<'_> {
-        let Self { playback, interface, snapshots, .. } = self;
-        SnapshotDesk { playback, interface, snapshots }
-    }
-}
-
-impl SnapshotDesk<'_> {
+impl Snapshots {
     /// Recalls a snapshot. Takes it the first time, and when the user wants the next snapshot to be taken.
-    pub(super) fn press(&mut self, number: usize) {
-        let takes = std::mem::take(&mut self.snapshots.keys.takes);
-        match self.playback.snapshot(number).filter(|_| !takes) {
+    pub(super) fn press(&mut self, playback: &mut Playback, number: usize) {
+        let takes = std::mem::take(&mut self.keys.takes);
+        match playback.snapshot(number).filter(|_| !takes) {
             Some(snapshot) => {
-                let SnapshotKeys { morphs, beats, .. } = self.snapshots.keys;
-                let seconds = if morphs { f32::from(beats) * self.playback.beat_seconds() } else { 0.0 };
-                let turned = self.playback.scene.parameters_in_hand_mut();
+                let SnapshotKeys { morphs, beats, .. } = self.keys;
+                let seconds = if morphs { f32::from(beats) * playback.beat_seconds() } else { 0.0 };
+                let turned = playback.scene.parameters_in_hand_mut();
                 turned.into_iter().for_each(|mut turned| turned.recall(&snapshot, seconds));
-                self.playback.reports.answer(format!("snapshot {number}"));
+                playback.reports.answer(format!("snapshot {number}"));
             }
-            None => self.playback.save_snapshot(number),
+            None => playback.save_snapshot(number),
         }
     }
 
-    pub(super) fn toggle_take(&mut self) {
-        self.snapshots.keys.takes = !self.snapshots.keys.takes;
-        let words = match self.snapshots.keys.takes {
+    pub(super) fn toggle_take(&mut self, playback: &mut Playback) {
+        self.keys.takes = !self.keys.takes;
+        let words = match self.keys.takes {
             true => "the next snapshot key takes its snapshot again: press Shift+1 to Shift+8",
             false => "snapshot keys recall their snapshots",
         };
-        self.playback.reports.answer(words);
+        playback.reports.answer(words);
     }
 
-    pub(super) fn toggle_morph(&mut self) {
-        self.snapshots.keys.morphs = !self.snapshots.keys.morphs;
-        self.report_morph();
+    pub(super) fn toggle_morph(&mut self, playback: &mut Playback) {
+        self.keys.morphs = !self.keys.morphs;
+        self.report_morph(playback);
     }
 
     /// Recalls snapshots over this number of beats; less than one beat means at once.
-    pub(super) fn morph_over(&mut self, beats: f32) {
+    pub(super) fn morph_over(&mut self, playback: &mut Playback, beats: f32) {
         let beats = beats.round().clamp(0.0, MORPH_BEATS_MAX) as u16;
-        self.snapshots.keys.morphs = beats > 0;
+        self.keys.morphs = beats > 0;
         if beats > 0 {
-            self.snapshots.keys.beats = beats;
+            self.keys.beats = beats;
         }
-        self.report_morph();
+        self.report_morph(playback);
     }
 
-    fn report_morph(&mut self) {
-        let words = match self.snapshots.keys {
+    fn report_morph(&self, playback: &mut Playback) {
+        let words = match self.keys {
             SnapshotKeys { morphs: false, .. } => "snapshots change the sliders at once".to_owned(),
             SnapshotKeys { beats: 1, .. } => "snapshots change the sliders over a beat".to_owned(),
             SnapshotKeys { beats, .. } => format!("snapshots change the sliders over {beats} beats"),
         };
-        self.playback.reports.answer(words);
+        playback.reports.answer(words);
     }
 
     /// Writes the scene's snapshots as a show file in the folder of recordings.
-    pub(super) fn write(&mut self) {
-        let Some(source) = self.playback.scene.scenes.shown_source() else { return };
+    pub(super) fn write(&mut self, playback: &mut Playback, folders: &Folders) {
+        let Some(source) = playback.scene.scenes.shown_source() else { return };
         let (title, scene) = (source.title(), named(source));
-        let Some(snapshots) = self.playback.listening.sound.settings().snapshots.get(&title) else {
+        let Some(snapshots) = playback.listening.sound.settings().snapshots.get(&title) else {
             let words = "this scene has no snapshots: press Shift+1 to take one";
-            return self.playback.reports.answer(words);
+            return playback.reports.answer(words);
         };
         let comments = [
             format!("The snapshots of {title}. Enter shows the next one."),
             "Perform it with `mariana SONG --show FILE`.".to_owned(),
         ];
         let cues = snapshot_cues(&scene, snapshots.values().map(|snapshot| &snapshot.sliders));
-        let folders = &self.interface.folders;
-        let files = self.snapshots.files.get_or_insert_with(|| PerformanceFiles::among(folders));
-        self.snapshots.written += 1;
-        if !files.keep(self.snapshots.written, &format!("{title} snapshots"), move || print(&cues, &comments))
-        {
+        let files = self.files.get_or_insert_with(|| PerformanceFiles::among(folders));
+        self.written += 1;
+        if !files.keep(self.written, &format!("{title} snapshots"), move || print(&cues, &comments)) {
             let words = "there is no folder for show files: set the environment variable HOME";
-            self.playback.reports.answer(words);
+            playback.reports.answer(words);
         }
     }
 
-    fn report_written(&mut self) {
-        let Some(written) = self.snapshots.files.as_ref().and_then(PerformanceFiles::poll) else { return };
+    fn report_written(&self, playback: &mut Playback) {
+        let Some(written) = self.files.as_ref().and_then(PerformanceFiles::poll) else { return };
         let words = match written {
             Ok(path) => format!("written: {}; start it with --show FILE", path.display()),
             Err(error) => format!("{error}: the snapshots are not written; {}", error.remedy()),
         };
         tracing::info!("{words}");
-        self.playback.reports.answer(words);
+        playback.reports.answer(words);
     }
 
-    /// Updates the row of snapshots below the sliders, and reports a written show file.
-    pub(super) fn update(&mut self) {
+    /// Reports a written show file. Returns the row of snapshots below the sliders.
+    pub(super) fn update(&self, playback: &mut Playback) -> SnapshotRow {
         let mut taken = [false; SNAPSHOTS];
-        for number in self.playback.snapshot_numbers() {
+        for number in playback.snapshot_numbers() {
             if let Some(taken) = number.checked_sub(1).and_then(|place| taken.get_mut(place)) {
                 *taken = true;
             }
         }
-        self.interface.ui_state.snapshots = SnapshotRow { taken, keys: self.snapshots.keys };
-        self.report_written();
+        self.report_written(playback);
+        SnapshotRow { taken, keys: self.keys }
     }
 }
 

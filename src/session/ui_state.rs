@@ -11,6 +11,7 @@ use crate::scenes::SceneSource;
 use crate::session::controllers::Controllers;
 use crate::session::listening::Listening;
 use crate::session::reports::Reports;
+use crate::session::scene::SceneSession;
 use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
@@ -79,6 +80,8 @@ pub(super) struct VideoState {
 }
 
 pub(super) struct Seen {
+    /// The status line, if it is shown.
+    pub(super) corner: Option<String>,
     /// True if the pointer has moved recently or is in use in a panel.
     pub(super) awake: bool,
     pub(super) assisted: bool,
@@ -109,20 +112,22 @@ impl UiState {
             || self.tracks.as_ref().is_some_and(TrackPanel::is_searching)
     }
 
-    pub(super) fn add_to<'a>(
+    /// Returns what the overlay shows.
+    pub(super) fn content<'a>(
         &'a self,
-        content: &mut OverlayContent<'a>,
         seen: &'a Seen,
+        scene: &'a mut SceneSession,
         controllers: &'a Controllers,
         listening: &'a Listening,
         reports: &'a Reports,
         now: Instant,
-    ) {
+    ) -> OverlayContent<'a> {
+        let mut content = scene.content(seen.corner.as_deref(), self.panels);
         let (open, playing) = (self.panels.open, &reports.playing);
         let scene = self.words.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
         content.help = Some(&self.help).filter(|_| self.panels.help);
-        listening.show_in(content, open == Some(Panel::Sources), now);
+        listening.show_in(&mut content, open == Some(Panel::Sources), now);
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
         content.settings = self.settings.as_ref();
@@ -181,5 +186,6 @@ impl UiState {
                 seen: shows_bar,
             });
         }
+        content
     }
 }

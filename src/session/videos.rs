@@ -3,24 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::variations::Surprises;
-use super::video_making::{SETTLED, SIZES, ShowChoice, VideoMaking, Wish};
+use super::Session;
+use super::video_making::{SETTLED, SIZES, ShowChoice, Wish};
 use super::video_words::{Known, part, rows};
-use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{Edge, Mark, Panel, VideoChoice, VideoEdit};
-use crate::config::{Choice, Choices};
+use crate::config::Choice;
 use crate::demo_track::is_demo;
 use crate::export::video::VideoPlace;
 use crate::file_names::plain_name;
 use crate::session::direction::Playing;
 use crate::session::frame_senders::even;
 use crate::session::recording::named;
-use crate::session::screen::Screen;
 use crate::show::ShowSource;
 use crate::ui::overlay::near_border;
 use crate::ui::video_panel::VideoPanel;
 use crate::videos::{Order, OrderedShow};
+use mariana_music::Section;
 use mariana_player::song::Song;
 
 /// A mark that a key sets snaps to a border within this time, in seconds.
@@ -30,115 +29,97 @@ const PART_MIN: f64 = 0.5;
 /// A second request to quit within this time ends the program while a video is rendered.
 const QUIT_AGAIN: Duration = Duration::from_secs(6);
 
-/// The parts of a session that make videos.
-pub(super) struct VideoDesk<'a> {
-    making: &'a mut VideoMaking,
-    playback: &'a mut Playback,
-    interface: &'a mut Interface,
-    screen: &'a mut dyn Screen,
-    choices: &'a Choices,
-    surprises: &'a Surprises,
-}
+/// A session that makes videos.
+pub(super) struct VideoDesk<'a>(&'a mut Session);
 
 impl Session {
     pub(super) fn video_desk(&mut self) -> VideoDesk<'_> {
-        VideoDesk {
-            making: &mut self.videos,
-            playback: &mut self.playback,
-            interface: &mut self.interface,
-            screen: &mut *self.screen,
-            choices: &self.choices,
-            surprises: &self.surprises,
-        }
+        VideoDesk(self)
     }
 }
 
 impl VideoDesk<'_> {
     /// Opens or closes the panel.
     pub(super) fn show(&mut self, open: bool) {
-        self.interface.ui_state.video.panel = open.then(VideoPanel::default);
+        self.0.interface.ui_state.video.panel = open.then(VideoPanel::default);
         if open {
-            self.making.form.is_part = self.interface.ui_state.video.marks.is_some();
+            self.0.videos.form.is_part = self.0.interface.ui_state.video.marks.is_some();
             // Reads a folder, so only now.
-            let all = self.playback.scene.preparation.library.all_sources();
+            let all = self.0.playback.scene.preparation.library.all_sources();
             let has_files = all.iter().any(|source| source.file().is_some());
-            self.making.scenes = all.iter().filter(|_| has_files).map(named).collect();
+            self.0.videos.scenes = all.iter().filter(|_| has_files).map(named).collect();
             self.find_performance();
         }
         self.update(clock::now());
     }
 
     fn find_performance(&self) {
-        if let Some(videos) = &self.making.videos {
-            videos.find_performance(self.playback.reports.playing.title.clone());
+        if let Some(videos) = &self.0.videos.videos {
+            videos.find_performance(self.0.playback.reports.playing.title.clone());
         }
     }
 
     /// Follows the track and the queue. Returns when to call again.
     pub(super) fn update(&mut self, now: Instant) -> Option<Instant> {
-        let playing = &self.playback.reports.playing;
-        if (self.making.track.0, &self.making.track.1) != (playing.place.0, &playing.title) {
-            self.making.track = (playing.place.0, playing.title.clone());
-            self.interface.ui_state.video.marks = None;
-            self.making.form.is_part = false;
+        let playing = &self.0.playback.reports.playing;
+        if (self.0.videos.track.0, &self.0.videos.track.1) != (playing.place.0, &playing.title) {
+            self.0.videos.track = (playing.place.0, playing.title.clone());
+            self.0.interface.ui_state.video.marks = None;
+            self.0.videos.form.is_part = false;
             self.find_performance();
         }
         // A notice before the first frame would not be seen.
-        let is_shown = self.playback.pace.shown.is_some();
-        let videos = self.making.videos.iter().filter(|_| is_shown);
+        let is_shown = self.0.playback.pace.shown.is_some();
+        let videos = self.0.videos.videos.iter().filter(|_| is_shown);
         let news: Vec<String> = videos.flat_map(|videos| std::iter::from_fn(|| videos.news())).collect();
-        news.into_iter().for_each(|words| self.playback.reports.announce(words));
-        if self.interface.ui_state.video.panel.is_none() {
-            self.making.measure(None, now);
+        news.into_iter().for_each(|words| self.0.playback.reports.announce(words));
+        if self.0.interface.ui_state.video.panel.is_none() {
+            self.0.videos.measure(None, now);
             return None;
         }
         let wish = self.wish();
-        self.making.measure(wish.as_ref().ok(), now);
+        self.0.videos.measure(wish.as_ref().ok(), now);
         let known = self.known();
-        let rows = match &self.making.videos {
-            Some(videos) => videos.with_shown(|shown| rows(&self.making.form, &known, shown, &wish)),
+        let rows = match &self.0.videos.videos {
+            Some(videos) => videos.with_shown(|shown| rows(&self.0.videos.form, &known, shown, &wish)),
             None => Vec::new(),
         };
-        if let Some(panel) = &mut self.interface.ui_state.video.panel {
+        if let Some(panel) = &mut self.0.interface.ui_state.video.panel {
             panel.update(rows);
         }
-        let settles = self.making.settling.as_ref().filter(|_| !self.making.is_measured);
+        let settles = self.0.videos.settling.as_ref().filter(|_| !self.0.videos.is_measured);
         settles.map(|(_, since)| *since + SETTLED)
     }
 
     /// What the rows of the panel say about the window.
     fn known(&self) -> Known {
-        let playing = &self.playback.reports.playing;
-        let song = self.playback.listening.present_structure();
+        let playing = &self.0.playback.reports.playing;
+        let song = self.0.playback.listening.present_structure();
         let section = song.as_ref().and_then(|song| {
-            let at =
-                |section: &&mariana_music::Section| (section.start..section.end).contains(&playing.position);
-            song.sections
-                .iter()
-                .find(at)
-                .map(|section| (section.letter.clone(), [section.start, section.end]))
+            let at = |section: &&Section| (section.start..section.end).contains(&playing.position);
+            let section = song.sections.iter().find(at)?;
+            Some((section.letter.clone(), [section.start, section.end]))
         });
-        let shown = self.playback.scene.scenes.shown_source();
         Known {
             section,
-            marks: self.interface.ui_state.video.marks,
+            marks: self.0.interface.ui_state.video.marks,
             duration: playing.duration,
-            scene: shown.unwrap_or(&self.playback.scene.preparation.library.wanted).title(),
+            scene: self.0.playback.scene.present_source().title(),
             show: self.show_choice(),
             window: self.window_size(),
-            folder: self.interface.folders.videos.clone(),
+            folder: self.0.interface.folders.videos.clone(),
             title: playing.title.clone(),
         }
     }
 
     fn show_choice(&self) -> ShowChoice {
-        let follows = if self.playback.follows() { ShowChoice::Show } else { ShowChoice::Scene };
-        self.making.form.show.unwrap_or(follows)
+        let follows = if self.0.playback.follows() { ShowChoice::Show } else { ShowChoice::Scene };
+        self.0.videos.form.show.unwrap_or(follows)
     }
 
     /// The size of the window, with even sides as videos need.
     fn window_size(&self) -> Option<(u32, u32)> {
-        self.screen.size().map(even)
+        self.0.screen.size().map(even)
     }
 
     /// Carries out a change in the panel.
@@ -147,16 +128,16 @@ impl VideoDesk<'_> {
             VideoEdit::Choose { what, option } => self.choose(what, option),
             VideoEdit::Make => match self.wish() {
                 Ok(Wish { order, file, title, .. }) => {
-                    if let Some(videos) = &self.making.videos {
+                    if let Some(videos) = &self.0.videos.videos {
                         videos.add(title, file, &order);
                         // The next video is measured again once nothing is rendered.
-                        self.making.settling = None;
+                        self.0.videos.settling = None;
                     }
                 }
-                Err(words) => self.playback.reports.answer(words),
+                Err(words) => self.0.playback.reports.answer(words),
             },
             VideoEdit::Job { id, action } => {
-                if let Some(videos) = &self.making.videos {
+                if let Some(videos) = &self.0.videos.videos {
                     videos.act(id, action);
                 }
             }
@@ -165,24 +146,24 @@ impl VideoDesk<'_> {
     }
 
     fn choose(&mut self, what: VideoChoice, option: usize) {
-        let form = &mut self.making.form;
+        let form = &mut self.0.videos.form;
         match what {
             VideoChoice::Place => form.place = option,
             VideoChoice::Part if option == 1 => self.mark_section(),
             VideoChoice::Part => {
                 form.is_part = option == 2;
-                if form.is_part && self.interface.ui_state.video.marks.is_none() {
+                if form.is_part && self.0.interface.ui_state.video.marks.is_none() {
                     let words =
                         "mark a part first: press < at its start and > at its end, or drag the brackets";
                     form.is_part = false;
-                    self.playback.reports.answer(words);
+                    self.0.playback.reports.answer(words);
                 }
             }
             VideoChoice::Marks => match option {
                 0 => self.mark(Mark { edge: Edge::Start, at: None }),
                 1 => self.mark(Mark { edge: Edge::End, at: None }),
                 _ => {
-                    self.interface.ui_state.video.marks = None;
+                    self.0.interface.ui_state.video.marks = None;
                     form.is_part = false;
                 }
             },
@@ -197,32 +178,32 @@ impl VideoDesk<'_> {
     fn mark_section(&mut self) {
         match self.known().section {
             Some((_, ends)) => {
-                self.interface.ui_state.video.marks = Some(ends);
-                self.making.form.is_part = true;
+                self.0.interface.ui_state.video.marks = Some(ends);
+                self.0.videos.form.is_part = true;
             }
             None => {
                 let words = "the sections are known once the song is analysed: try again in a moment";
-                self.playback.reports.answer(words);
+                self.0.playback.reports.answer(words);
             }
         }
     }
 
     /// Moves a mark, and chooses the part between the marks.
     pub(super) fn mark(&mut self, Mark { edge, at }: Mark) {
-        let playing = &self.playback.reports.playing;
+        let playing = &self.0.playback.reports.playing;
         let Some(duration) = playing.duration.filter(|_| !playing.live) else {
             let words = "only a song of known length can be marked";
-            return self.playback.reports.answer(words);
+            return self.0.playback.reports.answer(words);
         };
-        let song = self.playback.listening.present_structure();
+        let song = self.0.playback.listening.present_structure();
         let time = at.unwrap_or_else(|| near_border(playing.position, song.as_deref(), duration, REACH));
-        let [start, end] = self.interface.ui_state.video.marks.unwrap_or([0.0, duration]);
+        let [start, end] = self.0.interface.ui_state.video.marks.unwrap_or([0.0, duration]);
         let marks = moved([start, end], edge, time, duration);
-        self.interface.ui_state.video.marks = Some(marks);
-        self.making.form.is_part = true;
-        if at.is_none() && self.interface.ui_state.panels.open != Some(Panel::Video) {
+        self.0.interface.ui_state.video.marks = Some(marks);
+        self.0.videos.form.is_part = true;
+        if at.is_none() && self.0.interface.ui_state.panels.open != Some(Panel::Video) {
             let words = part(marks);
-            self.playback.reports.answer(format!("marked {words}: press F10 to make a video of it"));
+            self.0.playback.reports.answer(format!("marked {words}: press F10 to make a video of it"));
         }
         self.update(clock::now());
     }
@@ -232,10 +213,10 @@ impl VideoDesk<'_> {
     /// # Errors
     /// A message if no video can be made of what plays now.
     fn wish(&mut self) -> Result<Wish, String> {
-        let form = self.making.form;
+        let form = self.0.videos.form;
         let no_song = "a video needs a song: play a file, because an audio input cannot be rendered";
-        let status = self.playback.listening.with_song(|player| player.status()).ok_or(no_song)?;
-        if self.playback.listening.playing() == Playing::Input {
+        let status = self.0.playback.listening.with_song(|player| player.status()).ok_or(no_song)?;
+        if self.0.playback.listening.playing() == Playing::Input {
             return Err(no_song.to_owned());
         }
         let unreadable = "this song cannot be read a second time: save it to a file and open the file";
@@ -247,7 +228,7 @@ impl VideoDesk<'_> {
         };
         let offset = content.cut.map_or(0.0, |cut| cut.seconds().0);
         let length = status.track.duration;
-        let part = self.interface.ui_state.video.marks.filter(|_| form.is_part);
+        let part = self.0.interface.ui_state.video.marks.filter(|_| form.is_part);
         let (start, duration) = match part {
             Some([start, end]) => (start, Some(end - start)),
             None => (0.0, length.filter(|_| content.cut.is_some())),
@@ -269,15 +250,15 @@ impl VideoDesk<'_> {
             title_card: form.title_card,
             captions: form.captions,
             draft: form.draft,
-            choices: self.choices.clone(),
+            choices: self.0.choices.clone(),
         };
         let longest = order.preset().duration;
         order.duration = duration.into_iter().chain(longest).reduce(f64::min);
         if choice == ShowChoice::Scene {
-            order.set = self.playback.scene.parameters_in_hand().moved().sliders.into_iter().collect();
+            order.set = self.0.playback.scene.parameters_in_hand().moved().sliders.into_iter().collect();
         }
         let seconds = order.duration.or(length.map(|length| length - start)).unwrap_or(0.0);
-        let title = self.playback.reports.playing.title.clone();
+        let title = self.0.playback.reports.playing.title.clone();
         let folder = self.video_folder(&content.song)?;
         // A song without a title has the name of its file.
         let stem = match status.track.title {
@@ -290,10 +271,10 @@ impl VideoDesk<'_> {
 
     fn video_folder(&self, song: &Song) -> Result<PathBuf, String> {
         let beside = match song {
-            Song::File(path) if self.making.form.beside => path.parent(),
+            Song::File(path) if self.0.videos.form.beside => path.parent(),
             _ => None,
         };
-        let folder = beside.or(self.interface.folders.videos.as_deref());
+        let folder = beside.or(self.0.interface.folders.videos.as_deref());
         let folder = folder.ok_or("there is no folder for videos: set XDG_VIDEOS_DIR or HOME")?;
         std::path::absolute(folder).map_err(|error| error.to_string())
     }
@@ -301,23 +282,24 @@ impl VideoDesk<'_> {
     fn ordered_show(&self, choice: ShowChoice) -> Result<OrderedShow, String> {
         Ok(match choice {
             ShowChoice::Scene => {
-                let shown = self.playback.scene.scenes.shown_source();
-                let source = shown.unwrap_or(&self.playback.scene.preparation.library.wanted);
-                if self.surprises.is_unsaved(source) {
+                let source = self.0.playback.scene.present_source();
+                if self.0.surprises.is_unsaved(source) {
                     return Err(
                         "this variation is not saved: press F7 to keep it, then make the video".to_owned()
                     );
                 }
                 OrderedShow::Scene(named(source))
             }
-            ShowChoice::Show => match self.playback.direction.show_of(self.playback.listening.playing()) {
-                ShowSource::Auto => OrderedShow::Show("auto".to_owned(), self.making.scenes.clone()),
-                ShowSource::Demo => OrderedShow::Show("demo".to_owned(), Vec::new()),
-                ShowSource::File(path) => OrderedShow::Show(path_text(&path)?, Vec::new()),
-            },
+            ShowChoice::Show => {
+                match self.0.playback.direction.show_of(self.0.playback.listening.playing()) {
+                    ShowSource::Auto => OrderedShow::Show("auto".to_owned(), self.0.videos.scenes.clone()),
+                    ShowSource::Demo => OrderedShow::Show("demo".to_owned(), Vec::new()),
+                    ShowSource::File(path) => OrderedShow::Show(path_text(&path)?, Vec::new()),
+                }
+            }
             ShowChoice::Performance => {
-                let title = &self.playback.reports.playing.title;
-                let videos = self.making.videos.as_ref();
+                let title = &self.0.playback.reports.playing.title;
+                let videos = self.0.videos.videos.as_ref();
                 let found = videos.and_then(|videos| videos.with_shown(|shown| shown.performance.clone()));
                 let found = found.filter(|(of, _)| of == title);
                 let (_, file) = found.ok_or("there is no recording of this song: press F9 to record one")?;
@@ -329,20 +311,20 @@ impl VideoDesk<'_> {
     /// Tells the window whether a letter key may end the program at once: not while keys type text, and not while a
     /// video is rendered.
     pub(super) fn allow_quitting(&mut self) {
-        let holds_back = self.interface.takes_text() || self.making.is_rendering();
-        self.screen.set_keys_are_text(holds_back);
+        let holds_back = self.0.interface.takes_text() || self.0.videos.is_rendering();
+        self.0.screen.set_keys_are_text(holds_back);
     }
 
     /// Returns true if a request to quit must be repeated, because a video is being rendered.
     pub(super) fn holds_back_quitting(&mut self) -> bool {
         let now = clock::now();
-        if !self.making.is_rendering() || self.making.warned.is_some_and(|at| now - at < QUIT_AGAIN) {
+        if !self.0.videos.is_rendering() || self.0.videos.warned.is_some_and(|at| now - at < QUIT_AGAIN) {
             return false;
         }
-        self.making.warned = Some(now);
+        self.0.videos.warned = Some(now);
         let words =
             "a video is being rendered: press Q again to quit; the next start offers to begin it again";
-        self.playback.reports.answer(words);
+        self.0.playback.reports.answer(words);
         true
     }
 }

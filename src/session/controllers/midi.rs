@@ -105,7 +105,7 @@ impl Midi {
 
     /// Returns the effects of the moved `knobs`. `levels` are the values of actions. While a mapping is learned, knobs
     /// have no effect.
-    pub(super) fn apply(
+    pub(crate) fn apply(
         &mut self,
         knobs: &[KnobMove],
         scene: &SceneSession,
@@ -153,7 +153,7 @@ impl Midi {
         }
     }
 
-    pub(super) fn finish_learning(&mut self) -> Option<String> {
+    pub(crate) fn finish_learning(&mut self) -> Option<String> {
         let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
         self.learning = None;

@@ -19,9 +19,8 @@ use phone::Phones;
 use crate::config::{ControllerSettings, Folders};
 use crate::scenes::SceneSource;
 use crate::session::frame_times::FrameTimes;
-use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
-use mariana_control::midi::{KnobMove, Outcome, Target};
+use mariana_control::midi::Target;
 use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
 
 /// Minimum interval between two input batches: a flood of messages must not keep the session from drawing.
@@ -111,15 +110,6 @@ impl Controllers {
         }
         self.free = now + INTERVAL;
         Some(self.input_queue.drain())
-    }
-
-    pub(crate) fn apply_knobs(
-        &mut self,
-        knobs: &[KnobMove],
-        scene: &SceneSession,
-        levels: &[(&str, f32)],
-    ) -> (Vec<Outcome>, Option<String>) {
-        (self.midi.apply(knobs, scene, levels), self.midi.finish_learning())
     }
 
     pub(crate) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {
