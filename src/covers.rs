@@ -65,14 +65,18 @@ fn of_hue(hue: f32, brightness: f32) -> [f32; 3] {
     })
 }
 
-fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
-    let format = match kind {
+/// Returns the format in which a cover is encoded.
+pub fn format_of(kind: CoverKind) -> ImageFormat {
+    match kind {
         CoverKind::Jpeg => ImageFormat::Jpeg,
         CoverKind::Png => ImageFormat::Png,
         CoverKind::WebP => ImageFormat::WebP,
         CoverKind::Bmp => ImageFormat::Bmp,
-    };
-    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    }
+}
+
+fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format_of(*kind));
     // Look at the size first: decoding a huge image takes seconds even if its memory is limited.
     let (width, height) = reader().into_dimensions().map_err(|error| error.to_string())?;
     let pixels = u64::from(width) * u64::from(height);

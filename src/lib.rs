@@ -36,6 +36,7 @@ pub mod gpu {
     pub use mariana_render::gpu::*;
 }
 
+pub mod cached_files;
 pub mod cli;
 pub mod config;
 pub mod covers;

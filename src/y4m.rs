@@ -89,30 +89,11 @@ struct Plane {
     black: i32,
 }
 
-const UNIT: f64 = 65_536.0;
-/// The fractions of red, green and blue in luma, by BT.709.
-const LIGHT: [f64; 3] = [0.2126, 0.7152, 0.0722];
-
-const LUMA: Plane = Plane { fractions: fractions(LIGHT, 219.0), black: 16 };
-const BLUE: Plane = Plane { fractions: fractions(difference(2), 224.0), black: 128 };
-const RED: Plane = Plane { fractions: fractions(difference(0), 224.0), black: 128 };
-
-/// Returns the coefficients of the colour difference signal of channel `color`. The signal is from -1/2 to 1/2.
-const fn difference(color: usize) -> [f64; 3] {
-    let scale = 2.0 * (1.0 - LIGHT[color]);
-    let mut difference = [-LIGHT[0] / scale, -LIGHT[1] / scale, -LIGHT[2] / scale];
-    difference[color] += 1.0 / scale;
-    difference
-}
-
-const fn fractions(of: [f64; 3], range: f64) -> [i32; 3] {
-    let unit = UNIT * range / 255.0;
-    [rounded(of[0] * unit), rounded(of[1] * unit), rounded(of[2] * unit)]
-}
-
-const fn rounded(value: f64) -> i32 {
-    (value + if value < 0.0 { -0.5 } else { 0.5 }) as i32
-}
+// BT.709: luma is y = 0.2126 r + 0.7152 g + 0.0722 b in 219 steps, and the differences are (b - y) / 1.8556 and
+// (r - y) / 1.5748 in 224 steps.
+const LUMA: Plane = Plane { fractions: [11_966, 40_254, 4_064], black: 16 };
+const BLUE: Plane = Plane { fractions: [-6_596, -22_189, 28_784], black: 128 };
+const RED: Plane = Plane { fractions: [28_784, -26_145, -2_639], black: 128 };
 
 impl Plane {
     fn of(&self, [red, green, blue, _]: [u8; 4]) -> u8 {

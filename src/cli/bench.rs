@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::common::{CommonArguments, OneScene};
 use super::files::Files;
-use super::parse::{parse_frames, parse_seconds, parse_size};
+use super::parse::{parse_seconds, parse_size, whole_number};
 use super::print_json;
-use crate::export::bench::{AllRequest, BenchRequest, measure, measure_all};
+use crate::export::bench::{BenchRequest, measure, measure_all};
 use crate::export::print::{print_line, print_message};
 
 #[derive(Args)]
@@ -24,7 +24,7 @@ pub(super) struct BenchArguments {
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// Frames to time
-    #[arg(long, default_value = "60", value_parser = parse_frames, allow_negative_numbers = true)]
+    #[arg(long, default_value = "60", value_parser = whole_number::<u16>(1, 10_000, "frames"), allow_negative_numbers = true)]
     frames: u16,
     /// Measure all shipped scenes
     #[arg(long, conflicts_with = "scene")]
@@ -64,8 +64,7 @@ pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
         edges: arguments.edges,
     };
     if arguments.all {
-        let request = AllRequest { each: request, only: arguments.only };
-        let report = measure_all(&request, &mut |scene, number, count| {
+        let report = measure_all(&request, &arguments.only, &mut |scene, number, count| {
             print_message(&format!("{scene}, {number} of {count}"));
         });
         return if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) };

@@ -42,8 +42,8 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
             Ok(match compile(&source)? {
                 Ok((scene, sources, texts)) => {
                     let (name, cost) = (source.name(), cost(&scene)?);
-                    let moving: String =
-                        moving(&scene).map(|(_, words)| format!("\n  {}", words.text())).collect();
+                    let words = moving(&scene).map(|(_, found)| found.unwrap_or_else(|grey| grey));
+                    let moving: String = words.map(|words| format!("\n  {words}")).collect();
                     let world = drawable(&source, scene)?;
                     let warnings = render_all(&warnings(texts, &world), &sources, colors(&std::io::stdout()));
                     let warnings = warnings.trim_end();
@@ -127,10 +127,7 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
 
 /// Returns a warning for each texture that will be grey.
 fn grey(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
-    moving(scene).filter_map(|(texture, found)| match found {
-        Moving::Grey(text) => Some(Diagnostic::warning(texture.span, text)),
-        Moving::Found(_) => None,
-    })
+    moving(scene).filter_map(|(texture, found)| Some(Diagnostic::warning(texture.span, found.err()?)))
 }
 
 /// Columns and rows of the rays that look for faults: about half a second on a slow computer.
@@ -224,28 +221,11 @@ fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     Ok(world)
 }
 
-/// A texture whose picture changes: what was found, or the reason why it will be grey.
-enum Moving {
-    Found(String),
-    Grey(String),
-}
-
-impl Moving {
-    fn text(&self) -> &str {
-        match self {
-            Self::Found(text) | Self::Grey(text) => text,
-        }
-    }
-}
-
-/// The videos, cameras and covers of a scene.
-fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Moving)> {
+/// The videos, cameras and covers of a scene: what was found, or the reason why the texture will be grey.
+fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Result<String, String>)> {
     scene.textures.iter().filter_map(|texture| {
         let source = TextureSource::of(texture)?;
-        Some(match description(&source) {
-            Ok(found) => (texture, Moving::Found(found)),
-            Err(error) => (texture, Moving::Grey(error.to_string())),
-        })
+        Some((texture, description(&source).map_err(|error| error.to_string())))
     })
 }
 
@@ -348,13 +328,11 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
 }
 
 fn name_of(scene: &Scene, input: Input) -> String {
-    match input {
-        Input::Param(number) => scene
-            .params
-            .get(usize::from(number))
-            .map_or_else(|| input.to_string().to_lowercase(), |param| param.name.clone()),
-        _ => input.to_string().to_lowercase(),
-    }
+    let param = match input {
+        Input::Param(number) => scene.params.get(usize::from(number)),
+        _ => None,
+    };
+    param.map_or_else(|| input.to_string().to_lowercase(), |param| param.name.clone())
 }
 
 #[cfg(test)]

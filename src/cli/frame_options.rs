@@ -4,7 +4,6 @@ use clap::Args;
 
 use super::common::refuse_a_terminal;
 use super::parse::{parse_fps, parse_size};
-use crate::config::PlaySettings;
 use crate::export::output::Output;
 use crate::limits;
 use crate::sending::SenderTarget;
@@ -19,25 +18,25 @@ pub(super) struct StagingArguments {
     /// input; at most 30 frames a second unless --fps-cap is given. Pauses drawing while covered and on battery. Media
     /// keys pause the song
     #[arg(long, conflicts_with_all = ["output", "fullscreen", "size"])]
-    wallpaper: bool,
+    pub(super) wallpaper: bool,
     /// Send the frames to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
     /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
     #[arg(long, value_name = "TO")]
-    send: Vec<SenderTarget>,
+    pub(super) send: Vec<SenderTarget>,
     /// Size of the frames that are sent [default: the window's size at the start]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "send")]
-    send_size: Option<(u32, u32)>,
+    pub(super) send_size: Option<(u32, u32)>,
     /// Frames sent per second
     #[arg(long, value_name = "FPS", value_parser = parse_fps, default_value = "30", allow_negative_numbers = true, requires = "send")]
-    send_fps: f64,
+    pub(super) send_fps: f64,
 }
 
 impl StagingArguments {
-    /// Writes these flags into `settings`.
+    /// Checks the targets.
     ///
     /// # Errors
     /// Fails if there are too many targets, or if a target is a terminal.
-    pub(super) fn apply(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
+    pub(super) fn check(&self) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= limits::SENDS_MAX,
             "frames can be sent to at most {} targets, not {}: leave out some --send flags",
@@ -47,9 +46,6 @@ impl StagingArguments {
         if self.send.contains(&SenderTarget::Y4m(None)) {
             refuse_a_terminal(&Output::Standard, "mariana --send y4m:- | mpv -")?;
         }
-        settings.wallpaper = self.wallpaper;
-        (settings.sends, settings.send_size) = (self.send.clone(), self.send_size);
-        settings.send_fps = self.send_fps;
         Ok(())
     }
 

@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use crate::scenes::included_text;
 use mariana_language_server::{Check, Checked, Ending, Files, Framing, Server, Unreadable, framed};
+use mariana_work::{Worker, in_order};
 
 #[derive(Args)]
 pub(super) struct LspArguments {
@@ -32,7 +33,8 @@ impl Files for SceneFolder {
 enum Event {
     /// Messages that arrived together.
     Messages(Vec<Result<Value, Unreadable>>),
-    Checked(Checked),
+    /// The other thread has checked a text.
+    Checked,
     /// Standard input has ended or cannot be read.
     Closed,
 }
@@ -45,17 +47,11 @@ pub(super) fn run(_: &LspArguments) -> anyhow::Result<()> {
         bail!("standard input is a terminal: let an editor start 'mariana lsp' (docs/editor.md)");
     }
     let (events, arrived) = channel();
-    let (checks, checker) = channel::<Check>();
-    let to_events = events.clone();
+    let checked = events.clone();
+    let wake = move || drop(checked.send(Event::Checked));
+    let checker = in_order("check", wake, || |check: Check| Some(check.run()))?;
     thread::Builder::new().name("input".to_owned()).spawn(move || read_input(&events))?;
-    thread::Builder::new().name("check".to_owned()).spawn(move || {
-        for check in checker {
-            if to_events.send(Event::Checked(check.run())).is_err() {
-                return;
-            }
-        }
-    })?;
-    match serve(&arrived, &checks)? {
+    match serve(&arrived, &checker)? {
         Some(Ending::Orderly) => Ok(()),
         Some(Ending::Early) => bail!("the editor sent 'exit' without 'shutdown'"),
         None => bail!("standard input ended without 'exit'"),
@@ -81,9 +77,9 @@ fn read_input(events: &Sender<Event>) {
 }
 
 /// Answers messages until the client ends the server; `None` if standard input ends before.
-fn serve(arrived: &Receiver<Event>, checks: &Sender<Check>) -> anyhow::Result<Option<Ending>> {
+fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow::Result<Option<Ending>> {
     let mut server = Server::new(Arc::new(SceneFolder));
-    let (mut is_checking, mut is_closed) = (false, false);
+    let mut is_closed = false;
     while !is_closed {
         let first = arrived.recv().context("the thread that reads standard input has ended")?;
         let mut messages = Vec::new();
@@ -92,9 +88,8 @@ fn serve(arrived: &Receiver<Event>, checks: &Sender<Check>) -> anyhow::Result<Op
         for event in std::iter::once(first).chain(arrived.try_iter()) {
             match event {
                 Event::Messages(new) => messages.extend(new),
-                Event::Checked(checked) => {
-                    is_checking = false;
-                    answers.extend(server.checked(checked));
+                Event::Checked => {
+                    answers.extend(checker.poll().into_iter().flat_map(|checked| server.checked(checked)));
                 }
                 Event::Closed => is_closed = true,
             }
@@ -103,8 +98,10 @@ fn serve(arrived: &Receiver<Event>, checks: &Sender<Check>) -> anyhow::Result<Op
         if !write(&answers)? || server.ending().is_some() {
             return Ok(server.ending());
         }
-        if !is_checking && let Some(check) = server.next_check() {
-            is_checking = checks.send(check).is_ok();
+        if checker.is_idle()
+            && let Some(check) = server.next_check()
+        {
+            checker.send(check);
         }
     }
     Ok(None)

@@ -1,8 +1,6 @@
 //! Parsers of flags with numbers, checked against the limits.
 
-use mariana_control::limits as control_limits;
 use mariana_field::world::BlendKind;
-use mariana_player::limits as player_limits;
 
 use crate::config::setting_limits;
 use crate::export::video::Part;
@@ -39,6 +37,24 @@ pub(super) fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
     Ok((number(x)?, number(y)?))
 }
 
+/// Returns a parser of numbers.
+pub(super) fn number(
+    low: f64,
+    high: f64,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| parse_within(text, low, high, unit)
+}
+
+/// Returns a parser of whole numbers.
+pub(super) fn whole_number<T: From<u16>>(
+    low: u16,
+    high: u16,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| parse_whole(text, low, high, unit).map(T::from)
+}
+
 fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     let value = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
     within(value, low, high, unit)
@@ -58,37 +74,12 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
     value.ok_or_else(|| format!("the value must be from {low} to {high} {unit}"))
 }
 
-pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
-    parse_within(text, control_limits::OSC_RATE_MIN, control_limits::OSC_RATE_MAX, "times a second")
-}
-
 pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
     Ok(parse_whole(text, 0, 100, "percent")? as u8)
 }
 
-/// Parses an angle above the rim of a dome.
-pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, 90.0, "degrees")
-}
-
-pub(super) fn parse_shutter(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, 360.0, "degrees")
-}
-
-pub(super) fn parse_exposures(text: &str) -> Result<u32, String> {
-    parse_whole(text, 2, limits::EXPOSURES_MAX, "exposures").map(u32::from)
-}
-
-pub(super) fn parse_samples(text: &str) -> Result<u16, String> {
-    parse_whole(text, 1, limits::PATH_SAMPLES_MAX, "paths")
-}
-
 pub(super) fn parse_noise(text: &str) -> Result<f32, String> {
     parse_within(text, 0.0, 1.0, "of the light").map(|noise| noise as f32)
-}
-
-pub(super) fn parse_eye_distance(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, 1000.0, "units")
 }
 
 /// Parses a part of a video: `3/8`.
@@ -116,10 +107,6 @@ pub(super) fn blend_help() -> String {
     let kinds = BlendKind::ALL.iter().map(|(_, name, meaning)| format!("{name}, where {meaning}"));
     let kinds: Vec<String> = kinds.collect();
     format!("Kind of blend, and the fraction of the second scene from 0 to 1: {}", kinds.join("; "))
-}
-
-pub(super) fn parse_frames(text: &str) -> Result<u16, String> {
-    parse_whole(text, 1, 10_000, "frames")
 }
 
 /// Parses a time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`. Only the largest unit may exceed 59.
@@ -185,10 +172,6 @@ pub(super) fn parse_corners(text: &str) -> Result<Corners, String> {
     Ok(Corners::try_from(corners)?)
 }
 
-pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(text, -player_limits::LATENCY_MS_MAX, player_limits::LATENCY_MS_MAX, "milliseconds")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,12 +194,17 @@ mod tests {
     }
 
     #[test]
-    fn rates_of_osc_are_those_of_the_limits() {
-        let (least, most) = (control_limits::OSC_RATE_MIN, control_limits::OSC_RATE_MAX);
-        assert_eq!(parse_osc_rate(&least.to_string()), Ok(least));
-        assert_eq!(parse_osc_rate(&most.to_string()), Ok(most));
-        for rate in [least / 2.0, most + 1.0, f64::NAN] {
-            assert!(parse_osc_rate(&rate.to_string()).is_err(), "{rate}");
+    fn numbers_are_those_within_the_limits() {
+        let (parse, parse_whole) = (number(-1.5, 9.0, "units"), whole_number::<u32>(2, 9, "units"));
+        for value in [-1.5, 0.0, 9.0] {
+            assert_eq!(parse(&value.to_string()), Ok(value));
+        }
+        for value in [-1.6, 9.1, f64::NAN, f64::INFINITY] {
+            assert!(parse(&value.to_string()).is_err(), "{value}");
+        }
+        assert_eq!([2, 9].map(|value| parse_whole(&value.to_string())), [Ok(2), Ok(9)]);
+        for text in ["1", "10", "-2", "70000", "2.5", ""] {
+            assert!(parse_whole(text).is_err(), "{text}");
         }
     }
 
@@ -241,7 +229,6 @@ mod tests {
         for text in ["0", "1001", "x", "30/x", "30/0", "nan"] {
             assert!(parse_fps(text).is_err(), "{text}");
         }
-        assert_eq!(parse_latency("-180"), Ok(-180.0));
     }
 
     #[test]

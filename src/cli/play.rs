@@ -9,14 +9,14 @@ use super::choices::choice;
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::frame_options::StagingArguments;
-use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
+use super::parse::{number, parse_fade, parse_fps, parse_percent, parse_size};
 use super::projection::ProjectionArguments;
 use super::setting_flags::SettingFlags;
-use super::show::ShowChoice;
+use super::show::{WantedShow, parse_show};
 use super::view::ViewArguments;
 use crate::config::{
-    Choice, Choices, ControllerSettings, Folders, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
-    Snapshot,
+    Choice, Choices, ControllerSettings, Folders, FollowChoice, LastShow, ListenChoice, Memory, PlaySettings,
+    SettingsFile,
 };
 use crate::demo_track::DEMO_TRACK;
 use crate::export::{SceneChoice, print_line, print_message};
@@ -25,7 +25,10 @@ use crate::program_cache::ProgramCache;
 use crate::scenes::SceneSource;
 use crate::session::Prepared;
 use crate::shell;
+use crate::show::ShowSource;
+use mariana_control::limits::{OSC_RATE_MAX, OSC_RATE_MIN};
 use mariana_control::osc::Place;
+use mariana_player::limits::LATENCY_MS_MAX;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
 use mariana_remote::RemotePlace;
@@ -63,7 +66,7 @@ pub(super) struct PlayArguments {
     volume: Option<u8>,
     /// Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last
     /// delay set with the keys [ and ]]
-    #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", value_parser = number(-LATENCY_MS_MAX, LATENCY_MS_MAX, "milliseconds"), allow_negative_numbers = true)]
     latency: Option<f64>,
     /// Maximum frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
@@ -82,8 +85,8 @@ pub(super) struct PlayArguments {
     size: Option<(u32, u32)>,
     /// Let a show change the scenes: 'auto' to follow the song, 'off', or a .show file [default: the last choice in the
     /// window, at first auto unless a scene is named]
-    #[arg(long, value_name = "AUTO-OFF-FILE")]
-    show: Option<ShowChoice>,
+    #[arg(long, value_name = "AUTO-OFF-FILE", value_parser = parse_show)]
+    show: Option<WantedShow>,
     /// Receive OSC messages on this port from this computer only, or on a network address given as ADDRESS:PORT;
     /// docs/osc.md lists the messages
     #[arg(long, value_name = "PORT")]
@@ -92,7 +95,7 @@ pub(super) struct PlayArguments {
     #[arg(long, value_name = "HOST:PORT")]
     osc_send: Option<Place>,
     /// OSC messages sent per second
-    #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_osc_rate, allow_negative_numbers = true, requires = "osc_send")]
+    #[arg(long, value_name = "HZ", default_value = "30", value_parser = number(OSC_RATE_MIN, OSC_RATE_MAX, "times a second"), allow_negative_numbers = true, requires = "osc_send")]
     osc_rate: f64,
     /// Listen to MIDI devices; key J maps them
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
@@ -183,11 +186,30 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         true => LastShow::default(),
         false => file.settings().last_show.clone().unwrap_or_default(),
     };
-    let kept = ProgramCache::within(folders.cache.as_deref());
-    let mut settings = PlaySettings {
+    arguments.frame_options.check()?;
+    let repeat = if arguments.once { Repeat::Off } else { arguments.repeat };
+    let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
+    let names_scene = scene.is_some() || !arguments.scene.is_default();
+    let (chosen, resumed_scene_or) = match last.scene.as_deref().filter(|_| !names_scene) {
+        Some(name) => resumed_scene(name, &common)?,
+        None => (arguments.scene.choose(scene, &common)?, None),
+    };
+    let projection = arguments.projection.projection()?;
+    let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
+    let moved = (!arguments.new).then(|| file.settings().moved(&scene.source.title()));
+    let goes_on = songs.is_empty() && !arguments.new && !arguments.once && choices.last_tracks;
+    let last_tracks = file.last_tracks().filter(|_| goes_on && listen.is_none());
+    let resumed = last_tracks.and_then(|list| resume_list(list, &last, repeat, arguments.shuffle));
+    let begin_at = resumed.as_ref().map_or(0.0, |(_, begin_at)| *begin_at);
+    let tracks = match (listen, resumed) {
+        (Some(_), _) => None,
+        (None, Some((opened, _))) => Some(opened),
+        (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
+    };
+    let settings = PlaySettings {
         choices,
-        show: arguments.show.and_then(ShowChoice::into_named),
-        names_scene: !arguments.scene.is_default(),
+        show: arguments.show.flatten().filter(|source| *source != ShowSource::Auto),
+        names_scene,
         device: arguments.device,
         silent: arguments.silent,
         once: arguments.once,
@@ -197,9 +219,9 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         fps_cap: arguments.fps_cap,
         fade: arguments.fade,
         prepare_ahead: arguments.prepare_ahead,
-        program_cache: if arguments.program_cache { kept } else { ProgramCache::off() },
+        program_cache: ProgramCache::within(folders.cache.as_deref().filter(|_| arguments.program_cache)),
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
-        begin_at: 0.0,
+        begin_at,
         controllers: ControllerSettings {
             osc: arguments.osc,
             osc_send: arguments.osc_send,
@@ -207,40 +229,17 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
             midi: arguments.midi,
             remote: arguments.remote,
         },
-        moved: Snapshot::default(),
-        resumed_scene_or: None,
+        moved: moved.unwrap_or_default(),
+        resumed_scene_or,
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // Ignore the saved position if the size was given, because the position fits only the saved size.
         place: last.place.filter(|_| arguments.size.is_none()),
-        wallpaper: false,
-        sends: Vec::new(),
-        send_size: None,
-        send_fps: 0.0,
+        wallpaper: arguments.frame_options.wallpaper,
+        sends: arguments.frame_options.send,
+        send_size: arguments.frame_options.send_size,
+        send_fps: arguments.frame_options.send_fps,
         gl_info: arguments.gl_info,
-    };
-    arguments.frame_options.apply(&mut settings)?;
-    let repeat = if arguments.once { Repeat::Off } else { arguments.repeat };
-    let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
-    settings.names_scene |= scene.is_some();
-    let resumed = last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default());
-    let (chosen, substitute) = match resumed {
-        Some(name) => resumed_scene(name, &common)?,
-        None => (arguments.scene.choose(scene, &common)?, None),
-    };
-    settings.resumed_scene_or = substitute;
-    let projection = arguments.projection.projection()?;
-    let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
-    let moved = (!arguments.new).then(|| file.settings().moved(&scene.source.title()));
-    settings.moved = moved.unwrap_or_default();
-    let goes_on = songs.is_empty() && !arguments.new && !arguments.once && settings.choices.last_tracks;
-    let last_tracks = file.last_tracks().filter(|_| goes_on && listen.is_none());
-    let resumed = last_tracks.and_then(|list| resume_list(list, &last, repeat, arguments.shuffle));
-    settings.begin_at = resumed.as_ref().map_or(0.0, |(_, begin_at)| *begin_at);
-    let tracks = match (listen, resumed) {
-        (Some(_), _) => None,
-        (None, Some((opened, _))) => Some(opened),
-        (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
 }
@@ -257,7 +256,9 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     let mut choices = arguments.chosen.over(remembered);
     choices.tone_map = arguments.common.tone_map.unwrap_or(choices.tone_map);
     choices.gain = arguments.common.gain.unwrap_or(choices.gain);
-    choices.follow_song = arguments.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
+    if let Some(show) = &arguments.show {
+        choices.follow_song = if show.is_some() { FollowChoice::On } else { FollowChoice::Off };
+    }
     choices.hints &= !arguments.clean;
     choices.stage.output = arguments.frame_options.output(choices.stage.output);
     choices

@@ -16,7 +16,7 @@ const BAR: &str = "{bar:32} {percent:>3} %  {msg} {pos} of {len}, {rate} a secon
 const COUNT: &str = "{msg} {pos}, {rate} a second";
 
 pub(super) enum Progress {
-    Bar { bar: ProgressBar, has_length: bool },
+    Bar(ProgressBar),
     Lines { noun: &'static str, since: Option<Since> },
     Quiet,
 }
@@ -38,7 +38,7 @@ impl Progress {
             (false, false) => {
                 let bar =
                     ProgressBar::with_draw_target(None, target).with_style(style(COUNT)).with_message(noun);
-                Self::Bar { bar, has_length: false }
+                Self::Bar(bar)
             }
         }
     }
@@ -47,11 +47,10 @@ impl Progress {
     pub(super) fn reach(&mut self, done: u64, of: Option<u64>) {
         match self {
             Self::Quiet => {}
-            Self::Bar { bar, has_length } => {
-                if let (Some(of), false) = (of, *has_length) {
+            Self::Bar(bar) => {
+                if let (Some(of), None) = (of, bar.length()) {
                     bar.set_length(of);
                     bar.set_style(style(BAR));
-                    *has_length = true;
                 }
                 bar.set_position(done);
             }
@@ -70,7 +69,7 @@ impl Progress {
 
     /// Ends the line of the bar. Must also be called after an error.
     pub(super) fn end(&self) {
-        if let Self::Bar { bar, .. } = self {
+        if let Self::Bar(bar) = self {
             bar.abandon();
             // A closed terminal is no error.
             let _ = writeln!(std::io::stderr());

@@ -1,11 +1,10 @@
-//! Flags for projections and, in stills and videos, motion blur.
+//! Flags for projections.
 
 use anyhow::bail;
 use clap::Args;
 
 use super::choices::choice;
-use super::parse::{parse_degrees, parse_exposures, parse_eye_distance, parse_shutter};
-use crate::export::shutter::Shutter;
+use super::parse::number;
 use crate::frame::projection::{Projection, ProjectionKind, Stereo};
 
 #[derive(Args)]
@@ -17,11 +16,11 @@ pub(super) struct ProjectionArguments {
     #[arg(long, value_name = "HOW", default_value = "none", value_parser = choice::<Stereo>())]
     stereo: Stereo,
     /// Distance of the eyes in the scene's units; larger distances make the scene look smaller
-    #[arg(long, value_name = "UNITS", default_value_t = Projection::EYE_DISTANCE, value_parser = parse_eye_distance, requires = "stereo", allow_negative_numbers = true)]
+    #[arg(long, value_name = "UNITS", default_value_t = Projection::EYE_DISTANCE, value_parser = number(0.0, 1000.0, "units"), requires = "stereo", allow_negative_numbers = true)]
     eye_distance: f64,
     /// Height of the camera's target in a dome, in degrees above the front rim; 90 is the zenith
     /// [default: 45]
-    #[arg(long, value_name = "DEGREES", value_parser = parse_degrees, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = number(0.0, 90.0, "degrees"), allow_negative_numbers = true)]
     dome_tilt: Option<f64>,
 }
 
@@ -36,21 +35,5 @@ impl ProjectionArguments {
             bail!("--dome-tilt is about domes: give --projection dome too");
         }
         Ok(Projection { kind, stereo, eye_distance, dome_tilt: dome_tilt.unwrap_or(Projection::DOME_TILT) })
-    }
-}
-
-#[derive(Args)]
-pub(super) struct ShutterArguments {
-    /// Motion blur: the part of a frame's time during which the shutter is open, in degrees, such as 180; 0 for none
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = parse_shutter, conflicts_with_all = ["view", "alpha"], allow_negative_numbers = true)]
-    shutter: f64,
-    /// Exposures of each frame with --shutter; drawing takes this many times as long
-    #[arg(long, value_name = "COUNT", default_value_t = Shutter::EXPOSURES, value_parser = parse_exposures, requires = "shutter", allow_negative_numbers = true)]
-    shutter_frames: u32,
-}
-
-impl ShutterArguments {
-    pub(super) fn shutter(&self) -> Shutter {
-        Shutter { degrees: self.shutter, exposures: self.shutter_frames }
     }
 }

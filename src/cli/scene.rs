@@ -8,9 +8,8 @@ use clap::Args;
 
 use super::common::{SetArguments, colors};
 use super::files::{is_standard, scene_of};
-use crate::export::painter::require_inputs;
+use crate::export::painter::{held_of, require_inputs};
 use crate::export::print::print_line;
-use crate::frame::held_inputs::HeldInputs;
 use crate::scenes::SceneSource;
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::{Scene, render_all};
@@ -70,11 +69,15 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
     Ok(print_line(text.trim_end())?)
 }
 
+fn silent_frame(scene: &Scene) -> FrameInputs {
+    let params = scene.params.iter().map(|param| param.default).collect();
+    FrameInputs { params, shapes: scene.atlas.clone(), ..FrameInputs::default() }
+}
+
 /// Describes the cell of a point in the tree of a silent frame, and lists its tape.
 fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<String> {
-    let params = scene.params.iter().map(|param| param.default).collect();
+    let mut frame = silent_frame(&scene);
     let world = World::new(name, scene, Vec::new())?;
-    let mut frame = FrameInputs { params, shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     frame.hoisted = world.hoisted.values(&frame);
     let tree = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
     let Some(cell) = tree.cell_at(point) else {
@@ -109,18 +112,10 @@ fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<Str
 
 pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     let scene = require(&scene_of(&arguments.scene)?)?;
-    let mut frame = FrameInputs {
-        params: scene.params.iter().map(|param| param.default).collect(),
-        shapes: scene.atlas.clone(),
-        ..Default::default()
-    };
+    let mut frame = silent_frame(&scene);
     let set = &arguments.set.set;
     require_inputs(&[&scene], set)?;
-    let mut held = HeldInputs::default();
-    for setting in set {
-        held.hold(&scene, setting)?;
-    }
-    held.apply(&mut frame);
+    held_of(&scene, set)?.apply(&mut frame);
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
     let mut evaluator = PointEvaluator::new(&tape, &frame);
     let mut print = |[x, y, z]: [f32; 3]| {

@@ -18,13 +18,13 @@ use super::light::LightArguments;
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
 use super::progress::Progress;
 use super::projection::ProjectionArguments;
-use super::show::ShowChoice;
+use super::show::{WantedShow, or_shipped, parse_show};
 use super::view::ViewArguments;
 use crate::ending::asked_to_end;
 use crate::export::paths::PathWatch;
-use crate::export::still::{Blend, StillRequest, write_still, write_still_watched};
+use crate::export::still::{Blend, StillRequest, write_still};
 use crate::export::video::{Preset, VideoPlace};
-use crate::export::{Output, SceneChoice};
+use crate::export::{Output, SceneChoice, Showing};
 use mariana_field::world::BlendKind;
 
 #[derive(Args)]
@@ -56,8 +56,8 @@ pub(super) struct StillArguments {
     #[arg(long, conflicts_with = "view")]
     alpha: bool,
     /// Show this moment of a show instead of a scene: 'auto' for a show that follows the song, or a .show file
-    #[arg(long, value_name = "AUTO-OR-FILE", conflicts_with_all = ["alpha", "into", "scene"])]
-    show: Option<ShowChoice>,
+    #[arg(long, value_name = "AUTO-OR-FILE", value_parser = parse_show, conflicts_with_all = ["alpha", "into", "scene"])]
+    show: Option<WantedShow>,
     /// Show a blend of the scene with this second scene
     #[arg(long, value_name = "SCENE", allow_hyphen_values = true, conflicts_with = "alpha")]
     into: Option<OsString>,
@@ -111,20 +111,22 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
             projection,
             ..arguments.scene.choose(scene, &common)?
         })?,
-        show: arguments.show.and_then(|show| show.showing(Vec::new())),
+        show: arguments.show.flatten().map(|source| Showing::Show(source, or_shipped(Vec::new()))),
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
         ray: arguments.ray,
         shutter: arguments.light.shutter(),
     };
-    let Some(samples) = arguments.light.samples() else { return Ok(write_still(&request)?) };
+    let Some(samples) = arguments.light.samples() else {
+        return Ok(write_still(&request, PathWatch::default())?);
+    };
     let progress = Rc::new(RefCell::new(Progress::begin(false, "path")));
     let shown = progress.clone();
     let reach = Box::new(move |done: f64| {
         shown.borrow_mut().reach(done as u64, Some(samples));
         asked_to_end().is_none()
     });
-    let written = write_still_watched(&request, PathWatch { reach, ..PathWatch::default() });
+    let written = write_still(&request, PathWatch { reach, ..PathWatch::default() });
     progress.borrow_mut().end();
     Ok(written?)
 }

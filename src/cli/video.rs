@@ -14,7 +14,7 @@ use super::light::LightArguments;
 use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
 use super::projection::ProjectionArguments;
-use super::show::ShowChoice;
+use super::show::{WantedShow, or_shipped, parse_show};
 use super::view::ViewArguments;
 use crate::export::video::{
     Codec, EncodingQuality, Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video,
@@ -76,8 +76,8 @@ pub(super) struct VideoArguments {
     alpha: bool,
     /// A show instead of scenes: 'auto' for a show that follows the song with the scenes of --scene, or with all
     /// shipped scenes; 'demo' for the demo track's show; or a .show file
-    #[arg(long, value_name = "AUTO-OR-FILE")]
-    show: Option<ShowChoice>,
+    #[arg(long, value_name = "AUTO-OR-FILE", value_parser = parse_show)]
+    show: Option<WantedShow>,
     #[command(flatten)]
     set: SetArguments,
     /// The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in '/' for numbered
@@ -113,14 +113,15 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let Files { songs, scene } = Files::of(arguments.files)?;
     let (song, _) = Files { songs, scene: None }.song_and_scene()?;
     let preset = Preset::of(arguments.place);
-    let is_show = arguments.show.as_ref().is_some_and(ShowChoice::is_on);
+    let show = arguments.show.flatten();
     let mut scenes = Vec::new();
-    for (from, scene) in timed(&arguments.scene, scene.as_deref(), is_show)? {
+    for (from, scene) in timed(&arguments.scene, scene.as_deref(), show.is_some())? {
         scenes.push((from, scene_of(&scene)?));
     }
-    let sources = || scenes.iter().map(|(_, scene)| scene.clone()).collect();
-    let showing = arguments.show.and_then(|show| show.showing(sources()));
-    let showing = showing.unwrap_or(Showing::Scenes(scenes));
+    let showing = match show {
+        Some(show) => Showing::Show(show, or_shipped(scenes.into_iter().map(|(_, scene)| scene).collect())),
+        None => Showing::Scenes(scenes),
+    };
     let scene = common.scene(OsStr::new(DEFAULT_SCENE))?;
     let lyrics = arguments.lyrics.map(|file| match file {
         Some(file) => Lyrics::read(&file),
@@ -138,7 +139,6 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         limit_flashes: arguments.flash_limiter,
         output,
         keeps_others: arguments.controlled,
-        alpha: arguments.alpha,
         showing,
         scene: arguments.light.apply(SceneChoice {
             view: arguments.view.view,

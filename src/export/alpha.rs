@@ -4,7 +4,7 @@
 //! the fraction of the pixel that objects cover. Where a glow reaches beyond the objects, alpha is the largest colour
 //! channel, because a smaller alpha could not store the glow.
 
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use crate::frame::Frame;
 use crate::frame::picture::Picture;
 use crate::gpu::{Program, Renderer, SceneResources};
@@ -15,7 +15,9 @@ const EXPOSURE: f32 = 0.01;
 
 pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), ExportError> {
     match ready.world.scene.has_own_sky {
-        true => Err(ExportError::OwnSky { scene: scene.to_owned() }),
+        true => refuse(format!(
+            "--alpha leaves out the sky, but the scene {scene} draws its own: remove the `color` of its `sky`"
+        )),
         false => Ok(()),
     }
 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-pub use all::{AllReport, AllRequest, measure_all};
+pub use all::{AllReport, measure_all};
 use cpu_time::ProcessTime;
 pub use report::{BenchReport, EdgeReport, EditReport, ModeReport};
 
@@ -74,7 +74,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut renderer = Renderer::new(gl, &request.scene.shaders, Counting::Off)?;
     let mut runs: Vec<Run> = Vec::new();
     for mode in modes {
-        runs.extend(bench.start_runs(&mut renderer, mode)?);
+        bench.start_runs(&mut renderer, mode, &mut runs)?;
     }
     bench.time(&mut renderer, &mut runs)?;
     let edges = match runs.first() {
@@ -148,19 +148,21 @@ impl Bench<'_> {
         (modes, notes)
     }
 
-    fn start_runs(&self, renderer: &mut Renderer, mode: Mode) -> Result<Vec<Run>, ExportError> {
+    fn start_runs(
+        &self,
+        renderer: &mut Renderer,
+        mode: Mode,
+        runs: &mut Vec<Run>,
+    ) -> Result<(), ExportError> {
         let request = self.request;
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
-        let mut runs = Vec::new();
-        // In interpreted mode, the rows with and without regions have the same program.
-        let mut made = None;
         for &regions in ways {
-            let (run, program) = self.start_run(renderer, mode, regions, made.take())?;
-            runs.push(run);
-            made = Some(program);
+            // In interpreted mode, the rows with and without regions have the same program.
+            let made = runs.last().map(|run| run.made.clone());
+            runs.push(self.start_run(renderer, mode, regions, made)?);
         }
-        Ok(runs)
+        Ok(())
     }
 
     /// Prepares a row. Reuses the program in `made` if the row needs the same variant.
@@ -170,19 +172,16 @@ impl Bench<'_> {
         mode: Mode,
         regions: bool,
         made: Option<Made>,
-    ) -> Result<(Run, Made), ExportError> {
+    ) -> Result<Run, ExportError> {
         let (resources, frame, library) = (&self.resources, &self.frame, &self.request.scene.shaders);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
         let start = Instant::now();
         let cells = if regions { CellUse::Always } else { CellUse::Never };
         let variant = drawing_variant_of(world, buffers, plan, mode, cells, self.gl.info())?;
-        let Made { program, shader_ms, again, .. } = match made {
-            Some(made) if made.variant == variant => made,
-            _ => {
-                let program = Rc::new(link_scene(self.gl, library, &variant)?);
-                let shader_ms = milliseconds(start.elapsed());
-                Made { variant: variant.clone(), program, shader_ms, again: None }
-            }
+        let known = made.filter(|made| made.variant == variant);
+        let (program, shader_ms) = match &known {
+            Some(made) => (made.program.clone(), made.shader_ms),
+            None => (Rc::new(link_scene(self.gl, library, &variant)?), milliseconds(start.elapsed())),
         };
         let (built, build_ms, next_build_ms) = build(resources, frame, &self.following, regions, mode);
         resources.upload_regions(built.clone());
@@ -190,27 +189,15 @@ impl Bench<'_> {
         renderer.draw(frame, resources, &program)?;
         self.gl.finish();
         let first_draw_ms = milliseconds(start.elapsed());
-        let again = match again {
-            Some(known) => known,
-            None => first_draw(renderer, frame, resources, library, &variant)?,
+        let made = match known {
+            Some(made) => made,
+            None => {
+                let again = first_draw(renderer, frame, resources, library, &variant)?;
+                Made { variant, program, shader_ms, again }
+            }
         };
-        let made = Made { variant, program: program.clone(), shader_ms, again: Some(again) };
         let (wall, cpu, gpu) = Default::default();
-        let run = Run {
-            mode,
-            regions,
-            built,
-            build_ms,
-            next_build_ms,
-            program,
-            shader_ms,
-            first_draw_ms,
-            again,
-            wall,
-            cpu,
-            gpu,
-        };
-        Ok((run, made))
+        Ok(Run { mode, regions, built, build_ms, next_build_ms, made, first_draw_ms, wall, cpu, gpu })
     }
 
     fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
@@ -227,11 +214,12 @@ impl Bench<'_> {
                 let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
                 let drawn = match &timer {
                     Some(timer) => {
-                        let (drawn, duration) = timer.time(|| renderer.draw(frame, resources, &run.program));
+                        let (drawn, duration) =
+                            timer.time(|| renderer.draw(frame, resources, &run.made.program));
                         run.gpu.push(milliseconds(duration));
                         drawn
                     }
-                    None => renderer.draw(frame, resources, &run.program),
+                    None => renderer.draw(frame, resources, &run.made.program),
                 };
                 drawn?;
                 gl.finish();
@@ -297,7 +285,7 @@ fn measure_edges(
     resources.upload_regions(run.built.clone());
     let mut frame = frame.clone();
     frame.picture.grain = 0.0;
-    renderer.draw_reference(&frame, resources, &run.program)?;
+    renderer.draw_reference(&frame, resources, &run.made.program)?;
     let reference = renderer.read();
     let (gl, (width, height)) = (renderer.gl().clone(), frame.size);
     let mut reports = Vec::new();
@@ -314,7 +302,7 @@ fn measure_edges(
         for _ in 0..EDGE_FRAMES {
             gl.finish();
             let start = ProcessTime::now();
-            renderer.draw(&frame, resources, &run.program)?;
+            renderer.draw(&frame, resources, &run.made.program)?;
             gl.finish();
             cpu.push(milliseconds(start.elapsed()));
         }
@@ -382,12 +370,13 @@ fn build(
     (built, percentile(&mut times, 0.5), percentile(&mut next_times, 0.5))
 }
 
+#[derive(Clone)]
 struct Made {
     variant: Variant,
     program: Rc<Program>,
     shader_ms: f64,
     /// The time of linking the same program again, and the time of the program's first frame, in ms.
-    again: Option<[f64; 2]>,
+    again: [f64; 2],
 }
 
 struct Run {
@@ -396,10 +385,8 @@ struct Run {
     built: Arc<BuiltRegions>,
     build_ms: f64,
     next_build_ms: f64,
-    program: Rc<Program>,
-    shader_ms: f64,
+    made: Made,
     first_draw_ms: f64,
-    again: [f64; 2],
     wall: Vec<f64>,
     cpu: Vec<f64>,
     gpu: Vec<f64>,
@@ -414,10 +401,10 @@ impl Run {
             build_ms: self.build_ms,
             next_build_ms: self.next_build_ms,
             tree: self.built.regions.stats,
-            shader_ms: self.shader_ms,
+            shader_ms: self.made.shader_ms,
             first_draw_ms: self.first_draw_ms,
-            shader_again_ms: self.again[0],
-            first_draw_again_ms: self.again[1],
+            shader_again_ms: self.made.again[0],
+            first_draw_again_ms: self.made.again[1],
             wall_p50_ms: percentile(&mut self.wall, 0.5),
             wall_p99_ms: percentile(&mut self.wall, 0.99),
             cpu_p50_ms: percentile(&mut self.cpu, 0.5),

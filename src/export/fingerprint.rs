@@ -9,14 +9,16 @@ use mariana_player::song::Song;
 /// Hashes the bytes of a song.
 ///
 /// # Errors
-/// [`ExportError::UnreadableSong`]
+/// Fails if the song cannot be read.
 pub(super) fn song_hash(song: &Song) -> Result<u64, ExportError> {
     let mut fingerprint = Fingerprint::default();
     let read = song.read(|piece| {
         fingerprint.add_bytes(piece);
         true
     });
-    read.map_err(|error| ExportError::UnreadableSong { reason: error.to_string() })?;
+    read.map_err(|error| {
+        ExportError::Refused(format!("the song cannot be read ({error}): check its path and permissions"))
+    })?;
     Ok(fingerprint.number())
 }
 

@@ -2,7 +2,7 @@
 
 use super::alpha::{Coverage, require_no_sky};
 use super::earlier_sound::EarlierSound;
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use super::exact_textures::ExactTextures;
 use super::fingerprint::Fingerprint;
 use super::path_store::SharedStore;
@@ -18,7 +18,7 @@ use crate::gpu::scene_program::{
     variant_of, without_sky,
 };
 use crate::gpu::{
-    CellUse, Counting, EdgeSamples, Gl, GlInfo, GpuError, Headless, Interpreter, Mode, Program, Renderer,
+    CellUse, Counting, EdgeSamples, GlInfo, GpuError, Headless, Interpreter, Mode, Program, Renderer,
     SceneResources, ShaderLibrary,
 };
 use crate::scenes::{ReadyScene, SceneSource};
@@ -127,11 +127,8 @@ impl HeadlessRenderer {
     /// the same either way. A scene whose tape does not fit the driver is compiled, with a warning in the log.
     ///
     /// # Errors
-    /// Fails if the driver reports an error, or if a scene that should be transparent has its own sky.
+    /// Fails if the driver reports an error.
     pub(super) fn load(&self, choice: &SceneChoice, ready: ReadyScene) -> Result<Model, ExportError> {
-        if choice.alpha {
-            require_no_sky(&ready, &choice.source.name())?;
-        }
         let gl = self.context.gl();
         let ReadyScene { world, buffers, plan, .. } = ready;
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
@@ -233,21 +230,8 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, &setup.block, legend.as_deref())?)
     }
 
-    /// Draws `over` mixed with `under`, whose light has the weight `fraction` (0..1). Views are not mixed, because
-    /// their colours stand for numbers.
-    pub(super) fn draw_faded(
-        &mut self,
-        under: (&Model, Frame),
-        over: (&Model, Frame),
-        fraction: f32,
-    ) -> Result<(), ExportError> {
-        if self.view.is_none() {
-            self.draw(under.0, under.1)?;
-        }
-        self.draw_over(over.0, over.1, fraction)
-    }
-
-    /// Draws a scene mixed with the last frame, whose light has the weight `fraction` (0..1). Views are not mixed.
+    /// Draws a scene mixed with the last frame, whose light has the weight `fraction` (0..1). Views are not mixed,
+    /// because their colours stand for numbers.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -310,7 +294,7 @@ impl Model {
 pub struct Painter {
     model: Model,
     held: HeldInputs,
-    headless_renderer: HeadlessRenderer,
+    pub(super) headless_renderer: HeadlessRenderer,
 }
 
 fn warn_of_a_camera_inside(world: &World, frame: &Frame) {
@@ -355,15 +339,6 @@ impl Painter {
     pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
         self.held = held_of(&self.model.world().scene, set)?;
         Ok(())
-    }
-
-    /// Sets the song whose cover the scene shows.
-    pub(super) fn set_song(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
-        self.headless_renderer.set_song(song)
-    }
-
-    pub(super) fn watch_paths(&mut self, watch: PathWatch, store: Option<SharedStore>) {
-        self.headless_renderer.watch_paths(watch, store);
     }
 
     /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.
@@ -416,18 +391,13 @@ impl Painter {
     pub fn world(&self) -> &World {
         self.model.world()
     }
-
-    /// Returns the context.
-    pub fn gl(&self) -> &Gl {
-        self.headless_renderer.context.gl()
-    }
 }
 
 /// Returns the values at which `set` holds inputs of `scene`. Ignores inputs that the scene does not have.
 ///
 /// # Errors
 /// [`ExportError::OutOfRange`] if a value is outside its input's range.
-pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError> {
+pub fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError> {
     let mut held = HeldInputs::default();
     for setting in set {
         held.hold(scene, setting)?;
@@ -438,7 +408,7 @@ pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, Expo
 /// Refuses settings of inputs that none of the scenes has, and values outside an input's range.
 ///
 /// # Errors
-/// [`ExportError::NoInput`] if all scenes lack an input, [`ExportError::OutOfRange`] if a value is outside the range.
+/// Fails if all scenes lack an input, with [`ExportError::OutOfRange`] if a value is outside the range.
 pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportError> {
     for setting in set {
         let mut known = false;
@@ -446,8 +416,8 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
             known |= HeldInputs::default().hold(scene, setting)?;
         }
         if !known {
-            let (name, inputs) = (setting.name.clone(), InputNames(scenes).to_string());
-            return Err(ExportError::NoInput { name, inputs });
+            let (name, inputs) = (&setting.name, InputNames(scenes));
+            return refuse(format!("no input is called '{name}': choose one of {inputs} for --set"));
         }
     }
     Ok(())

@@ -9,31 +9,20 @@ use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
 use mariana_player::song::Song;
 
-/// Options of a show file.
-#[derive(Debug, Clone)]
-pub struct ShowFileRequest {
-    /// The song.
-    pub song: Song,
-    /// The scenes from which the director chooses.
-    pub scenes: Vec<SceneSource>,
-    /// The show file.
-    pub output: Output,
-}
-
-/// Writes the show file and returns the number of its entries.
+/// Writes the director's show of a song with some of these scenes, and returns the number of its entries.
 ///
 /// # Errors
 /// Fails if the song cannot be decoded, no scene can be shown, or the output cannot be written.
-pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> {
-    let file = match &request.output {
+pub fn write_show_file(song: &Song, scenes: &[SceneSource], output: &Output) -> Result<usize, ExportError> {
+    let file = match output {
         Output::Path(path) => {
-            refuse_the_song(&request.song, path)?;
+            refuse_the_song(song, path)?;
             Some(AtomicFile::create(path)?)
         }
         Output::Standard => None,
     };
-    let (name, structure) = structure_of(&request.song)?;
-    let (prepared_show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, &request.scenes)?;
+    let (name, structure) = structure_of(song)?;
+    let (prepared_show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, scenes)?;
     let comments = [
         format!("A show for {name}: {}", summary(&structure)),
         "at WHEN SCENE [camera NAME] [cut | fade, melt or portal over LENGTH]; set PARAMETER = A -> B over LENGTH".to_owned(),

@@ -185,7 +185,8 @@ impl ShowPainter {
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
         let (over, over_frame) = self.frame(moment.clip, time, sound, size)?;
-        self.headless_renderer.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - fraction)
+        self.headless_renderer.draw(&under, under_frame)?;
+        self.headless_renderer.draw_over(&over, over_frame, 1.0 - fraction)
     }
 
     fn frame(
@@ -211,9 +212,7 @@ impl ShowPainter {
     }
 
     fn blend(&mut self, from: &Clip, to: &Clip, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
-        let Some(blend) = self.prepared_show.blend(from, to, kind) else {
-            return Err(ExportError::NotInShow { scene: to.scene.clone() });
-        };
+        let blend = self.prepared_show.blend(from, to, kind).ok_or_else(|| not_in_show(to))?;
         let drawn = Drawn::Blend(blend.clone());
         if self.refused.contains(&drawn) {
             return Ok(None);
@@ -252,8 +251,13 @@ impl ShowPainter {
 
     fn read(&self, clip: &Clip) -> Result<&Read, ExportError> {
         let read = self.scenes.iter().find(|read| read.name == clip.scene);
-        read.ok_or_else(|| ExportError::NotInShow { scene: clip.scene.clone() })
+        read.ok_or_else(|| not_in_show(clip))
     }
+}
+
+fn not_in_show(clip: &Clip) -> ExportError {
+    let scene = &clip.scene;
+    ExportError::Refused(format!("the show has no scene {scene}: this is a bug in Mariana; report it"))
 }
 
 fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use super::show_painter::ShowPainter;
 use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
@@ -33,7 +33,10 @@ impl Showing {
             Self::Scenes(scenes) => {
                 let first = scenes.iter().map(|(from, _)| *from).fold(f64::INFINITY, f64::min);
                 if first > start {
-                    return Err(ExportError::NothingAtFirst { from: first, start });
+                    return refuse(format!(
+                        "the video begins at {start} s, but its first scene begins at {first} s: give this scene an \
+                         earlier time"
+                    ));
                 }
                 PreparedShow::of_cuts(scenes.iter().cloned())
             }

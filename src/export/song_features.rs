@@ -68,22 +68,19 @@ impl SongFeatures {
             frames = (reached * f64::from(decoder.sample_rate())).round() as u64;
             analyzer.restart(frames);
         }
-        let track = FeatureTrack::new(TRACK_SECONDS);
-        let (block, song) = (Vec::new(), song.clone());
-        let (ended, structure, lyrics, parts) = (false, None, None, None);
         Ok(Self {
             decoder,
             name,
             analyzer,
-            track,
-            block,
+            track: FeatureTrack::new(TRACK_SECONDS),
+            block: Vec::new(),
             frames,
-            ended,
-            song,
+            ended: false,
+            song: song.clone(),
             gain,
-            structure,
-            lyrics,
-            parts,
+            structure: None,
+            lyrics: None,
+            parts: None,
             remembers: false,
         })
     }
@@ -240,13 +237,14 @@ impl SongFeatures {
     /// Returns the sound at `time` seconds.
     ///
     /// # Errors
-    /// [`ExportError::AfterTheEnd`] if `time` is after the song's end, or an error of the decoder.
+    /// Fails if `time` is after the song's end, or with an error of the decoder.
     pub fn require(&mut self, time: f64) -> Result<Sound, ExportError> {
         let sound = self.sound_at(time)?;
-        sound.ok_or_else(|| ExportError::AfterTheEnd {
-            name: self.name.clone(),
-            asked: time,
-            end: self.decoded(),
+        sound.ok_or_else(|| {
+            let (name, end) = (&self.name, self.decoded());
+            ExportError::Refused(format!(
+                "{name} ends at {end:.2} s: choose a time before the end instead of {time} s"
+            ))
         })
     }
 

@@ -130,17 +130,16 @@ fn curves(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
         "<path d=\"{wave}\" stroke=\"#34495e\" stroke-width=\"{thickness:.1}\" fill=\"none\"/>"
     );
     let bottom = ENERGY.0 + ENERGY.1;
-    let points: String = thinned(&structure.energy)
-        .iter()
-        .map(|(index, value)| {
-            format!(" {:.1},{:.1}", x((*index as f64 + 0.5) * step), bottom - f64::from(*value) * ENERGY.1)
-        })
-        .collect();
-    let _ = writeln!(
-        svg,
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"#ca6f1e\" stroke-width=\"1.5\"/>",
-        points.trim_start()
-    );
+    let points = thinned(&structure.energy)
+        .into_iter()
+        .map(|(index, value)| (x((index as f64 + 0.5) * step), bottom - f64::from(value) * ENERGY.1));
+    polyline(svg, points, "stroke=\"#ca6f1e\" stroke-width=\"1.5\"");
+    svg.push('\n');
+}
+
+fn polyline(svg: &mut String, points: impl Iterator<Item = (f64, f64)>, stroke: &str) {
+    let points: Vec<String> = points.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    let _ = write!(svg, "<polyline points=\"{}\" fill=\"none\" {stroke}/>", points.join(" "));
 }
 
 /// Divides the values into at most [`COLUMNS_MAX`] chunks. Returns each chunk's largest value and first index.
@@ -167,17 +166,11 @@ fn beats(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
     // Draw the median tempo in the middle of the row, and tempo 0 at the lower edge.
     let y = |tempo: f64| TEMPO.0 + TEMPO.1 * (1.0 - (tempo / middle / 2.0).clamp(0.0, 1.0));
     let every = structure.beats.len().div_ceil(COLUMNS_MAX).max(1);
-    let points: String = structure
-        .beats
-        .iter()
-        .step_by(every)
-        .map(|beat| format!(" {:.1},{:.1}", x(beat.time), y(f64::from(beat.tempo))))
-        .collect();
+    let points = structure.beats.iter().step_by(every);
+    polyline(svg, points.map(|beat| (x(beat.time), y(f64::from(beat.tempo)))), "stroke=\"#239b56\"");
     let _ = writeln!(
         svg,
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"#239b56\"/><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\" \
-         fill=\"#555\" text-anchor=\"end\">{middle:.0}</text>",
-        points.trim_start(),
+        "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\" fill=\"#555\" text-anchor=\"end\">{middle:.0}</text>",
         LEFT - 4.0,
         y(middle) + 4.0,
     );

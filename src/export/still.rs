@@ -4,11 +4,10 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
-use image::codecs::webp::WebPEncoder;
 use image::{ColorType, ImageFormat};
 
 use super::alpha::straight;
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
 use super::panorama;
@@ -83,32 +82,23 @@ impl Blend {
     }
 }
 
-/// Draws and writes the still. All runs on one machine give the same bytes.
-///
-/// # Errors
-/// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
-pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
-    write_still_watched(request, PathWatch::default())
-}
-
-/// As [`write_still`]. `watch` receives the progress of a still by paths of light. If `watch` ends the still early, or
+/// Draws and writes the still. All runs on one machine give the same bytes. `watch` receives the progress of a still by paths of light. If `watch` ends the still early, or
 /// something ends the process, the next call with the same request continues the paths.
 ///
 /// # Errors
 /// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
-pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(), ExportError> {
+pub fn write_still(request: &StillRequest, watch: PathWatch) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
     let (format, file) = match &request.output {
         Output::Path(path) => {
-            let format = StillFormat::of(path)?;
-            if request.scene.alpha && format == StillFormat::Jpeg {
-                let instead = "a name that ends in .png or .webp";
-                return Err(ExportError::NoAlpha { output: request.output.to_string(), instead });
+            let format = format_of(path)?;
+            if request.scene.alpha && format == ImageFormat::Jpeg {
+                return refuse_alpha(&request.output, "a name that ends in .png or .webp");
             }
             refuse_the_song(&request.song, path)?;
             (format, Some(AtomicFile::create(path)?))
         }
-        Output::Standard => (StillFormat::Png, None),
+        Output::Standard => (ImageFormat::Png, None),
     };
     let store = match (&request.output, request.scene.paths) {
         (Output::Path(path), Some(_)) => {
@@ -133,13 +123,9 @@ pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(
         }
         None => drawn(request, &mut song, sound, watch, store.clone())?,
     };
-    let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
-    let bytes = match format {
-        StillFormat::Png => pixels.png(request.size)?,
-        StillFormat::Jpeg => pixels.jpeg(request.size)?,
-        StillFormat::WebP => pixels.webp(request.size)?,
-    };
-    let bytes = panorama::marked(bytes, &request.scene.projection, request.size);
+    let pixels = Pixels::of(&rgba, request.scene.alpha);
+    let bytes =
+        panorama::marked(pixels.encoded(format, request.size)?, &request.scene.projection, request.size);
     match file {
         Some(file) => file.write(&bytes)?,
         None => write_standard(&bytes).map(|_| ())?,
@@ -165,11 +151,14 @@ fn drawn(
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
-    painter.set_song(song)?;
-    painter.watch_paths(watch, store);
+    painter.headless_renderer.set_song(song)?;
+    painter.headless_renderer.watch_paths(watch, store);
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
-        return Err(ExportError::RayOutside { x, y, width, height });
+        return refuse(format!(
+            "the pixel {x},{y} is outside the image of {width}x{height} pixels: choose a pixel, counted from 0,0 at \
+             the upper left"
+        ));
     }
     let frame = request.ray.map(|_| painter.frame(request.at, sound.clone(), request.size));
     let exposures = request.shutter.exposures(song, request.at, sound, STILL_SECONDS)?;
@@ -186,32 +175,36 @@ fn drawn(
     Ok(rgba)
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum StillFormat {
-    Png,
-    Jpeg,
-    WebP,
-}
-
 /// JPEG quality from 1 to 100. At this quality, differences are invisible at full size.
 const JPEG_QUALITY: u8 = 93;
 
-impl StillFormat {
-    /// Returns the format that the path's extension names; PNG for a path without an extension.
-    fn of(path: &Path) -> Result<Self, ExportError> {
-        let Some(ending) = path.extension() else { return Ok(Self::Png) };
-        match ending.to_string_lossy().to_lowercase().as_str() {
-            "png" => Ok(Self::Png),
-            "jpg" | "jpeg" => Ok(Self::Jpeg),
-            "webp" => Ok(Self::WebP),
-            _ => Err(ExportError::StillFormat { path: path.to_owned() }),
-        }
+/// Returns the format that the path's extension names; PNG for a path without an extension.
+fn format_of(path: &Path) -> Result<ImageFormat, ExportError> {
+    let Some(ending) = path.extension() else { return Ok(ImageFormat::Png) };
+    match ending.to_string_lossy().to_lowercase().as_str() {
+        "png" => Ok(ImageFormat::Png),
+        "jpg" | "jpeg" => Ok(ImageFormat::Jpeg),
+        "webp" => Ok(ImageFormat::WebP),
+        _ => refuse(format!(
+            "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg \
+                 or .webp",
+            path.display()
+        )),
     }
 }
 
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
-    let same = matches!(song, Song::File(path) if same_file(path, output));
-    if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
+    match song {
+        Song::File(path) if same_file(path, output) => {
+            refuse(format!("{} is the song itself: choose another path with -o", output.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a transparent image in a format that does not support it.
+pub(super) fn refuse_alpha<T>(output: &Output, instead: &str) -> Result<T, ExportError> {
+    refuse(format!("{output} cannot be transparent, which --alpha requires: give -o {instead}"))
 }
 
 pub(super) fn same_file(a: &Path, b: &Path) -> bool {
@@ -224,47 +217,31 @@ pub(super) struct Pixels {
 }
 
 impl Pixels {
-    pub(super) fn opaque(rgba: &[u8]) -> Self {
-        let bytes = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-        Self { bytes, has_alpha: false }
+    /// Converts RGBA bytes: to straight colours if they are premultiplied, or else to RGB.
+    pub(super) fn of(rgba: &[u8], has_alpha: bool) -> Self {
+        let bytes = match has_alpha {
+            true => straight(rgba),
+            false => rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        };
+        Self { bytes, has_alpha }
     }
 
-    /// Converts premultiplied RGBA bytes to straight colours.
-    pub(super) fn transparent(rgba: &[u8]) -> Self {
-        Self { bytes: straight(rgba), has_alpha: true }
-    }
-
-    fn color(&self) -> ColorType {
-        if self.has_alpha { ColorType::Rgba8 } else { ColorType::Rgb8 }
-    }
-
-    fn png(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    /// Encodes the image. A WebP is lossless.
+    fn encoded(&self, format: ImageFormat, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
         let (width, height) = size;
+        let color = if self.has_alpha { ColorType::Rgba8 } else { ColorType::Rgb8 };
         let mut file = Cursor::new(Vec::new());
-        let color = self.color();
-        image::write_buffer_with_format(&mut file, &self.bytes, width, height, color, ImageFormat::Png)?;
+        if format == ImageFormat::Jpeg {
+            let mut encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
+            encoder.encode(&self.bytes, width, height, color.into())?;
+        } else {
+            image::write_buffer_with_format(&mut file, &self.bytes, width, height, color, format)?;
+        }
         Ok(file.into_inner())
     }
 
-    fn jpeg(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-        let (width, height) = size;
-        let mut file = Vec::new();
-        let mut encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
-        encoder.encode(&self.bytes, width, height, self.color().into())?;
-        Ok(file)
-    }
-
-    /// Encodes a lossless WebP.
-    fn webp(&self, size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-        let (width, height) = size;
-        let mut file = Vec::new();
-        let encoder = WebPEncoder::new_lossless(&mut file);
-        encoder.encode(&self.bytes, width, height, self.color().into())?;
-        Ok(file)
-    }
-
     pub(super) fn write_png(&self, path: &Path, size: (u32, u32)) -> Result<(), ExportError> {
-        Ok(AtomicFile::create(path)?.write(&self.png(size)?)?)
+        Ok(AtomicFile::create(path)?.write(&self.encoded(ImageFormat::Png, size)?)?)
     }
 }
 
@@ -273,5 +250,5 @@ impl Pixels {
 /// # Errors
 /// [`ExportError::Encode`] if the number of bytes does not fit the size.
 pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-    Pixels::opaque(rgba).png(size)
+    Pixels::of(rgba, false).encoded(ImageFormat::Png, size)
 }

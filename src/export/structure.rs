@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use super::error::ExportError;
 use super::print::is_open;
 use super::song_page::page;
-use super::still::same_file;
+use super::still::refuse_the_song;
 use crate::atomic_file::AtomicFile;
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::{PreparedShow, ShowSource};
@@ -56,9 +56,7 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
     // Create the file first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {
         Some(path) => {
-            if matches!(&request.song, Song::File(song) if same_file(song, path)) {
-                return Err(ExportError::OverTheSong { path: path.clone() });
-            }
+            refuse_the_song(&request.song, path)?;
             Some(AtomicFile::create(path)?)
         }
         None => None,

@@ -20,6 +20,11 @@ use super::output::Output;
 use super::still::refuse_the_song;
 
 use drawing::Drawing;
+#[cfg(test)]
+pub(crate) use drawing::loop_too_long;
+#[cfg(test)]
+pub(crate) use encoder::{failed, no_encoder};
+pub(crate) use encoder_process::last_messages;
 pub use encoding::{Codec, EncodingQuality};
 pub use join::join_parts;
 pub use place::{Preset, VideoPlace};
@@ -38,7 +43,7 @@ pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<Written, ExportError> {
-    if request.alpha {
+    if request.scene.alpha {
         encoding::require_alpha(&request.output)?;
     }
     if let Output::Path(path) = &request.output {

@@ -1,15 +1,16 @@
 //! A thread that decodes a video ahead of the show, or reads a camera.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::Builder;
+use std::io;
+use std::sync::Arc;
 use std::time::Duration;
 
 use image::RgbaImage;
 
 use super::image_of;
 use crate::scenes::TextureSource;
-use mariana_player::video::{Camera, VideoError, VideoInfo, VideoReader};
+use mariana_player::video::{Camera, VideoError, VideoFrame, VideoInfo, VideoReader};
+use mariana_work::{Latest, Shared, latest};
 
 /// Decoded frames of a video that are kept: the shown one, and the next ones. At the limit of 1,920 x 1,080 pixels they
 /// take 50 MB.
@@ -18,18 +19,11 @@ const FRAMES_KEPT: usize = 6;
 const RETRY: Duration = Duration::from_secs(2);
 
 /// A source on its own thread. Dropping this ends the thread without waiting.
-pub(super) struct Feed {
-    shared: Arc<SharedFeed>,
-}
-
-struct SharedFeed {
-    state: Mutex<FeedState>,
-    changed: Condvar,
-    wake: Box<dyn Fn() + Send + Sync>,
-}
+pub(super) struct Feed(Latest<FeedState>);
 
 #[derive(Default)]
 struct FeedState {
+    has_begun: bool,
     /// The time of the show's last frame, in seconds of the song.
     time: f64,
     info: Option<VideoInfo>,
@@ -40,51 +34,50 @@ struct FeedState {
     /// True if a picture has come for which the show waits.
     has_come: bool,
     message: Option<String>,
-    ended: bool,
+}
+
+/// The thread of a source. It calls `wake` when a picture comes that the show lacks, and when the source fails.
+struct FeedThread<'a> {
+    shared: &'a Shared<FeedState>,
+    wake: &'a dyn Fn(),
 }
 
 impl Feed {
-    /// Starts the thread of a video or a camera. It calls `wake` when a picture comes that the show lacks, and when the
-    /// source fails.
-    pub(super) fn start(source: TextureSource, time: f64, wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let state = Mutex::new(FeedState { time, ..FeedState::default() });
-        let shared = Arc::new(SharedFeed { state, changed: Condvar::new(), wake: Box::new(wake) });
-        let of_thread = shared.clone();
-        let started = Builder::new().name("moving texture".into()).spawn(move || of_thread.run(&source));
-        if let Err(error) = started {
-            shared.lock().message =
-                Some(format!("a texture does not move: the system has no thread left ({error})"));
-        }
-        Self { shared }
+    /// Starts the thread of a video or a camera, from `time` seconds of the song on.
+    ///
+    /// # Errors
+    /// Fails if the system cannot start a thread.
+    pub(super) fn start(
+        source: TextureSource,
+        time: f64,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let state = FeedState { time, ..FeedState::default() };
+        // The only job ends with the feed.
+        let begin = |state: &mut FeedState| (!std::mem::replace(&mut state.has_begun, true)).then_some(());
+        let work = move |(), shared: &Shared<_>| FeedThread { shared, wake: &wake }.run(&source);
+        latest("moving texture", state, begin, work).map(Self)
     }
 
     /// Returns the picture at `time` seconds of the song: the newest one that has come. Never waits for one.
     pub(super) fn at(&self, time: f64) -> Option<Arc<RgbaImage>> {
-        let mut state = self.shared.lock();
-        state.time = time;
-        let number = state.number();
-        let found = state.frames.iter().rev().find(|(known, _)| *known <= number).cloned();
-        state.waits = found.as_ref().is_none_or(|(known, _)| *known < number);
-        drop(state);
-        self.shared.changed.notify_all();
-        found.map(|(_, picture)| picture)
+        self.0.change(|state| {
+            state.time = time;
+            let number = state.number();
+            let found = state.frames.iter().rev().find(|(known, _)| *known <= number).cloned();
+            state.waits = found.as_ref().is_none_or(|(known, _)| *known < number);
+            found.map(|(_, picture)| picture)
+        })
     }
 
     /// True once after a picture has come that the show lacks.
     pub(super) fn has_new_picture(&self) -> bool {
-        std::mem::take(&mut self.shared.lock().has_come)
+        std::mem::take(&mut self.0.lock().has_come)
     }
 
     /// A sentence about a failure, or a camera that is switched on, once.
     pub(super) fn drain_message(&self) -> Option<String> {
-        self.shared.lock().message.take()
-    }
-}
-
-impl Drop for Feed {
-    fn drop(&mut self) {
-        self.shared.lock().ended = true;
-        self.shared.changed.notify_all();
+        self.0.lock().message.take()
     }
 }
 
@@ -124,15 +117,11 @@ impl FeedState {
     }
 }
 
-impl SharedFeed {
-    fn lock(&self) -> MutexGuard<'_, FeedState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
+impl FeedThread<'_> {
     /// Reads the source until the show no longer needs it. Opens it again after failures.
     fn run(&self, source: &TextureSource) {
         let mut told = None;
-        while !self.lock().ended {
+        while !self.shared.is_over() {
             let failed = match source {
                 TextureSource::Video { file, .. } => {
                     VideoReader::open(file, &source.name()).and_then(|mut reader| self.follow(&mut reader))
@@ -147,35 +136,25 @@ impl SharedFeed {
             };
             let Err(error) = failed else { return };
             let words = error.to_string();
-            let mut state = self.lock();
             if told.as_ref() != Some(&words) {
-                state.message = Some(words.clone());
+                self.shared.lock().message = Some(words.clone());
                 told = Some(words);
-                drop(state);
                 (self.wake)();
-                state = self.lock();
             }
-            let until = self.changed.wait_timeout_while(state, RETRY, |state| !state.ended);
-            drop(until);
+            drop(self.shared.wait_while(RETRY, |_| true));
         }
     }
 
     /// Decodes a video ahead of the show, until the show ends.
     fn follow(&self, reader: &mut VideoReader) -> Result<(), VideoError> {
-        self.lock().info = Some(reader.info());
+        self.shared.lock().info = Some(reader.info());
         loop {
-            let number = {
-                let mut state = self.lock();
-                loop {
-                    if state.ended {
-                        return Ok(());
-                    }
-                    if let Some(number) = state.next() {
-                        break number;
-                    }
-                    state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-                }
-            };
+            let mut next = None;
+            drop(self.shared.wait_while(Duration::MAX, |state| {
+                next = state.next();
+                next.is_none()
+            }));
+            let Some(number) = next.filter(|_| !self.shared.is_over()) else { return Ok(()) };
             let frame = reader.frame(number)?.clone();
             self.put(number, frame);
         }
@@ -185,11 +164,12 @@ impl SharedFeed {
     fn watch(&self, camera: &mut Camera) -> Result<(), VideoError> {
         for number in 0.. {
             let frame = camera.next_frame()?;
-            if self.lock().ended {
+            if self.shared.is_over() {
                 break;
             }
             if number == 0 {
-                self.lock().message = Some(format!("{} is on, because a scene shows it", camera.name()));
+                self.shared.lock().message =
+                    Some(format!("{} is on, because a scene shows it", camera.name()));
                 (self.wake)();
             }
             self.put(number, frame);
@@ -197,9 +177,9 @@ impl SharedFeed {
         Ok(())
     }
 
-    fn put(&self, number: u64, frame: mariana_player::video::VideoFrame) {
+    fn put(&self, number: u64, frame: VideoFrame) {
         let Some(picture) = image_of(frame) else { return };
-        let mut state = self.lock();
+        let mut state = self.shared.lock();
         state.put(number, Arc::new(picture));
         let wakes = state.waits && (state.info.is_none() || number <= state.number());
         state.has_come |= wakes;

@@ -18,20 +18,22 @@ const KEPT: Duration = Duration::from_secs(5);
 /// The moving textures of a session.
 pub struct LiveTextures {
     feeds: Vec<Used>,
+    messages: Vec<String>,
     cover: Option<Arc<RgbaImage>>,
     wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 struct Used {
     source: TextureSource,
-    feed: Feed,
+    /// `None` if the system had no thread left.
+    feed: Option<Feed>,
     last: Instant,
 }
 
 impl LiveTextures {
     /// `wake` is called when a picture comes that the last frame lacks, and when a source has a message.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
-        Self { feeds: Vec::new(), cover: None, wake: Arc::new(wake) }
+        Self { feeds: Vec::new(), messages: Vec::new(), cover: None, wake: Arc::new(wake) }
     }
 
     /// Sets the cover of the song. Returns true if it is another one.
@@ -57,23 +59,30 @@ impl LiveTextures {
     fn of_feed(&mut self, source: TextureSource, time: f64, now: Instant) -> Option<Arc<RgbaImage>> {
         if let Some(used) = self.feeds.iter_mut().find(|used| used.source == source) {
             used.last = now;
-            return used.feed.at(time);
+            return used.feed.as_ref()?.at(time);
         }
         let wake = self.wake.clone();
         let feed = Feed::start(source.clone(), time, move || wake());
-        let picture = feed.at(time);
+        let feed = feed.map_err(|error| {
+            let words = format!("a texture does not move: the system has no thread left ({error})");
+            self.messages.push(words);
+        });
+        let feed = feed.ok();
+        let picture = feed.as_ref().and_then(|feed| feed.at(time));
         self.feeds.push(Used { source, feed, last: now });
         picture
     }
 
     /// True if pictures have come since the last call that the last frame lacks.
     pub fn has_new_pictures(&mut self) -> bool {
-        let news = self.feeds.iter().filter(|used| used.feed.has_new_picture());
+        let news =
+            self.feeds.iter().filter_map(|used| used.feed.as_ref()).filter(|feed| feed.has_new_picture());
         news.count() > 0
     }
 
     /// Sentences about sources that have failed and cameras that are on, each once.
     pub fn drain_messages(&mut self) -> Vec<String> {
-        self.feeds.iter().filter_map(|used| used.feed.drain_message()).collect()
+        let of_feeds = self.feeds.iter().filter_map(|used| used.feed.as_ref()?.drain_message());
+        self.messages.drain(..).chain(of_feeds).collect()
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `KEY.program` | a program ([`entry`]) |
+//! | `KEY.program` | a checksum, the key again, and the driver's binary ([`sealed`]) |
 //! | `KEY.attempt` | a mark while a driver works on it ([`mariana_files::attempt`]) |
 //! | `KEY.given-up` | the reason why a program is not tried |
 //!
@@ -16,24 +16,22 @@
 //! files in the folder may be deleted at any time. A file that is damaged or has another key is removed, a failed write
 //! is logged, and the least recently used files are deleted first.
 
-mod entry;
-
 use std::any::Any;
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fmt;
-use std::fs::{self, File};
+use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::SystemTime;
+use std::sync::{Arc, Mutex};
 
 use crate::atomic_file::AtomicFile;
 use crate::attempt::{self, Attempt};
+use crate::cached_files::{CHECKSUM_LINE, make_room, sealed, touch, unsealed};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits;
 use crate::reading::read_at_most;
+use mariana_work::lock;
 
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
@@ -110,7 +108,7 @@ impl ProgramCache {
     fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
         let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
         match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
-            Ok(()) => make_room(&folder.path, limits::PROGRAM_CACHE_BYTES_MAX),
+            Ok(()) => folder.forget_oldest(limits::PROGRAM_CACHE_BYTES_MAX),
             Err(error) => folder.complain(&error.reason),
         }
     }
@@ -119,13 +117,16 @@ impl ProgramCache {
 impl ProgramStore for ProgramCache {
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
-        let bytes = match read_at_most(&path, limits::KEPT_PROGRAM_BYTES_MAX + entry::HEADER) {
+        let bytes = match read_at_most(
+            &path,
+            limits::KEPT_PROGRAM_BYTES_MAX + CHECKSUM_LINE + size_of::<ProgramKey>(),
+        ) {
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidInput) => {
                 return None;
             }
             read => read.ok().flatten().unwrap_or_default(),
         };
-        let Some(content) = entry::decode(key, &bytes) else {
+        let Some(content) = unsealed(&bytes).and_then(|bytes| bytes.strip_prefix(key.bytes())) else {
             tracing::info!("{} was damaged and has been removed", path.display());
             self.discard(key);
             return None;
@@ -136,7 +137,7 @@ impl ProgramStore for ProgramCache {
 
     fn save(&self, key: ProgramKey, content: &[u8]) {
         if content.len() <= limits::KEPT_PROGRAM_BYTES_MAX {
-            self.write(key, PROGRAM, &entry::encode(key, content));
+            self.write(key, PROGRAM, &sealed(&[key.bytes(), content].concat()));
         }
     }
 
@@ -161,7 +162,7 @@ impl ProgramStore for ProgramCache {
 
     fn record_crash(&self, key: ProgramKey) {
         let Some(folder) = &self.folder else { return };
-        folder.left_out().insert(key);
+        lock(&folder.left_out).insert(key);
         let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
         self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
     }
@@ -176,15 +177,15 @@ impl ProgramStore for ProgramCache {
     fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let is_retried = |why| {
             why == GivenUp::DiedOnce
-                && !self.folder.as_ref().is_some_and(|folder| folder.left_out().contains(&key))
+                && !self.folder.as_ref().is_some_and(|folder| lock(&folder.left_out).contains(&key))
         };
         self.noted(key).filter(|(why, _)| !is_retried(*why))
     }
 }
 
 impl Folder {
-    fn left_out(&self) -> MutexGuard<'_, HashSet<ProgramKey>> {
-        self.left_out.lock().unwrap_or_else(PoisonError::into_inner)
+    fn forget_oldest(&self, bytes_max: u64) {
+        make_room(&self.path, &[PROGRAM, GIVEN_UP], |file| file.len().max(BLOCK), bytes_max);
     }
 
     fn complain(&self, reason: &dyn fmt::Display) {
@@ -206,33 +207,6 @@ const BLOCK: u64 = 4096;
 
 /// More bytes than the longest of [`REASONS`].
 const WORD_MAX: usize = 16;
-
-fn touch(path: &Path) {
-    let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
-}
-
-fn make_room(folder: &Path, bytes_max: u64) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    let mut files: Vec<(SystemTime, u64, PathBuf)> = entries
-        .flatten()
-        .filter_map(|entry| {
-            let path = entry.path();
-            let is_ours = [PROGRAM, GIVEN_UP].iter().any(|kind| path.extension() == Some(OsStr::new(kind)));
-            let about = entry.metadata().ok().filter(|about| is_ours && about.is_file())?;
-            Some((about.modified().ok()?, about.len().max(BLOCK), path))
-        })
-        .collect();
-    files.sort();
-    let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
-    for (_, its, path) in files {
-        if bytes <= bytes_max {
-            break;
-        }
-        if fs::remove_file(path).is_ok() {
-            bytes -= its;
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests;

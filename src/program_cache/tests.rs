@@ -1,4 +1,5 @@
-use std::time::Duration;
+use std::fs::File;
+use std::time::{Duration, SystemTime};
 
 use super::*;
 
@@ -54,8 +55,27 @@ fn a_damaged_or_foreign_file_is_removed() {
     assert_eq!(cache.load(key), None);
     let large = vec![0; limits::KEPT_PROGRAM_BYTES_MAX + 1];
     cache.save(other, &large);
-    fs::write(cache.path(other, PROGRAM).unwrap(), entry::encode(other, &large)).unwrap();
+    fs::write(cache.path(other, PROGRAM).unwrap(), sealed(&[other.bytes(), &large[..]].concat())).unwrap();
     assert_eq!(cache.load(other), None);
+}
+
+#[test]
+fn no_damaged_program_is_loaded() {
+    let (_folder, cache) = cache();
+    let key = ProgramKey::of(["driver", "text"]);
+    cache.save(key, b"machine code");
+    let path = cache.path(key, PROGRAM).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for at in 0..whole.len() {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 1;
+        for bytes in [&damaged[..], &whole[..at]] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(cache.load(key), None, "byte {at}");
+        }
+    }
+    fs::write(&path, [&whole[..], &[0]].concat()).unwrap();
+    assert_eq!(cache.load(key), None);
 }
 
 #[test]
@@ -85,9 +105,9 @@ fn the_least_recently_used_files_are_deleted_first() {
     fs::write(folder.join("notes.txt"), "of the user's").unwrap();
     // Loading makes the oldest program the most recently used one.
     assert!(cache.load(keys[2]).is_some());
-    make_room(&folder, 2 * (5000 + entry::HEADER as u64));
+    cache.folder.as_ref().unwrap().forget_oldest(2 * (5000 + 33));
     assert_eq!(keys.map(|key| cache.load(key).is_some()), [true, false, true]);
-    make_room(&folder, 0);
+    cache.folder.as_ref().unwrap().forget_oldest(0);
     assert_eq!(names(&cache), ["notes.txt"]);
 }
 

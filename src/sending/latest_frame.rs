@@ -1,7 +1,9 @@
 //! A mailbox with the latest frame for a receiver, and messages about the receiver. Putting a frame never blocks.
 
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+
+use mariana_work::lock;
 
 /// A frame to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,7 +17,8 @@ pub struct OutgoingFrame {
 /// A write that takes longer than this is reported as blocked.
 const BLOCKS_AFTER: Duration = Duration::from_secs(2);
 
-pub(super) struct LatestFrame {
+/// The mailbox of a receiver.
+pub struct LatestFrame {
     state: Mutex<State>,
     changed: Condvar,
     pub(super) to: String,
@@ -39,25 +42,21 @@ impl LatestFrame {
         Self { state: Mutex::default(), changed: Condvar::new(), to }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
-        // The state is valid even after a panic.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(super) fn put(&self, picture: OutgoingFrame) {
-        let mut state = self.lock();
+    /// Replaces the frame that is sent.
+    pub fn put(&self, picture: OutgoingFrame) {
+        let mut state = lock(&self.state);
         state.count += 1;
         state.picture = Some((state.count, picture));
         self.changed.notify_all();
     }
 
     pub(super) fn end(&self) {
-        self.lock().over = true;
+        lock(&self.state).over = true;
         self.changed.notify_all();
     }
 
     pub(super) fn is_over(&self) -> bool {
-        self.lock().over
+        lock(&self.state).over
     }
 
     /// Waits for a frame; `None` at the end.
@@ -70,23 +69,24 @@ impl LatestFrame {
         let is_old = |state: &mut State| {
             !state.over && state.picture.as_ref().is_none_or(|(latest_frame, _)| *latest_frame <= number)
         };
-        let state = self.changed.wait_while(self.lock(), is_old).unwrap_or_else(PoisonError::into_inner);
+        let state =
+            self.changed.wait_while(lock(&self.state), is_old).unwrap_or_else(PoisonError::into_inner);
         state.picture.clone().filter(|_| !state.over)
     }
 
     /// Waits for `time`, or until the end. Returns true at the end.
     pub(super) fn rest(&self, time: Duration) -> bool {
-        let waited = self.changed.wait_timeout_while(self.lock(), time, |state| !state.over);
+        let waited = self.changed.wait_timeout_while(lock(&self.state), time, |state| !state.over);
         waited.unwrap_or_else(PoisonError::into_inner).0.over
     }
 
     pub(super) fn report(&self, sentence: String) {
-        self.lock().news.push(sentence);
+        lock(&self.state).news.push(sentence);
     }
 
     /// Counts a new receiver. The first receiver gets no frame that is older than its connection.
     pub(super) fn has_receiver(&self) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         (state.reported_slow, state.reported_blocked) = (false, false);
         state.receivers += 1;
         if state.receivers == 1 {
@@ -95,30 +95,32 @@ impl LatestFrame {
     }
 
     pub(super) fn has_lost_receiver(&self) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         state.receivers = state.receivers.saturating_sub(1);
     }
 
-    pub(super) fn is_wanted(&self) -> bool {
-        let state = self.lock();
+    /// True if a receiver is connected, or no frame has been put yet.
+    pub fn is_wanted(&self) -> bool {
+        let state = lock(&self.state);
         state.receivers > 0 || state.count == 0
     }
 
     pub(super) fn set_writing(&self, writes: bool) {
-        self.lock().writing = writes.then(Instant::now);
+        lock(&self.state).writing = writes.then(Instant::now);
     }
 
     /// Reports once that the receiver is too slow to get every frame.
     pub(super) fn report_slow(&self) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         if !std::mem::replace(&mut state.reported_slow, true) {
             let sentence = format!("{} is too slow: some frames are dropped", self.reader());
             state.news.push(sentence);
         }
     }
 
-    pub(super) fn news(&self) -> Vec<String> {
-        let mut state = self.lock();
+    /// Returns the messages about receivers since the last call.
+    pub fn news(&self) -> Vec<String> {
+        let mut state = lock(&self.state);
         let blocks = state.writing.is_some_and(|since| since.elapsed() > BLOCKS_AFTER);
         if blocks && !std::mem::replace(&mut state.reported_blocked, true) {
             let sentence = format!("{} has stopped reading: the show continues without it", self.reader());
@@ -170,7 +172,10 @@ mod tests {
         latest_frame.put(picture(1));
         assert!(!latest_frame.is_wanted());
         latest_frame.has_receiver();
-        assert!(latest_frame.is_wanted() && latest_frame.lock().picture.is_none(), "an old frame was kept");
+        assert!(
+            latest_frame.is_wanted() && lock(&latest_frame.state).picture.is_none(),
+            "an old frame was kept"
+        );
         latest_frame.put(picture(2));
         latest_frame.has_receiver();
         latest_frame.has_lost_receiver();
@@ -186,7 +191,7 @@ mod tests {
     fn a_slow_receiver_that_stops_reading_is_reported_too() {
         let latest_frame = LatestFrame::new("a place".into());
         latest_frame.report_slow();
-        latest_frame.lock().writing = Instant::now().checked_sub(2 * BLOCKS_AFTER);
+        lock(&latest_frame.state).writing = Instant::now().checked_sub(2 * BLOCKS_AFTER);
         let reported = latest_frame.news();
         assert!(matches!(&reported[..], [_, one] if one.contains("has stopped reading")), "{reported:?}");
         assert!(latest_frame.news().is_empty());

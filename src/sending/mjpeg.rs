@@ -5,8 +5,7 @@
 
 use std::io::Write;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use image::codecs::jpeg::JpegEncoder;
@@ -16,6 +15,7 @@ use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
 use crate::limits;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
+use mariana_work::lock;
 
 const BOUNDARY: &str = "mariana-picture";
 const QUALITY: u8 = 90;
@@ -39,15 +39,11 @@ pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), Sen
     std::thread::Builder::new().name("sending".into()).spawn(accept).map(drop).map_err(SendError::Thread)
 }
 
-#[derive(Default)]
-struct Readers {
-    count: AtomicUsize,
-    /// The latest JPEG, with the number of its frame.
-    jpeg: Mutex<(u64, Arc<Vec<u8>>)>,
-}
+/// The latest JPEG, with the number of its frame. Each reader holds a reference.
+type SharedJpeg = Mutex<(u64, Arc<Vec<u8>>)>;
 
 fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
-    let readers = Arc::new(Readers::default());
+    let latest_jpeg = Arc::new(SharedJpeg::default());
     for stream in listener.incoming() {
         if latest_frame.is_over() {
             return;
@@ -57,32 +53,21 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             latest_frame.rest(AGAIN);
             continue;
         };
-        // Count the reader before its thread starts, so that the limit also bounds the number of threads.
-        if readers.count.fetch_add(1, Ordering::AcqRel) >= limits::SEND_READERS_MAX {
-            readers.count.fetch_sub(1, Ordering::AcqRel);
+        // Besides this thread, each reader's thread holds a reference, so the limit also bounds the number of threads.
+        if Arc::strong_count(&latest_jpeg) > limits::SEND_READERS_MAX {
             let words = "too many programs read these frames already: close one of them";
             answer_in_words(&stream, "503 Service Unavailable", words, QUESTION_TIME);
             continue;
         }
-        let place = Place(readers.clone());
-        let latest_frame = latest_frame.clone();
-        let serve = move || serve(stream, &latest_frame, &place.0);
+        let (latest_frame, latest_jpeg) = (latest_frame.clone(), latest_jpeg.clone());
+        let serve = move || serve(stream, &latest_frame, &latest_jpeg);
         if let Err(error) = std::thread::Builder::new().name("sending".into()).spawn(serve) {
             tracing::warn!("a client cannot be served: {error}");
         }
     }
 }
 
-/// A counted reader. Dropping this value reduces the count.
-struct Place(Arc<Readers>);
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.count.fetch_sub(1, Ordering::AcqRel);
-    }
-}
-
-fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
+fn serve(stream: TcpStream, latest_frame: &LatestFrame, latest_jpeg: &SharedJpeg) {
     let bounds = HeadBounds {
         bytes_max: limits::SEND_REQUEST_BYTES_MAX,
         fields_max: limits::SEND_REQUEST_FIELDS_MAX,
@@ -105,7 +90,7 @@ fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     latest_frame.has_receiver();
     tracing::info!("{} has a reader", &latest_frame.to);
     let _ = stream.set_write_timeout(Some(ANSWER_TIME));
-    let gone = answer(stream, latest_frame, readers).err();
+    let gone = answer(stream, latest_frame, latest_jpeg).err();
     latest_frame.has_lost_receiver();
     tracing::info!("a reader of {} has gone ({gone:?})", &latest_frame.to);
 }
@@ -124,7 +109,11 @@ fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
     }
 }
 
-fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) -> std::io::Result<()> {
+fn answer(
+    mut stream: TcpStream,
+    latest_frame: &LatestFrame,
+    latest_jpeg: &SharedJpeg,
+) -> std::io::Result<()> {
     stream.write_all(
         format!(
             "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary={BOUNDARY}\r\nCache-Control: \
@@ -135,7 +124,7 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
     let mut number = 0;
     while let Some((next, picture)) = latest_frame.after(number) {
         number = next;
-        let jpeg = readers.jpeg_of(next, &picture)?;
+        let jpeg = jpeg_of(latest_jpeg, next, &picture)?;
         let head = format!("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.len());
         stream.write_all(head.as_bytes())?;
         stream.write_all(&jpeg)?;
@@ -146,21 +135,19 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
     Ok(())
 }
 
-impl Readers {
-    /// Returns the JPEG of a frame. The first reader that needs the JPEG encodes the frame; other readers wait.
-    fn jpeg_of(&self, number: u64, picture: &OutgoingFrame) -> std::io::Result<Arc<Vec<u8>>> {
-        let mut known = self.jpeg.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.0 != number {
-            let mut jpeg = Vec::new();
-            let rgb: Vec<u8> =
-                picture.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-            JpegEncoder::new_with_quality(&mut jpeg, QUALITY)
-                .write_image(&rgb, picture.size.0, picture.size.1, ExtendedColorType::Rgb8)
-                .map_err(std::io::Error::other)?;
-            *known = (number, Arc::new(jpeg));
-        }
-        Ok(known.1.clone())
+/// Returns the JPEG of a frame. The first reader that needs the JPEG encodes the frame; other readers wait.
+fn jpeg_of(known: &SharedJpeg, number: u64, picture: &OutgoingFrame) -> std::io::Result<Arc<Vec<u8>>> {
+    let mut known = lock(known);
+    if known.0 != number {
+        let mut jpeg = Vec::new();
+        let rgb: Vec<u8> =
+            picture.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        JpegEncoder::new_with_quality(&mut jpeg, QUALITY)
+            .write_image(&rgb, picture.size.0, picture.size.1, ExtendedColorType::Rgb8)
+            .map_err(std::io::Error::other)?;
+        *known = (number, Arc::new(jpeg));
     }
+    Ok(known.1.clone())
 }
 
 #[cfg(test)]

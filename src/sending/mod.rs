@@ -2,7 +2,7 @@
 //! programs skip frames.
 //!
 //! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. Each
-//! time a receiver blocks, disconnects or comes back, [`Sending::news`] has one message about it.
+//! time a receiver blocks, disconnects or comes back, [`LatestFrame::news`] has one message about it.
 
 mod latest_frame;
 mod mjpeg;
@@ -13,8 +13,7 @@ mod v4l2;
 
 use std::sync::Arc;
 
-use latest_frame::LatestFrame;
-pub use latest_frame::OutgoingFrame;
+pub use latest_frame::{LatestFrame, OutgoingFrame};
 pub use target::SenderTarget;
 
 /// Errors of starting to send.
@@ -37,7 +36,8 @@ pub enum SendError {
 
 /// Sends frames to a target until it is dropped.
 pub struct Sending {
-    latest_frame: Arc<LatestFrame>,
+    /// The mailbox, which also has the messages about receivers.
+    pub latest_frame: Arc<LatestFrame>,
     /// Where the frames go.
     pub target: SenderTarget,
 }
@@ -56,25 +56,18 @@ impl Sending {
             SenderTarget::Y4m(Some(path)) => {
                 stream::start(stream::Fifo::new(path, size, fps)?, fps, latest_frame.clone())?;
             }
-            SenderTarget::V4l2(path) => start_v4l2(path, size, fps, latest_frame.clone())?,
+            #[cfg(target_os = "linux")]
+            SenderTarget::V4l2(path) => {
+                stream::start(v4l2::Camera::open(path, size)?, fps, latest_frame.clone())?;
+            }
+            #[cfg(not(target_os = "linux"))]
+            SenderTarget::V4l2(path) => {
+                let reason = "only Linux has such devices: send MJPEG instead".to_owned();
+                return Err(SendError::Refused { to: path.display().to_string(), reason });
+            }
             SenderTarget::Mjpeg(port) => mjpeg::start(*port, latest_frame.clone())?,
         }
         Ok(Self { latest_frame, target: target.clone() })
-    }
-
-    /// Replaces the frame that is sent.
-    pub fn offer(&self, picture: OutgoingFrame) {
-        self.latest_frame.put(picture);
-    }
-
-    /// True if a receiver is connected, or no frame has been offered yet.
-    pub fn is_wanted(&self) -> bool {
-        self.latest_frame.is_wanted()
-    }
-
-    /// Returns the messages about receivers since the last call.
-    pub fn news(&self) -> Vec<String> {
-        self.latest_frame.news()
     }
 }
 
@@ -83,25 +76,4 @@ impl Drop for Sending {
         // Do not wait for the thread: a receiver may block it.
         self.latest_frame.end();
     }
-}
-
-#[cfg(target_os = "linux")]
-fn start_v4l2(
-    path: &std::path::Path,
-    size: (u32, u32),
-    fps: f64,
-    latest_frame: Arc<LatestFrame>,
-) -> Result<(), SendError> {
-    stream::start(v4l2::Camera::open(path, size)?, fps, latest_frame)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn start_v4l2(
-    path: &std::path::Path,
-    _size: (u32, u32),
-    _fps: f64,
-    _newest: Arc<LatestFrame>,
-) -> Result<(), SendError> {
-    let reason = "only Linux has such devices: send MJPEG instead".to_owned();
-    Err(SendError::Refused { to: path.display().to_string(), reason })
 }

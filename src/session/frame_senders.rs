@@ -71,7 +71,7 @@ impl FrameSenders {
         if self.sends.is_empty() {
             return Ok(None);
         }
-        let is_wanted = self.sends.iter().any(Sending::is_wanted);
+        let is_wanted = self.sends.iter().any(|send| send.latest_frame.is_wanted());
         // Send the current frame to a new receiver, even if the frame has not changed for a long time.
         self.is_new |= is_wanted && !self.was_wanted;
         self.was_wanted = is_wanted;
@@ -93,14 +93,14 @@ impl FrameSenders {
         };
         if let Some(rgba) = reader.drain() {
             let picture = OutgoingFrame { size: self.size, rgba: Arc::new(rgba) };
-            self.sends.iter().for_each(|send| send.offer(picture.clone()));
+            self.sends.iter().for_each(|send| send.latest_frame.put(picture.clone()));
         }
         let next = (self.is_new && is_wanted).then_some(self.due);
         Ok(if reader.is_waiting() { Some(now + LOOK) } else { next })
     }
 
     pub(crate) fn news(&self) -> Vec<String> {
-        self.sends.iter().flat_map(Sending::news).collect()
+        self.sends.iter().flat_map(|send| send.latest_frame.news()).collect()
     }
 }
 

@@ -10,22 +10,25 @@ mod windows;
 #[cfg(windows)]
 use windows as system;
 
-use std::sync::mpsc::{Receiver, Sender, channel};
+use mariana_work::{Latest, latest};
 
 /// Asks the desktop on a separate thread, because the desktop may answer late or never.
 pub(crate) struct StayAwake {
-    requests: Sender<bool>,
+    /// The last request that is not carried out; `None` without a thread.
+    requests: Option<Latest<Option<bool>>>,
     is_on: bool,
 }
 
 impl StayAwake {
     pub(crate) fn start() -> Self {
-        let (requests, received) = channel();
-        let started = std::thread::Builder::new().name("stay awake".into()).spawn(move || obey(&received));
-        if let Err(error) = started {
-            tracing::warn!("the screen may lock: no thread can be started ({error})");
-        }
-        Self { requests, is_on: false }
+        let mut asked = None;
+        let requests = latest("stay awake", None, Option::take, move |on: bool, _| {
+            drop(std::mem::replace(&mut asked, on.then(system::Asked::begin)));
+            tracing::info!("{}", if on { "the screen stays on" } else { "the screen may go dark" });
+        });
+        let requests = requests
+            .inspect_err(|error| tracing::warn!("the screen may lock: no thread can be started ({error})"));
+        Self { requests: requests.ok(), is_on: false }
     }
 
     /// Returns true if the request has changed.
@@ -33,21 +36,11 @@ impl StayAwake {
         if std::mem::replace(&mut self.is_on, on) == on {
             return false;
         }
-        // Without the thread, nothing listens.
-        let _ = self.requests.send(on);
+        if let Some(requests) = &self.requests {
+            requests.change(|request| *request = Some(on));
+        }
         true
     }
-}
-
-fn obey(requests: &Receiver<bool>) {
-    let mut asked = None;
-    while let Ok(on) = requests.recv() {
-        // Only the last request counts.
-        let on = requests.try_iter().last().unwrap_or(on);
-        asked = on.then(system::Asked::begin);
-        tracing::info!("{}", if on { "the screen stays on" } else { "the screen may go dark" });
-    }
-    drop(asked);
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]

@@ -72,7 +72,9 @@ pub(crate) enum WindowMessage {
     Saved,
     /// A signal requests the end.
     End,
+    /// A request of a screen reader or the like, which AccessKit sends to the event loop.
     Assistance(Assistance),
+    /// The show's controls, for screen readers.
     Controls(Box<TreeUpdate>),
     OpenOutput(Monitor),
     CloseOutput,
@@ -81,6 +83,17 @@ pub(crate) enum WindowMessage {
     /// The show has called a window, which may have left events in a queue: see [`SharedWindow`].
     #[cfg_attr(any(windows, target_os = "macos"), expect(dead_code, reason = "only X11 has such a queue"))]
     CallsMade,
+}
+
+impl From<accesskit_winit::Event> for WindowMessage {
+    fn from(event: accesskit_winit::Event) -> Self {
+        use accesskit_winit::WindowEvent;
+        Self::Assistance(match event.window_event {
+            WindowEvent::InitialTreeRequested => Assistance::Begins,
+            WindowEvent::ActionRequested(request) => Assistance::Act(request),
+            WindowEvent::AccessibilityDeactivated => Assistance::Ends,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The window and the desktop, and the only module that uses winit. [`window_thread`] receives the window's events; the
 //! session runs on a second thread ([`show`]) and draws on a [`window_screen`]. [`messages`] connect the two.
 
-mod accessibility;
 #[cfg(windows)]
 mod console;
 pub mod identity;

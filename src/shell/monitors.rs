@@ -58,22 +58,18 @@ impl MonitorWatch {
 ///
 /// # Errors
 /// Fails if there is no X server, or it does not report monitors.
-#[cfg(all(unix, not(target_os = "macos")))]
 pub fn present() -> Result<Vec<Monitor>, String> {
-    x11::present()
-}
-
-/// Not supported on this system.
-///
-/// # Errors
-/// Always fails.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-pub fn present() -> Result<Vec<Monitor>, String> {
-    Err("monitors cannot be listed on this system".to_owned())
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let found = x11::connect()
+        .and_then(|(connection, root)| x11::monitors(&connection, root))
+        .map_err(|error| format!("monitors can be listed on X11 only, and the X server reports: {error}"));
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    let found = Err("monitors cannot be listed on this system".to_owned());
+    found
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]
-mod x11 {
+pub(crate) mod x11 {
     use std::error::Error;
     use std::sync::{Mutex, PoisonError, Weak};
     use std::time::Duration;
@@ -87,14 +83,17 @@ mod x11 {
 
     const PERIOD: Duration = Duration::from_millis(500);
 
-    fn connect() -> Result<(RustConnection, Window), Box<dyn Error>> {
+    pub(crate) fn connect() -> Result<(RustConnection, Window), Box<dyn Error>> {
         let (connection, screen) = x11rb::connect(None)?;
         let root = connection.setup().roots.get(screen).ok_or("the X server has no screen")?.root;
         connection.randr_query_version(1, 5)?.reply()?;
         Ok((connection, root))
     }
 
-    fn monitors(connection: &RustConnection, root: Window) -> Result<Vec<Monitor>, Box<dyn Error>> {
+    pub(crate) fn monitors(
+        connection: &RustConnection,
+        root: Window,
+    ) -> Result<Vec<Monitor>, Box<dyn Error>> {
         let mut found = Vec::new();
         for monitor in connection.randr_get_monitors(root, true)?.reply()?.monitors {
             let name = connection.get_atom_name(monitor.name)?.reply()?.name;
@@ -106,12 +105,6 @@ mod x11 {
         }
         found.sort_by_key(|monitor| monitor.place);
         Ok(found)
-    }
-
-    pub(crate) fn present() -> Result<Vec<Monitor>, String> {
-        let found = connect().and_then(|(connection, root)| monitors(&connection, root));
-        found
-            .map_err(|error| format!("monitors can be listed on X11 only, and the X server reports: {error}"))
     }
 
     /// Polls until the [`super::MonitorWatch`] is dropped.

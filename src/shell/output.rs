@@ -150,8 +150,12 @@ impl Output {
 
     /// Returns the size of the window in pixels; `None` while it shows nothing.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        self.surface().map(SecondSurface::size)
+    }
+
+    fn surface(&self) -> Option<&SecondSurface> {
         match &self.state {
-            State::On(_, surface) => Some(surface.size()),
+            State::On(_, surface) => Some(surface),
             State::Off | State::Asked(_) => None,
         }
     }
@@ -159,10 +163,7 @@ impl Output {
     /// Returns the surface if it must be drawn, because a frame is new (`is_new`) or the surface is stale.
     pub(crate) fn due(&mut self, is_new: bool) -> Option<&SecondSurface> {
         let is_stale = std::mem::take(&mut self.is_stale);
-        match &self.state {
-            State::On(_, surface) => Some(surface).filter(|_| is_new || is_stale),
-            State::Off | State::Asked(_) => None,
-        }
+        self.surface().filter(|_| is_new || is_stale)
     }
 
     pub(crate) fn redraw(&mut self) {

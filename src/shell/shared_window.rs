@@ -54,17 +54,6 @@ impl SharedWindow {
         self.handle.0
     }
 
-    /// The attributes of a surface on this window, in its current size.
-    pub(crate) fn surface_attributes(&self) -> SurfaceAttributes<WindowSurface> {
-        let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
-        let size = self.calls().inner_size();
-        SurfaceAttributesBuilder::<WindowSurface>::new().build(
-            self.handle(),
-            side(size.width),
-            side(size.height),
-        )
-    }
-
     pub(crate) fn calls(&self) -> WindowCalls<'_> {
         WindowCalls(self)
     }
@@ -82,6 +71,15 @@ impl SharedWindow {
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
     }
+}
+
+/// The attributes of a surface of `size` pixels on a window.
+pub(crate) fn surface_attributes(
+    window: RawWindowHandle,
+    size: (u32, u32),
+) -> SurfaceAttributes<WindowSurface> {
+    let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
+    SurfaceAttributesBuilder::<WindowSurface>::new().build(window, side(size.0), side(size.1))
 }
 
 impl Deref for WindowCalls<'_> {

@@ -14,14 +14,13 @@ use crate::gpu::headless::Headless;
 use crate::session::SessionError;
 use crate::session::desktop::DesktopControls;
 use crate::session::{Opening, Prepared};
-use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Message, Typing, WindowMessage, inbox};
 use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
 use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
 use crate::shell::window::{Ground, OpenWindow, WindowOptions};
-use crate::shell::window_screen::{Lines, WindowScreen};
+use crate::shell::window_screen::WindowScreen;
 use crate::shell::window_thread;
 
 /// Plays the tracks in a window, once or until the user quits. Without tracks, listens to the input in the settings.
@@ -62,8 +61,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         ground,
     };
     let of_show = waker.clone();
-    let (controls, proxy) = (AccessibilityPublisher::new(&event_loop), event_loop.create_proxy());
-    let of_end = event_loop.create_proxy();
+    let (proxy, of_end) = (event_loop.create_proxy(), event_loop.create_proxy());
     // A wallpaper opens no files.
     let dropped = ground.is_none().then(|| messages.clone());
     let typing = Typing::default();
@@ -75,9 +73,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         }
         let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
         let wallpaper = settings.wallpaper.then(|| Wallpaper::start(output_surfaces, &of_show));
-        let lines = Lines { inbox, controls, typing: of_window };
         let handle = window.handle();
-        let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
+        let screen = Box::new(WindowScreen::new(window, inbox, of_window, output, wallpaper)?);
         #[cfg(windows)]
         crate::shell::console::close_if_own();
         let wake = of_show.waking();

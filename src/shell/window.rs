@@ -15,7 +15,7 @@ use glutin::config::ConfigTemplateBuilder;
 use glutin::context::{NotCurrentGlContext, PossiblyCurrentContext, PossiblyCurrentGlContext};
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
-use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
+use glutin::surface::{GlSurface, Surface, WindowSurface};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::raw_window_handle::RawWindowHandle;
@@ -27,7 +27,7 @@ use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::messages::WindowMessage;
 use crate::shell::monitors::Rect;
-use crate::shell::shared_window::{SharedWindow, WindowCalls};
+use crate::shell::shared_window::{SharedWindow, WindowCalls, surface_attributes};
 use second::grounded;
 pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -47,11 +47,13 @@ pub(crate) struct WindowOptions {
 
 /// A window without a context. The show's thread, not the window's, binds the context, because drivers are slow.
 pub(crate) struct OpenWindow {
-    config: glutin::config::Config,
+    pub(crate) config: glutin::config::Config,
     window: SharedWindow,
-    size: (u32, u32),
-    place: Option<(i32, i32)>,
-    refresh_rate: Option<f64>,
+    /// The size in the last event. A query would end the process if another program has closed the window.
+    size: Cell<(u32, u32)>,
+    /// The position in the last event; `None` if the window system does not report it.
+    place: Cell<Option<(i32, i32)>>,
+    pub(crate) refresh_rate: Option<f64>,
     log_debug: bool,
 }
 
@@ -60,13 +62,7 @@ pub(crate) struct GlWindowContext {
     gl: Gl,
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
-    config: glutin::config::Config,
-    window: SharedWindow,
-    /// The size in the last event. A query would end the process if another program has closed the window.
-    size: Cell<(u32, u32)>,
-    /// The position in the last event; `None` if the window system does not report it.
-    place: Cell<Option<(i32, i32)>>,
-    pub(crate) refresh_rate: Option<f64>,
+    pub(crate) open: OpenWindow,
 }
 
 impl OpenWindow {
@@ -102,8 +98,8 @@ impl OpenWindow {
         {
             tracing::warn!("the wallpaper cannot let clicks through: {error}");
         }
-        let size = window.inner_size().into();
-        let place = window.outer_position().ok().map(Into::into);
+        let size = Cell::new(window.inner_size().into());
+        let place = Cell::new(window.outer_position().ok().map(Into::into));
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
         let own = Arc::new(window);
@@ -111,16 +107,12 @@ impl OpenWindow {
         Ok((Self { config, window, size, place, refresh_rate, log_debug: input_queue.log_debug }, own))
     }
 
-    pub(crate) fn config(&self) -> glutin::config::Config {
-        self.config.clone()
-    }
-
     pub(crate) fn handle(&self) -> RawWindowHandle {
         self.window.handle()
     }
 
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
-        let Self { config, window, size, place, refresh_rate, log_debug } = self;
+        let Self { config, window, log_debug, .. } = &self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
         let handle = window.handle();
         let display = config.display();
@@ -128,39 +120,40 @@ impl OpenWindow {
         // SAFETY: the handle belongs to `window`, which `GlWindowContext` keeps until after context and surface (order
         // of its fields).
         let (context, surface) = unsafe {
-            let context = Api::create_context(apis, &display, &config, Some(handle))
+            let context = Api::create_context(apis, &display, config, Some(handle))
                 .map_err(|error| no_context(&error))?;
             let surface = display
-                .create_window_surface(&config, &window.surface_attributes())
+                .create_window_surface(
+                    config,
+                    &surface_attributes(handle, window.calls().inner_size().into()),
+                )
                 .map_err(|error| no_context(&error))?;
             (context, surface)
         };
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
-        if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
-            tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
-        }
-        let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
-        tracing::info!("window context by {}", config_kind(&config));
-        let (size, place) = (Cell::new(size), Cell::new(place));
-        Ok(GlWindowContext { gl, context, surface, config, window, size, place, refresh_rate })
+        let gl = Gl::load(|name| display.get_proc_address(name), *log_debug)?;
+        tracing::info!("window context by {}", config_kind(config));
+        let bound = GlWindowContext { gl, context, surface, open: self };
+        bound.wait_for_monitor(true);
+        Ok(bound)
     }
 }
 
 impl GlWindowContext {
     pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
-        WorkerContext::beside_window(&self.config, self.gl.info(), count)
+        WorkerContext::beside_window(&self.open.config, self.gl.info(), count)
     }
 
     /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.
     pub(crate) fn let_go(self) -> OpenWindow {
-        let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
+        let Self { gl, context, surface, open } = self;
         drop(gl);
         // A surface that is current would stay alive, and a window cannot have two surfaces.
         if let Err(error) = context.make_not_current() {
             tracing::warn!("the old context cannot be released: {error}");
         }
         drop(surface);
-        OpenWindow { config, window, size: size.get(), place: place.get(), refresh_rate, log_debug: false }
+        OpenWindow { log_debug: false, ..open }
     }
 
     pub(crate) fn gl(&self) -> &Gl {
@@ -168,30 +161,30 @@ impl GlWindowContext {
     }
 
     pub(crate) fn window(&self) -> WindowCalls<'_> {
-        self.window.calls()
+        self.open.window.calls()
     }
 
     pub(crate) fn request_redraw(&self) {
-        self.window.request_redraw();
+        self.open.window.request_redraw();
     }
 
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
-        let (width, height) = self.size.get();
+        let (width, height) = self.open.size.get();
         (width > 0 && height > 0).then_some((width, height))
     }
 
     pub(crate) fn place(&self) -> Option<(i32, i32)> {
-        self.place.get()
+        self.open.place.get()
     }
 
     pub(crate) fn record_place(&self, place: (i32, i32)) {
         if !self.is_fullscreen() {
-            self.place.set(Some(place));
+            self.open.place.set(Some(place));
         }
     }
 
     pub(crate) fn resize(&self, size: (u32, u32)) {
-        self.size.set(size);
+        self.open.size.set(size);
         if let Some((width, height)) = self.size()
             && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
         {
@@ -201,19 +194,15 @@ impl GlWindowContext {
 
     /// Shows the drawn frame. Waits for vertical sync, if it is on.
     pub(crate) fn swap(&self) -> Result<(), SessionError> {
-        self.window.pre_present_notify();
+        self.open.window.pre_present_notify();
         self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
-            _ => SessionError::Window { doing: "to show a frame", reason: error.to_string() },
+            _ => refused("to show a frame", &error),
         })
     }
 
-    pub(crate) fn refresh_rate(&self) -> Option<f64> {
-        self.refresh_rate
-    }
-
     pub(crate) fn is_fullscreen(&self) -> bool {
-        self.window.is_fullscreen()
+        self.open.window.is_fullscreen()
     }
 
     pub(crate) fn fill(&self, place: Rect) {
@@ -226,6 +215,11 @@ impl GlWindowContext {
     pub(crate) fn set_fullscreen(&self, on: bool) {
         self.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
+}
+
+/// The error of the window system, which refuses what it was asked for.
+pub(crate) fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
+    SessionError::Window { doing, reason: error.to_string() }
 }
 
 pub(crate) fn shared(
@@ -241,8 +235,7 @@ pub(crate) fn shared(
     });
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     let events = (event_loop, events, None).2;
-    SharedWindow::new(window, events)
-        .map_err(|error| SessionError::Window { doing: "a window for drawing", reason: error.to_string() })
+    SharedWindow::new(window, events).map_err(|error| refused("a window for drawing", &error))
 }
 
 /// Width and height of the smallest part of a window's upper edge by which the user can drag the window, in pixels.

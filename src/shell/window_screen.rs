@@ -13,7 +13,6 @@ use crate::gpu::{Gl, Renderer, WorkerContext};
 use crate::monitor::Monitor;
 use crate::placement::{Area, WHOLE};
 use crate::session::{Event, Lay, Paint, Screen, SessionError};
-use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::idle::StayAwake;
 use crate::shell::messages::{Message, Typing, WindowMessage, may_open_text};
 use crate::shell::monitors::Rect as PlaceOnDesktop;
@@ -31,7 +30,6 @@ pub(crate) struct WindowScreen {
     /// True if the window is completely covered.
     occluded: bool,
     inbox: Receiver<Message>,
-    controls: AccessibilityPublisher,
     typing: Typing,
     /// Taken keys that may have opened a text.
     taken_keys: usize,
@@ -41,36 +39,26 @@ pub(crate) struct WindowScreen {
     window: GlWindowContext,
 }
 
-pub(crate) struct Lines {
-    pub(crate) inbox: Receiver<Message>,
-    pub(crate) controls: AccessibilityPublisher,
-    pub(crate) typing: Typing,
-}
-
 impl WindowScreen {
     /// Creates a context for a window. Frames also appear on `output`, or only on the `wallpaper`.
     pub(crate) fn new(
         window: OpenWindow,
-        lines: Lines,
+        inbox: Receiver<Message>,
+        typing: Typing,
         output: Output,
         wallpaper: Option<Wallpaper>,
     ) -> Result<Self, SessionError> {
-        let Lines { inbox, controls, typing } = lines;
-        let (placed_at, occluded, taken_keys, news) = (None, false, 0, Vec::new());
-        let window = window.bind()?;
-        let stay_awake = StayAwake::start();
         Ok(Self {
+            window: window.bind()?,
             output,
             wallpaper,
-            placed_at,
-            occluded,
+            placed_at: None,
+            occluded: false,
             inbox,
-            controls,
             typing,
-            taken_keys,
-            stay_awake,
-            news,
-            window,
+            taken_keys: 0,
+            stay_awake: StayAwake::start(),
+            news: Vec::new(),
         })
     }
 
@@ -153,7 +141,7 @@ impl Screen for WindowScreen {
     }
 
     fn refresh_rate(&self) -> Option<f64> {
-        self.window.refresh_rate()
+        self.window.open.refresh_rate
     }
 
     fn size(&self) -> Option<(u32, u32)> {
@@ -216,7 +204,7 @@ impl Screen for WindowScreen {
     }
 
     fn show_controls(&mut self, controls: TreeUpdate) {
-        self.controls.publish(controls);
+        self.output.send(WindowMessage::Controls(Box::new(controls)));
     }
 
     fn request_redraw(&self) {

@@ -8,6 +8,7 @@ use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use accesskit_winit::Adapter;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
@@ -18,14 +19,13 @@ use crate::ending::{self, Signal};
 use crate::export::print::print_message;
 use crate::input::Modifiers;
 use crate::session::SessionError;
-use crate::shell::accessibility::Accessibility;
 #[cfg(all(unix, not(target_os = "macos")))]
 use crate::shell::idle::surface::SurfaceInhibitor;
 use crate::shell::messages::{Message, Typing, WindowMessage, may_open_text};
 use crate::shell::monitors::Monitor;
 use crate::shell::translate::{input_of, key_press, modifiers};
 use crate::shell::wallpaper::Layers;
-use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
+use crate::shell::window::{OpenWindow, WindowOptions, open_output, refused, shared};
 
 /// Longest wait at the end for a show that a driver blocks.
 const END_WAIT: Duration = Duration::from_secs(3);
@@ -67,9 +67,7 @@ pub(crate) fn run(
     };
     #[cfg(all(unix, not(target_os = "macos")))]
     crate::shell::lost_display::end_with_the_reason();
-    event_loop
-        .run_app(&mut front)
-        .map_err(|error| SessionError::Window { doing: "to run", reason: error.to_string() })?;
+    event_loop.run_app(&mut front).map_err(|error| refused("to run", &error))?;
     front.result
 }
 
@@ -94,7 +92,7 @@ struct Running {
     #[cfg(all(unix, not(target_os = "macos")))]
     inhibitor: Option<SurfaceInhibitor>,
     // Dropped here, after the show's end, on the thread that created them.
-    accessibility: Accessibility,
+    accessibility: Adapter,
     window: Arc<Window>,
     config: glutin::config::Config,
     output: Option<Arc<Window>>,
@@ -104,8 +102,9 @@ impl Front {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), SessionError> {
         let Some((input_queue, play)) = self.begins_with.take() else { return Ok(()) };
         let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &input_queue)?;
-        let (visible, config) = (input_queue.visible, opened.config());
-        let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
+        let (visible, config) = (input_queue.visible, opened.config.clone());
+        // It does nothing until assistive technology connects.
+        let accessibility = Adapter::with_event_loop_proxy(event_loop, &window, self.proxy.clone());
         window.set_visible(visible);
         let proxy = self.proxy.clone();
         let show = move || {
@@ -208,7 +207,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             self.held = modifiers(held.state());
         }
         if let Some(running) = &mut self.running {
-            running.accessibility.handle_event(&running.window, &event);
+            running.accessibility.process_event(&running.window, &event);
         }
         if asks_for_the_end(&event, self.held, self.typing.is_on()) {
             return self.end(event_loop);
@@ -264,7 +263,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             }
             WindowMessage::Controls(controls) => {
                 if let Some(running) = &mut self.running {
-                    running.accessibility.show(*controls);
+                    running.accessibility.update_if_active(|| *controls);
                 }
             }
         }
@@ -300,8 +299,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
-            let reason = "the show panicked; please report the message above".to_owned();
-            Err(SessionError::Window { doing: "to continue", reason })
+            Err(refused("to continue", &"the show panicked; please report the message above"))
         });
         // Dropped after the show, which draws into them.
         self.layers = None;

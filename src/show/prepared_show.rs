@@ -128,10 +128,10 @@ impl PreparedShow {
     /// seconds of the song. The scenes must have different names.
     pub fn of_decks(scenes: [SceneSource; 2], kind: TransitionKind, start: f64) -> Self {
         let [from, to] = scenes;
-        let by_fader = TimedTransition::by_fader(kind);
-        Self::of_clips([(from, 0.0, TimedTransition::CUT), (to, start, by_fader)])
+        Self::of_clips([(from, 0.0, TimedTransition::CUT), (to, start, TimedTransition::by_fader(kind))])
     }
 
+    /// Returns a show of scenes with their start times, in seconds, and transitions.
     fn of_clips(scenes: impl IntoIterator<Item = (SceneSource, f64, TimedTransition)>) -> Self {
         let mut prepared_show = Self::default();
         let mut clips = Vec::new();

@@ -4,11 +4,11 @@
 //! A song with a decoding error has the structure of the part before the error. A song that cannot be opened has no
 //! structure: scenes read 0 for all its values. Errors are only logged, because the player reports them.
 
-mod cached_files;
 mod reader;
 
 use std::sync::Arc;
 
+use crate::cached_files::{CachedFiles, FileKey};
 use crate::config::Folders;
 use crate::limits;
 use mariana_music::{STRUCTURE_VERSION, SongListener, SongMoment, SongStructure};
@@ -17,7 +17,6 @@ use mariana_player::song::Song;
 use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::track::Content;
 
-pub use cached_files::{CachedFiles, FileKey};
 pub use reader::SongReader;
 
 /// Returns the cache of structures in the cache folder of `folders`, if there is one. Its files contain JSON.

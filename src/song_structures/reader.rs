@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{CachedFiles, ReadSong, find, lyrics_of};
+use super::{ReadSong, find, lyrics_of};
+use crate::cached_files::CachedFiles;
 use mariana_player::lower_priority;
 use mariana_player::track::TrackInfo;
 use mariana_work::{Latest, Shared, contained, latest};

@@ -37,7 +37,7 @@ fn kept_files(folder: &Path) -> Vec<std::path::PathBuf> {
 #[test]
 fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
+    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("songs"));
     write_song(&path, 12, 2);
     let cache = cache_in(kept.clone());
     let song = Song::File(path);
@@ -58,7 +58,7 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
 #[test]
 fn a_damaged_file_is_made_anew() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
+    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("songs"));
     write_song(&path, 8, 2);
     let (cache, song) = (cache_in(kept.clone()), Song::File(path));
     let first = structure_of(&song, &cache);

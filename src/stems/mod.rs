@@ -10,9 +10,10 @@ use mariana_player::song::Song;
 use mariana_player::stems::{Stem, StemsError, stems_of};
 use mariana_player::track::{TrackInfo, scale};
 
+use crate::cached_files::{CachedFiles, FileKey};
 use crate::config::Folders;
 use crate::limits;
-use crate::song_structures::{CachedFiles, FileKey, SongReader};
+use crate::song_structures::SongReader;
 
 /// A stem and its song may differ by this many seconds without a message: encoders pad files.
 const SAME_LENGTH: f64 = 1.0;

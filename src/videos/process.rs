@@ -1,7 +1,7 @@
 //! The process that renders a video.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::Sender;
@@ -9,10 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::worker::Event;
 use crate::ending::apart_from_terminal;
-use crate::export::video::{CONTINUE, PAUSE};
+use crate::export::video::{CONTINUE, PAUSE, last_messages};
 
-/// Only this many bytes at the end of the process's messages are read.
-const MESSAGE_BYTES: u64 = 4096;
 /// Longest wait for the end of a process that has closed its output.
 const END_LIMIT: Duration = Duration::from_secs(5);
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
@@ -151,11 +149,7 @@ pub(super) fn show_in_folder(file: &Path) -> Result<(), String> {
 
 /// The last sentence that the program reported to its user.
 fn last_sentence(messages: &mut File) -> Option<String> {
-    let mut tail = Vec::new();
-    let length = messages.seek(SeekFrom::End(0)).ok()?;
-    messages.seek(SeekFrom::Start(length.saturating_sub(MESSAGE_BYTES))).ok()?;
-    messages.read_to_end(&mut tail).ok()?;
-    let tail = String::from_utf8_lossy(&tail);
+    let tail = last_messages(messages);
     let last = tail.lines().rev().find(|line| !line.trim().is_empty())?;
     let own = tail.lines().rev().find_map(|line| line.strip_prefix("mariana: "));
     Some(own.unwrap_or(last).to_owned())
@@ -178,24 +172,26 @@ fn for_window(sentence: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::atomic_file::Unwritable;
     use crate::export::ExportError;
+    use crate::export::video::{failed, loop_too_long, no_encoder};
 
     #[test]
     fn advice_about_flags_becomes_advice_about_the_panel() {
         let path = std::path::PathBuf::from("/v/a - o.mp4");
-        let missing = ExportError::NoEncoder(io::ErrorKind::NotFound.into()).to_string();
+        let missing = no_encoder(io::ErrorKind::NotFound.into()).to_string();
         assert!(for_window(&missing).ends_with("install ffmpeg"), "{missing}");
-        let full = ExportError::Encoder { path: path.clone(), message: "No space left on device".to_owned() };
+        let full = failed(&path, "No space left on device");
         assert_eq!(
             for_window(&full.to_string()),
             "ffmpeg could not write /v/a - o.mp4 (No space left on device): choose another folder"
         );
-        let refused = ExportError::Unwritable { path, reason: "permission denied".to_owned() };
+        let refused = ExportError::from(Unwritable::new(&path, &io::ErrorKind::PermissionDenied.into()));
         assert_eq!(
             for_window(&refused.to_string()),
             "/v/a - o.mp4 cannot be written (permission denied): choose another folder"
         );
-        let long = ExportError::LoopTooLong { length: 8.0, needed: 9.0, left: 4.0 };
+        let long = loop_too_long(8.0, 9.0, 4.0);
         assert!(for_window(&long.to_string()).ends_with("are left: choose an earlier part"));
         assert_eq!(
             for_window("a.flac cannot be opened: check the path"),

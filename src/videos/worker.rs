@@ -50,6 +50,7 @@ pub(super) struct Worker {
     wanted: Option<Measure>,
     shown: Shown,
     published: Option<Instant>,
+    /// Messages for the user, which are sent after the state to which they belong is published.
     told: Vec<String>,
     events: (Sender<Event>, Receiver<Event>),
     shares: (Arc<Mutex<Shown>>, Sender<String>),
@@ -112,7 +113,7 @@ impl Worker {
             1 => Some("a video is unfinished: press F10 to continue it".to_owned()),
             count => Some(format!("{count} videos are unfinished: press F10 to continue them")),
         };
-        told.into_iter().chain(words).for_each(|words| self.report(words));
+        self.told.extend(told.into_iter().chain(words));
         self.publish();
         loop {
             let wait = self.run.as_ref().and_then(VideoRun::due);
@@ -135,16 +136,11 @@ impl Worker {
         }
     }
 
-    /// Tells the user something, after the state to which it belongs is published.
-    fn report(&mut self, words: String) {
-        self.told.push(words);
-    }
-
     fn handle_event(&mut self, event: Event) {
         match event {
             Event::Add { title, file, arguments } => {
                 if let Err(words) = self.queue.add(title, &file, arguments) {
-                    self.report(words);
+                    self.told.push(words);
                 }
                 self.stop_measuring();
             }
@@ -177,7 +173,9 @@ impl Worker {
             (JobAction::Continue, Some(run)) => {
                 if let JobState::Paused { done, of } = found.state {
                     run.process.set_paused(false);
-                    run.restart_clock(now, done);
+                    if let Task::Render { since, .. } = &mut run.task {
+                        *since = Some((now, done));
+                    }
                     found.state = JobState::Rendering { done, of, left: None };
                 }
             }
@@ -188,7 +186,7 @@ impl Worker {
             (JobAction::Show, _) => {
                 let file = found.file.clone();
                 if let Err(words) = show_in_folder(&file) {
-                    self.report(words);
+                    self.told.push(words);
                 }
             }
             (JobAction::Remove, Some(run)) => {
@@ -285,7 +283,7 @@ impl Worker {
                 format!("the video {} was not made: {reason}", job.title)
             }
         };
-        self.report(words);
+        self.told.push(words);
     }
 
     /// Starts the next video, or else a measurement, unless a process is running.
@@ -303,7 +301,7 @@ impl Worker {
                 let state = match begun {
                     Ok(()) => JobState::Rendering { done: 0, of: None, left: None },
                     Err(reason) => {
-                        self.report(format!("the video was not made: {reason}"));
+                        self.told.push(format!("the video was not made: {reason}"));
                         JobState::Failed(reason)
                     }
                 };
@@ -336,7 +334,7 @@ impl Worker {
     /// Keeps the queue and publishes it. Progress without other changes is published less often.
     fn publish(&mut self) {
         if let Some(Err(words)) = self.file.as_mut().map(|file| file.keep(&self.queue)) {
-            self.report(words);
+            self.told.push(words);
         }
         let now = Instant::now();
         let is_progress = self.shown.jobs.len() == self.queue.jobs.len()
@@ -373,12 +371,6 @@ impl VideoRun {
 
     fn renders(&self, id: u64) -> bool {
         matches!(self.task, Task::Render { job, .. } if job == id)
-    }
-
-    fn restart_clock(&mut self, now: Instant, done: u64) {
-        if let Task::Render { since, .. } = &mut self.task {
-            *since = Some((now, done));
-        }
     }
 
     fn end(&mut self, now: Instant) {

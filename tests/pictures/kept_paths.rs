@@ -13,7 +13,7 @@ use mariana::export::output::Output;
 use mariana::export::painter::SceneChoice;
 use mariana::export::paths::{PathChoice, PathWatch};
 use mariana::export::shutter::Shutter;
-use mariana::export::still::{StillRequest, write_still_watched};
+use mariana::export::still::{StillRequest, write_still};
 use mariana::frame::held_inputs::Setting;
 use mariana::scenes::SceneSource;
 use tempfile::TempDir;
@@ -80,7 +80,7 @@ impl Place {
             seen.borrow_mut().push(so_far);
             look(seen.borrow().len())
         });
-        write_still_watched(request, PathWatch { reach, save_every }).unwrap();
+        write_still(request, PathWatch { reach, save_every }).unwrap();
         Drawn { still: std::fs::read(self.path("still.png")).unwrap(), paths: paths.take() }
     }
 

@@ -6,6 +6,7 @@ use std::process::Command;
 use anyhow::{Context as _, ensure};
 use image::RgbaImage;
 use mariana::demo_track::DEMO_TRACK;
+use mariana::export::paths::PathWatch;
 use mariana::export::still::{StillRequest, write_still};
 use mariana::export::video::{EncodingQuality, VideoRequest, write_video};
 use mariana::export::{Output, Showing, Shutter};
@@ -16,7 +17,7 @@ use mariana_music::Gain;
 pub(crate) fn still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("still.png");
-    write_still(&StillRequest {
+    let request = StillRequest {
         song: DEMO_TRACK,
         at,
         size,
@@ -28,7 +29,8 @@ pub(crate) fn still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<Rgb
         set: Vec::new(),
         ray: None,
         shutter: Shutter::MOMENT,
-    })?;
+    };
+    write_still(&request, PathWatch::default())?;
     Ok(image::open(&path)?.into_rgba8())
 }
 
@@ -61,7 +63,6 @@ impl Animation {
             limit_flashes: false,
             output: Output::Path(folder.path().join("frames/")),
             keeps_others: false,
-            alpha: false,
             showing: Showing::Scenes(vec![(0.0, source.clone())]),
             scene: source.into(),
             set: Vec::new(),

@@ -6,15 +6,6 @@ use super::{BenchReport, BenchRequest, ModeReport, measure};
 use crate::gpu::gl::GlInfo;
 use crate::scenes::{SceneSource, shipped_names};
 
-/// Options of a measurement of all shipped scenes.
-#[derive(Debug, Clone)]
-pub struct AllRequest {
-    /// Options for each scene; each scene replaces the field `scene`.
-    pub each: BenchRequest,
-    /// Scenes whose names contain one of these texts are measured; all scenes if the list is empty.
-    pub only: Vec<String>,
-}
-
 /// Results of all scenes.
 #[derive(Debug, Serialize)]
 pub struct AllReport {
@@ -43,16 +34,20 @@ pub struct SceneEntry {
     pub error: Option<String>,
 }
 
-/// Measures all shipped scenes. A scene that fails becomes an entry with an error. Calls `progress` before each
-/// scene with its name, its number from 1, and the number of scenes.
-pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, usize)) -> AllReport {
-    let is_wanted =
-        |name: &String| request.only.is_empty() || request.only.iter().any(|part| name.contains(part));
+/// Measures the shipped scenes whose names contain a part in `only`, or all if there are no parts. Each one replaces
+/// the scene of `request`. A scene that fails becomes an entry with an error. Calls `progress` before each scene with
+/// its name, its number from 1, and the number of scenes.
+pub fn measure_all(
+    request: &BenchRequest,
+    only: &[String],
+    progress: &mut dyn FnMut(&str, usize, usize),
+) -> AllReport {
+    let is_wanted = |name: &String| only.is_empty() || only.iter().any(|part| name.contains(part));
     let names: Vec<String> = shipped_names().into_iter().filter(is_wanted).collect();
     let count = names.len();
     let entry = |(number, scene): (usize, String)| {
         progress(&scene, number, count);
-        let mut each = request.each.clone();
+        let mut each = request.clone();
         each.scene.source = SceneSource::Shipped(scene.clone());
         let (report, error) = match measure(&each) {
             Ok(report) => (Some(report), None),
@@ -64,9 +59,9 @@ pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, u
     AllReport {
         version: env!("CARGO_PKG_VERSION"),
         gl: scenes.iter().find_map(|entry| entry.report.as_ref()).map(|report| report.gl.clone()),
-        size: request.each.size,
-        at: request.each.at,
-        frames: request.each.frames,
+        size: request.size,
+        at: request.at,
+        frames: request.frames,
         scenes,
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn measure_edit(
             Interpreter::for_scene(before.world().features, buffers, plan, gl.info()).covers(&wanted)
         });
         interpreted_ms = Some(match known {
-            Some(run) => draw(&run.program, start)?,
+            Some(run) => draw(&run.made.program, start)?,
             None => {
                 new_interpreter = true;
                 let variant = wanted.variant(Counting::Off);

@@ -88,5 +88,13 @@ impl<'a> Drawing<'a> {
 fn too_long(request: &VideoRequest, asked: Option<u64>, left: u64) -> ExportError {
     let seconds = |frames: u64| frames as f64 / request.fps;
     let (length, needed) = (request.duration.unwrap_or(0.0), asked.map_or(0.0, seconds));
-    ExportError::LoopTooLong { length, needed, left: seconds(left) }
+    loop_too_long(length, needed, seconds(left))
+}
+
+/// The error of a loop of `length` seconds that needs more of the song than is left after its start.
+pub(crate) fn loop_too_long(length: f64, needed: f64, left: f64) -> ExportError {
+    ExportError::Refused(format!(
+        "a loop of {length} s and its seam need {needed:.2} s of the song, but only {left:.2} s are left: choose an \
+         earlier --start or a shorter --duration"
+    ))
 }

@@ -14,6 +14,7 @@ use super::encoding::{
 use super::request::VideoRequest;
 use super::spherical::{self, is_marked};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
+use crate::covers::format_of;
 use crate::export::error::ExportError;
 use crate::frame::projection::Projection;
 use crate::limits;
@@ -63,9 +64,8 @@ impl Encoder {
         note: Option<&str>,
     ) -> Result<Self, ExportError> {
         if SEVERAL_FILES.iter().any(|end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end))) {
-            let message =
-                "the format consists of several files, which cannot be replaced in one step".to_owned();
-            return Err(ExportError::Encoder { path: path.to_owned(), message });
+            let message = "the format consists of several files, which cannot be replaced in one step";
+            return Err(failed(path, message));
         }
         let is_copy = matches!(frames, Frames::File(_));
         let mut output = AtomicFile::create(path)?;
@@ -73,7 +73,7 @@ impl Encoder {
         let needs_mark = is_marked(&projection) && note.is_none() && !is_copy;
         // ffmpeg copies the metadata of a projection from MP4 to Matroska, but has no option for them. MP4 has no codec
         // for transparent videos, which are parts of other videos.
-        let goes_on = needs_mark && is_matroska(path) && !request.alpha;
+        let goes_on = needs_mark && is_matroska(path) && !request.scene.alpha;
         let next = goes_on.then(|| Box::new((request.clone(), path.to_owned())));
         let silent;
         let (mut made, mut request) = (path.to_owned(), request);
@@ -93,7 +93,7 @@ impl Encoder {
         let reported_problems = tempfile::tempfile().map_err(no_room)?;
         let patience = Duration::from_secs_f64(limits::ENCODER_WAIT_SECONDS);
         let process = EncoderProcess::start(line.command(), output.temporary(), reported_problems, patience)
-            .map_err(ExportError::NoEncoder)?;
+            .map_err(no_encoder)?;
         let keeps_others = request.keeps_others;
         let marked = (needs_mark && is_quicktime(&made)).then_some(projection);
         let (output, path) = (Some(output), path.to_owned());
@@ -112,9 +112,9 @@ impl Encoder {
             return Err(self.last_words());
         }
         if let Some((projection, output)) = self.marked.as_ref().zip(self.output.as_ref()) {
-            spherical::mark(output.temporary(), projection).map_err(|error| ExportError::Encoder {
-                path: self.path.clone(),
-                message: format!("the projection cannot be noted in the file: {}", without_path(error)),
+            spherical::mark(output.temporary(), projection).map_err(|error| {
+                let error = without_path(error);
+                failed(&self.path, &format!("the projection cannot be noted in the file: {error}"))
             })?;
         }
         let output = self.output.take();
@@ -130,9 +130,13 @@ impl Encoder {
 
     fn last_words(&mut self) -> ExportError {
         let _ = self.process.wait();
-        let path = self.path.clone();
         if self.process.has_stalled() {
-            return ExportError::EncoderStalled { path, seconds: limits::ENCODER_WAIT_SECONDS };
+            return ExportError::Refused(format!(
+                "ffmpeg made no progress for {:.0} s while writing {} and was stopped: check the disk, or choose \
+                 another codec by --codec",
+                limits::ENCODER_WAIT_SECONDS,
+                self.path.display()
+            ));
         }
         let mut tail = self.process.complaint();
         if let Some(output) = &self.output {
@@ -141,8 +145,7 @@ impl Encoder {
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
         let said = tail.lines().map(str::trim).rfind(|line| !line.is_empty());
-        let message = said.unwrap_or("it ended without a message").to_owned();
-        ExportError::Encoder { path, message }
+        failed(&self.path, said.unwrap_or("it ended without a message"))
     }
 }
 
@@ -181,10 +184,7 @@ fn command_line(
     line = line.input(Source::File(&song), ReadBy::Demuxer(demuxer), from);
     let cover = cover_file(&decoder, path, inputs);
     if let Some((cover, kind)) = cover.as_ref().filter(|_| is_mp4(path)) {
-        let demuxer = match kind {
-            CoverKind::Jpeg => Demuxer::JPEG,
-            _ => Demuxer::PNG,
-        };
+        let demuxer = if *kind == CoverKind::Jpeg { Demuxer::JPEG } else { Demuxer::PNG };
         line = line.input(Source::File(cover), ReadBy::Demuxer(demuxer), [""; 0]);
     }
     line = line.options(["-map", "0:v", "-map", "1:a:0", "-map_metadata", "1"]);
@@ -252,12 +252,8 @@ fn cover_file(
 ) -> Option<(PathBuf, CoverKind)> {
     let can = is_mp4(output) || output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mkv"));
     let Cover { kind, mut bytes } = decoder.cover().ok()?.filter(|_| can)?;
-    let (ending, format) = match kind {
-        CoverKind::Jpeg => (".jpg", ImageFormat::Jpeg),
-        CoverKind::Png => (".png", ImageFormat::Png),
-        CoverKind::WebP => (".png", ImageFormat::WebP),
-        CoverKind::Bmp => (".png", ImageFormat::Bmp),
-    };
+    let format = format_of(kind);
+    let ending = if kind == CoverKind::Jpeg { ".jpg" } else { ".png" };
     // Decode the cover here first, because ffmpeg fails on a cover that it cannot decode.
     let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
     let mut limits = Limits::default();
@@ -281,6 +277,27 @@ fn keep(bytes: &[u8], ending: &str, inputs: &mut Vec<Unfinished>) -> Result<Path
     Ok(path)
 }
 
-fn no_room(error: std::io::Error) -> ExportError {
-    ExportError::Temporary { folder: std::env::temp_dir(), reason: without_path(error).to_string() }
+/// The error of a temporary file: an input for ffmpeg, ffmpeg's messages or the frames of a loop's seam.
+pub(super) fn no_room(error: std::io::Error) -> ExportError {
+    let (folder, error) = (std::env::temp_dir(), without_path(error));
+    ExportError::Refused(format!(
+        "temporary files cannot be written in {} ({error}): set TMPDIR to a folder with enough space",
+        folder.display()
+    ))
+}
+
+/// The error of ffmpeg, with its last message.
+pub(crate) fn failed(path: &Path, message: &str) -> ExportError {
+    ExportError::Refused(format!(
+        "ffmpeg could not write {} ({message}): give -o a path with enough space and a name that ends in .mp4, .mkv \
+         or .mov",
+        path.display()
+    ))
+}
+
+pub(crate) fn no_encoder(error: std::io::Error) -> ExportError {
+    ExportError::Refused(format!(
+        "a video needs ffmpeg, which was not found ({error}): install ffmpeg, or give -o a folder ending in '/' for \
+         stills"
+    ))
 }

@@ -14,7 +14,7 @@ use crate::ending::{self, Undo};
 use mariana_work::lock;
 
 /// Only this many bytes at the end of the process's messages are read.
-const COMPLAINT_BYTES: u64 = 4096;
+const MESSAGE_BYTES: u64 = 4096;
 /// Time between two checks if the process has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
 /// Longest time between two checks if the process makes progress.
@@ -130,13 +130,18 @@ impl EncoderProcess {
     }
 
     pub(super) fn complaint(&mut self) -> String {
-        let mut tail = Vec::new();
-        // If reading fails, an incomplete message is better than none.
-        let length = self.reported_problems.seek(SeekFrom::End(0)).unwrap_or(0);
-        let _ = self.reported_problems.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
-        let _ = self.reported_problems.read_to_end(&mut tail);
-        String::from_utf8_lossy(&tail).into_owned()
+        last_messages(&mut self.reported_problems)
     }
+}
+
+/// Returns the end of the messages that a process has written into a file.
+pub(crate) fn last_messages(file: &mut File) -> String {
+    let mut tail = Vec::new();
+    // If reading fails, an incomplete message is better than none.
+    let length = file.seek(SeekFrom::End(0)).unwrap_or(0);
+    let _ = file.seek(SeekFrom::Start(length.saturating_sub(MESSAGE_BYTES)));
+    let _ = file.read_to_end(&mut tail);
+    String::from_utf8_lossy(&tail).into_owned()
 }
 
 impl Drop for EncoderProcess {

@@ -6,8 +6,9 @@ use super::request::VideoRequest;
 use super::sink::is_folder;
 use super::spherical::is_marked;
 use crate::config::Choice;
-use crate::export::error::ExportError;
+use crate::export::error::{ExportError, refuse};
 use crate::export::output::Output;
+use crate::export::still::refuse_alpha;
 
 /// Video codecs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,14 +119,14 @@ impl Animation {
         let codec: &[&str] = match self {
             Self::Gif => &["-c:v:0", "gif", "-filter:v:0", GIF_PICTURES],
             Self::WebP => {
-                let format = if request.alpha { "yuva420p" } else { "yuv420p" };
+                let format = if request.scene.alpha { "yuva420p" } else { "yuv420p" };
                 &[
                     "-c:v:0",
                     "libwebp_anim",
                     "-pix_fmt:v:0",
                     format,
                     "-quality:v:0",
-                    webp_quality(request.quality),
+                    WEBP_QUALITIES[request.quality as usize],
                 ]
             }
         };
@@ -133,31 +134,32 @@ impl Animation {
     }
 }
 
-/// Returns the quality from 0 to 100.
-fn webp_quality(quality: EncodingQuality) -> &'static str {
-    match quality {
-        EncodingQuality::Low => "40",
-        EncodingQuality::Medium => "65",
-        EncodingQuality::High => "85",
-        EncodingQuality::Best => "95",
-    }
-}
+/// The quality of a WebP, from 0 to 100, for each [`EncodingQuality`].
+const WEBP_QUALITIES: [&str; 4] = ["40", "65", "85", "95"];
 
 pub(super) fn has_sound(request: &VideoRequest, path: &Path) -> bool {
     request.sound && Animation::of(path).is_none()
 }
 
 pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result<(), ExportError> {
-    let path_of = || path.to_owned();
+    let (name, max) = (path.display(), GIF_FPS_MAX);
     match Animation::of(path) {
-        Some(_) if codec.is_some() => return Err(ExportError::OwnCodec { path: path_of() }),
-        Some(Animation::Gif) if fps > GIF_FPS_MAX => {
-            return Err(ExportError::FrameRate { path: path_of(), fps, max: GIF_FPS_MAX });
+        Some(_) if codec.is_some() => {
+            return refuse(format!(
+                "{name} has no choice of codecs: leave out --codec, or give -o a name that ends in .mp4 or .mkv"
+            ));
+        }
+        Some(Animation::Gif) if fps > max => {
+            return refuse(format!(
+                "{name} shows at most {max} frames a second, not {fps}: give --fps {max} or less"
+            ));
         }
         _ => {}
     }
-    let refused = |codec: &'static str, takes: &'static str| {
-        Err(ExportError::CodecFormat { path: path.to_owned(), codec, takes })
+    let refused = |codec: &str, takes: &str| {
+        refuse(format!(
+            "{name} does not support {codec}: choose {takes} with --codec, or give -o a name that ends in .mp4 or .mkv"
+        ))
     };
     match codec {
         Some(Codec::H264) if ends_in(path, &["webm"]) => refused("h264", "vp9 and av1"),
@@ -171,10 +173,10 @@ pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result
 pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     match output {
         Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv", "webp"]) => Ok(()),
-        output => Err(ExportError::NoAlpha {
-            output: output.to_string(),
-            instead: "a name that ends in .webm, .mov, .mkv or .webp, or a folder that ends in '/'",
-        }),
+        output => refuse_alpha(
+            output,
+            "a name that ends in .webm, .mov, .mkv or .webp, or a folder that ends in '/'",
+        ),
     }
 }
 
@@ -203,7 +205,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
         return arguments;
     }
     let codec = request.codec.or(ends_in(path, &["webm"]).then_some(Codec::Vp9));
-    if request.alpha {
+    if request.scene.alpha {
         say(&encode_alpha(path, request.quality));
     } else {
         match codec {
@@ -260,18 +262,13 @@ fn container_arguments(request: &VideoRequest, path: &Path) -> Vec<String> {
     arguments
 }
 
-/// Returns the constant rate factor. Higher factors give fewer bytes. Factors in one row give about the same quality.
+/// Returns the constant rate factor. Higher factors give fewer bytes. Factors in one column give about the same quality.
 fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
-    let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
-        None | Some(Codec::H264) => h264,
-        Some(Codec::H265) => h265,
-        Some(Codec::Vp9) => vp9,
-        Some(Codec::Av1) => av1,
+    let factors = match codec {
+        None | Some(Codec::H264) => ["28", "23", "18", "12"],
+        Some(Codec::H265) => ["31", "26", "21", "15"],
+        Some(Codec::Vp9) => ["42", "33", "24", "15"],
+        Some(Codec::Av1) => ["45", "35", "25", "15"],
     };
-    match quality {
-        EncodingQuality::Low => of(["28", "31", "42", "45"]),
-        EncodingQuality::Medium => of(["23", "26", "33", "35"]),
-        EncodingQuality::High => of(["18", "21", "24", "25"]),
-        EncodingQuality::Best => of(["12", "15", "15", "15"]),
-    }
+    factors[quality as usize]
 }

@@ -6,7 +6,7 @@ use super::encoder::{Encoder, Frames};
 use super::encoding;
 use super::part::PartRecord;
 use super::request::{VideoRequest, Written};
-use crate::export::error::ExportError;
+use crate::export::error::{ExportError, refuse};
 use crate::export::fingerprint::song_hash;
 use crate::export::output::Output;
 use crate::export::still::{refuse_the_song, same_file};
@@ -18,42 +18,58 @@ use crate::export::still::{refuse_the_song, same_file};
 pub fn join_parts(request: &VideoRequest, files: &[PathBuf]) -> Result<Written, ExportError> {
     let path = match &request.output {
         Output::Path(path) if encoding::can_be_joined(path) => path,
-        output => return Err(ExportError::JoinFormat { output: output.to_string() }),
+        output => {
+            return refuse(format!(
+                "parts cannot be joined into {output}: give -o a name that ends in .mp4, .mkv, .mov or .webm"
+            ));
+        }
     };
     refuse_the_song(&request.song, path)?;
     let mut parts = Vec::new();
     for file in files {
+        let name = file.display();
         if same_file(file, path) {
-            return Err(ExportError::OverThePart { path: path.clone() });
+            return refuse(format!("{} is one of the parts: choose another path with -o", path.display()));
         }
-        let metadata = std::fs::metadata(file);
-        if let Some(reason) = metadata.err().map(|error| error.to_string()) {
-            return Err(ExportError::UnreadablePart { path: file.clone(), reason });
+        if let Err(error) = std::fs::metadata(file) {
+            return refuse(format!("{name} cannot be read ({error}): check the name of the part"));
         }
-        let record = PartRecord::read(file).ok_or_else(|| ExportError::NoPart { path: file.clone() })?;
+        let Some(record) = PartRecord::read(file) else {
+            return refuse(format!(
+                "{name} is no finished part of a video: name files that 'mariana video --part' has written, and let \
+                 unfinished parts finish"
+            ));
+        };
         parts.push((file, record));
     }
     parts.sort_by_key(|(_, record)| record.first);
-    let Some((first_file, first)) = parts.first() else { return Err(ExportError::NoParts) };
+    let Some((first_file, first)) = parts.first() else {
+        return refuse("there are no parts to join: name their files after --join");
+    };
     let of = first.part.of;
     for (file, record) in &parts {
         let difference = first.video.difference(&record.video);
         let difference = difference.or((record.part.of != of).then_some("another number of parts"));
         if let Some(difference) = difference {
-            let (path, other) = ((*file).clone(), (*first_file).clone());
-            return Err(ExportError::OtherPart { path, other, difference });
+            return refuse(format!(
+                "{} has {difference} than {}: render it again with the flags of the other parts",
+                file.display(),
+                first_file.display()
+            ));
         }
     }
     let has = |number: u64| parts.iter().filter(|(_, record)| record.part.number == number).count();
     if let Some(number) = (1..=of).find(|number| has(*number) != 1) {
-        return Err(match has(number) {
-            0 => ExportError::MissingPart { number, of },
-            _ => ExportError::TwicePart { number },
+        return refuse(match has(number) {
+            0 => format!(
+                "part {number} of {of} is missing: render it with --part {number}/{of}, or name its file"
+            ),
+            _ => format!("two files are part {number}: name each part once"),
         });
     }
     let video = &first.video;
     if video.sound && song_hash(&request.song)? != video.song {
-        return Err(ExportError::OtherSong);
+        return refuse("the parts were made for another song: name the song from which they were rendered");
     }
     let mut whole = VideoRequest {
         start: video.start,

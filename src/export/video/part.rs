@@ -14,7 +14,8 @@ use super::encoder::{Encoder, Frames};
 use super::encoding::can_be_joined;
 use super::request::{Part, VideoRequest, Written, frames_in};
 use super::sink::{FrameWriter, Sink, is_folder};
-use crate::export::error::ExportError;
+use crate::atomic_file::Unwritable;
+use crate::export::error::{ExportError, refuse};
 use crate::export::fingerprint::{Fingerprint, song_hash};
 use crate::export::output::{Output, pieces_of};
 use crate::export::showing::Showing;
@@ -115,7 +116,14 @@ impl WholeRecord {
 fn hash_of_frames(request: &VideoRequest) -> Result<u64, ExportError> {
     let mut look = Fingerprint::default();
     let scene = &request.scene;
-    look.add(&(request.gain, &request.set, &request.lyrics, request.alpha, request.codec, request.quality));
+    look.add(&(
+        request.gain,
+        &request.set,
+        &request.lyrics,
+        request.scene.alpha,
+        request.codec,
+        request.quality,
+    ));
     look.add(&(request.title_card, request.shutter, request.limit_flashes));
     look.add(&(scene.sdf, scene.cells, scene.view, scene.paths, scene.edges, scene.tone_map));
     let mut files = Vec::new();
@@ -148,7 +156,8 @@ pub(super) fn write_part(
     part: Part,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<Written, ExportError> {
-    let refused = |reason, instead| Err(ExportError::NotInParts { reason, instead });
+    let refused =
+        |what: &str, instead: &str| refuse(format!("{what} cannot be rendered in parts: {instead}"));
     let path = match &request.output {
         Output::Path(path) if is_folder(path) || can_be_joined(path) => path,
         _ => {
@@ -172,7 +181,10 @@ pub(super) fn write_part(
     let (first, end) = part.range(total);
     let frames = end - first;
     if frames == 0 {
-        return Err(ExportError::EmptyPart { total, parts: part.of });
+        let parts = part.of;
+        return refuse(format!(
+            "the video has only {total} frames, too few for {parts} parts: choose fewer parts with --part"
+        ));
     }
     // The length in the song's header may be too short.
     let is_open = part.number == part.of && asked.is_none_or(|asked| asked > total);
@@ -204,8 +216,7 @@ fn write_pieces(
     let silent = VideoRequest { sound: false, ..request.clone() };
     let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
-    std::fs::create_dir_all(&folder)
-        .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
+    std::fs::create_dir_all(&folder).map_err(|error| Unwritable::new(&folder, &error))?;
     let piece_frames = if request.scene.paths.is_some() { PATH_PIECE_FRAMES } else { PIECE_FRAMES };
     let mut pieces = Vec::new();
     let Range { start: mut number, end } = range;
@@ -216,7 +227,7 @@ fn write_pieces(
         if PartRecord::read(&file).as_ref() != Some(&piece) {
             let Some(picture) = drawing.draw(number)? else { break };
             let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.describe()))?;
-            let sink = Sink::encoder(encoder, request.alpha);
+            let sink = Sink::encoder(encoder, request.scene.alpha);
             write_frames(drawing, sink, Some(picture), number..last, progress)?;
         }
         pieces.push((file, piece.seconds()));

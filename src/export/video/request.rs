@@ -35,8 +35,6 @@ pub struct VideoRequest {
     pub output: Output,
     /// True to choose another name if a file of this name exists; false to replace the file.
     pub keeps_others: bool,
-    /// True to leave the sky transparent.
-    pub alpha: bool,
     /// The scenes or the show.
     pub showing: Showing,
     /// Options of drawing; the field `source` is ignored.

@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 
+use super::encoder::no_room;
 use crate::export::error::ExportError;
 
 pub(super) struct Seam {
@@ -47,10 +48,6 @@ impl Seam {
         }
         Ok(Some(picture))
     }
-}
-
-fn no_room(error: std::io::Error) -> ExportError {
-    ExportError::Temporary { folder: std::env::temp_dir(), reason: error.to_string() }
 }
 
 #[cfg(test)]

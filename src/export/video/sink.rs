@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 
 use super::encoder::{Encoder, Frames};
 use super::request::VideoRequest;
+use crate::atomic_file::Unwritable;
 use crate::export::alpha::straight;
 use crate::export::error::ExportError;
 use crate::export::output::{Output, write_standard};
@@ -45,16 +46,15 @@ impl Sink {
             Output::Path(path) => path,
         };
         if is_folder(path) {
-            std::fs::create_dir_all(path)
-                .map_err(|error| ExportError::Unwritable { path: path.clone(), reason: error.to_string() })?;
+            std::fs::create_dir_all(path).map_err(|error| Unwritable::new(path, &error))?;
             return Ok(Self::Stills {
                 folder: path.clone(),
                 size: request.size,
-                has_alpha: request.alpha,
+                has_alpha: request.scene.alpha,
                 first,
             });
         }
-        Ok(Self::encoder(Encoder::start(request, path, Frames::Drawn, None)?, request.alpha))
+        Ok(Self::encoder(Encoder::start(request, path, Frames::Drawn, None)?, request.scene.alpha))
     }
 
     pub(super) fn encoder(ffmpeg: Encoder, has_alpha: bool) -> Self {
@@ -65,9 +65,9 @@ impl Sink {
     fn write(&mut self, number: u64, rgba: &[u8]) -> Result<bool, ExportError> {
         match self {
             Self::Stills { folder, size, has_alpha, first } => {
-                let pixels = if *has_alpha { Pixels::transparent(rgba) } else { Pixels::opaque(rgba) };
                 let number = *first + number;
-                pixels.write_png(&folder.join(format!("frame-{number:05}.png")), *size)?;
+                Pixels::of(rgba, *has_alpha)
+                    .write_png(&folder.join(format!("frame-{number:05}.png")), *size)?;
                 Ok(true)
             }
             Self::Standard => write_standard(&y4m::frame(rgba)),
@@ -109,10 +109,8 @@ pub(super) struct FrameWriter {
     threads: Vec<JoinHandle<Result<Sink, FailedFrame>>>,
 }
 
-struct FailedFrame {
-    number: u64,
-    error: ExportError,
-}
+/// The number of a frame that could not be written, and the error.
+type FailedFrame = (u64, ExportError);
 
 impl FrameWriter {
     pub(super) fn start(sink: Sink) -> Result<Self, ExportError> {
@@ -122,7 +120,9 @@ impl FrameWriter {
         let threads = sinks.into_iter().map(|sink| {
             let incoming = incoming.clone();
             let work = move || write_all(sink, &incoming);
-            std::thread::Builder::new().name("frames".into()).spawn(work).map_err(ExportError::Thread)
+            std::thread::Builder::new().name("frames".into()).spawn(work).map_err(|error| {
+                ExportError::Refused(format!("no thread can be started ({error}): close other programs"))
+            })
         });
         let threads = threads.collect::<Result<_, _>>()?;
         Ok(Self { frames, sent: 0, threads })
@@ -142,8 +142,8 @@ impl FrameWriter {
             |thread: JoinHandle<_>| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         // Wait for all threads before an error is returned, so that none leaves a file half written.
         let mut ended: Vec<Result<Sink, FailedFrame>> = self.threads.into_iter().map(join).collect();
-        ended.sort_by_key(|ended| ended.as_ref().err().map_or(u64::MAX, |failed| failed.number));
-        ended.into_iter().try_fold(None, |_, sink| sink.map_err(|failed| failed.error)?.finish())
+        ended.sort_by_key(|ended| ended.as_ref().err().map_or(u64::MAX, |(number, _)| *number));
+        ended.into_iter().try_fold(None, |_, sink| sink.map_err(|(_, error)| error)?.finish())
     }
 }
 
@@ -157,7 +157,7 @@ fn write_all(mut sink: Sink, incoming: &Mutex<Option<Receiver<Frame>>>) -> Resul
             Ok(true) => {}
             ended => {
                 lock().take();
-                return ended.map(|_| sink).map_err(|error| FailedFrame { number, error });
+                return ended.map(|_| sink).map_err(|error| (number, error));
             }
         }
     }

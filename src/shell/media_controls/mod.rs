@@ -16,7 +16,7 @@ pub(crate) use service::hand_over;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use raw_window_handle::RawWindowHandle;
@@ -25,6 +25,7 @@ use crate::commands::Command;
 use crate::session::desktop::DesktopControls;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Position};
+use mariana_work::lock;
 
 /// A position that differs from steady playback by more than this, in seconds, is a jump.
 const JUMP: f64 = 0.5;
@@ -71,14 +72,7 @@ impl Seen {
 }
 
 /// [`Seen`], shared with the thread that serves the desktop.
-#[derive(Clone)]
-struct SharedSeen(Arc<Mutex<Seen>>);
-
-impl SharedSeen {
-    fn lock(&self) -> MutexGuard<'_, Seen> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
+type SharedSeen = Arc<Mutex<Seen>>;
 
 pub(crate) struct MediaControls {
     seen: SharedSeen,
@@ -97,7 +91,7 @@ impl MediaControls {
         open: Option<impl Fn(PathBuf) + Send + Sync + 'static>,
     ) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
-        let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
+        let seen = Arc::new(Mutex::new(Seen::new()));
         let (sender, commands) = channel();
         let send = Arc::new(move |command| {
             // Commands after the show's end are dropped.
@@ -134,7 +128,7 @@ impl DesktopControls for MediaControls {
             fullscreen,
             position: (status.position, now),
         };
-        let old = std::mem::replace(&mut *self.seen.lock(), new.clone());
+        let old = std::mem::replace(&mut *lock(&self.seen), new.clone());
         let jumped = (old.position_at(now) - status.position).abs() > JUMP;
         self.changes.send(&old, &new, jumped);
     }

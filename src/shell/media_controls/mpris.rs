@@ -19,7 +19,7 @@ use super::{OpenFiles, ReadPosition, Seen, SharedSeen};
 use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
 use mariana_player::track::{Repeat, TrackInfo};
-use mariana_work::once;
+use mariana_work::{lock, once};
 
 /// The program's name on the bus. The process id is appended, because several instances may run.
 const NAME: &str = "mariana";
@@ -203,7 +203,7 @@ impl RootInterface for Offered {
 
     properties! { self,
         can_quit: bool = true;
-        fullscreen: bool = self.seen.lock().fullscreen;
+        fullscreen: bool = lock(&self.seen).fullscreen;
         can_set_fullscreen: bool = true;
         can_raise: bool = true;
         has_track_list: bool = false;
@@ -229,12 +229,12 @@ impl PlayerInterface for Offered {
     }
 
     properties! { self,
-        playback_status: PlaybackStatus = playback(&self.seen.lock());
-        loop_status: LoopStatus = loop_status(self.seen.lock().repeat);
+        playback_status: PlaybackStatus = playback(&lock(&self.seen));
+        loop_status: LoopStatus = loop_status(lock(&self.seen).repeat);
         rate: f64 = RATE;
-        shuffle: bool = self.seen.lock().shuffled;
-        metadata: Metadata = metadata(&self.seen.lock());
-        volume: f64 = f64::from(self.seen.lock().volume);
+        shuffle: bool = lock(&self.seen).shuffled;
+        metadata: Metadata = metadata(&lock(&self.seen));
+        volume: f64 = f64::from(lock(&self.seen).volume);
         position: Time = time((self.position)());
         minimum_rate: f64 = RATE;
         maximum_rate: f64 = RATE;
@@ -252,7 +252,7 @@ impl PlayerInterface for Offered {
 
     async fn set_position(&self, track: TrackId, position: Time) -> fdo::Result<()> {
         let (current, length) = {
-            let seen = self.seen.lock();
+            let seen = lock(&self.seen);
             (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
         };
         // As the specification requires, ignore a position in another track or beyond the end.
@@ -298,11 +298,8 @@ mod tests {
     fn the_reported_position_was_a_guess_that_stepped_back_after_a_device_fault() {
         // The last reported state. An extrapolated position would continue from here at full speed.
         let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
-        let offered = Offered {
-            seen: SharedSeen(Arc::new(Mutex::new(seen))),
-            position: Arc::new(|| 2.5),
-            send: Arc::new(|_| ()),
-        };
+        let offered =
+            Offered { seen: Arc::new(Mutex::new(seen)), position: Arc::new(|| 2.5), send: Arc::new(|_| ()) };
         assert_eq!(zbus::block_on(offered.position()).unwrap(), Time::from_millis(2_500));
     }
 }

@@ -35,7 +35,7 @@ pub(crate) use output_surface::{Extent, OutputSurface, OutputSurfaces};
 
 use crate::session::{SessionError, Waker};
 use crate::shell::messages::WindowMessage;
-use crate::shell::window::wayland_connection;
+use crate::shell::window::{refused, wayland_connection};
 
 /// True if this session's windows use Wayland. winit decides in the same way.
 pub(crate) fn is_wayland() -> bool {
@@ -60,10 +60,9 @@ impl Layers {
     pub(crate) fn start(windows: &Windows<WindowMessage>, waker: &Waker) -> Result<Self, SessionError> {
         let display = windows.owned_display_handle();
         let connection = wayland_connection(&display)?;
-        let (mut ui_state, mut queue) =
-            LayersState::begin(&connection, display, waker).map_err(refused)??;
+        let (mut ui_state, mut queue) = LayersState::begin(&connection, display, waker)?;
         // The replies contain the outputs.
-        queue.roundtrip(&mut ui_state).map_err(|error| refused(error.into()))?;
+        queue.roundtrip(&mut ui_state).map_err(|error| refused("a wallpaper", &error))?;
         let output_surfaces = ui_state.output_surfaces.clone();
         if output_surfaces.present().is_empty() {
             return Err(SessionError::NoMonitor);
@@ -89,7 +88,7 @@ impl Layers {
         };
         let thread = std::thread::Builder::new().name("layers".into());
         let thread = thread.spawn(obey).map_err(|error| SessionError::NoThread(error.to_string()))?;
-        let signal = signals.recv().map_err(|error| refused(error.into()))?;
+        let signal = signals.recv().map_err(|error| refused("a wallpaper", &error))?;
         Ok(Self { output_surfaces, is_over, signal, thread: Some(thread) })
     }
 
@@ -110,12 +109,6 @@ impl Drop for Layers {
     }
 }
 
-type Trouble = Box<dyn std::error::Error>;
-
-fn refused(error: Trouble) -> SessionError {
-    SessionError::Window { doing: "a wallpaper", reason: error.to_string() }
-}
-
 struct LayersState {
     registry: RegistryState,
     outputs: OutputState,
@@ -128,28 +121,28 @@ struct LayersState {
 }
 
 impl LayersState {
-    /// Binds the compositor's globals. The inner error means that the compositor has no layer shell.
+    /// Binds the compositor's globals.
     fn begin(
         connection: &Connection,
         display: OwnedDisplayHandle,
         waker: &Waker,
-    ) -> Result<Result<(Self, EventQueue<Self>), SessionError>, Trouble> {
-        let (globals, queue) = registry_queue_init::<Self>(connection)?;
+    ) -> Result<(Self, EventQueue<Self>), SessionError> {
+        let (globals, queue) =
+            registry_queue_init::<Self>(connection).map_err(|error| refused("a wallpaper", &error))?;
         let handle = queue.handle();
-        let Ok(shell) = LayerShell::bind(&globals, &handle) else {
-            return Ok(Err(SessionError::NoLayerShell));
-        };
+        let shell = LayerShell::bind(&globals, &handle).map_err(|_| SessionError::NoLayerShell)?;
+        let compositor = CompositorState::bind(&globals, &handle);
         let ui_state = Self {
             registry: RegistryState::new(&globals),
             outputs: OutputState::new(&globals, &handle),
-            compositor: CompositorState::bind(&globals, &handle)?,
+            compositor: compositor.map_err(|error| refused("a wallpaper", &error))?,
             shell,
             viewporter: globals.bind(&handle, 1..=1, ()).ok(),
             output_surfaces: OutputSurfaces::default(),
             display,
             waker: waker.clone(),
         };
-        Ok(Ok((ui_state, queue)))
+        Ok((ui_state, queue))
     }
 
     /// Creates a surface on an output that has none.

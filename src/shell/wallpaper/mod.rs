@@ -29,39 +29,33 @@ use crate::shell::window::GlWindowContext;
 pub(crate) const FPS: f64 = 30.0;
 
 pub(crate) struct Wallpaper {
-    ground: Shown,
+    /// The surfaces on Wayland; `None` for a window on X11.
+    wall: Option<Wall>,
+    /// Unknown on Wayland.
+    monitors: MonitorWatch,
     rest: WallpaperPause,
-}
-
-enum Shown {
-    Window(MonitorWatch),
-    Wall(Wall),
 }
 
 impl Wallpaper {
     /// Starts to watch monitors, windows and power. On Wayland the compositor reports monitors and visibility.
     pub(crate) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
         let rest = WallpaperPause::start(output_surfaces.clone(), waker);
-        let ground = match output_surfaces {
-            Some(output_surfaces) => Shown::Wall(Wall::new(output_surfaces)),
-            None => {
-                let mut monitors = MonitorWatch::default();
-                monitors.begin(waker.waking());
-                Shown::Window(monitors)
-            }
-        };
-        Self { ground, rest }
+        let mut monitors = MonitorWatch::default();
+        if output_surfaces.is_none() {
+            monitors.begin(waker.waking());
+        }
+        Self { wall: output_surfaces.map(Wall::new), monitors, rest }
     }
 
     pub(crate) fn update(&mut self, window: &GlWindowContext) {
-        if let Shown::Wall(wall) = &mut self.ground {
+        if let Some(wall) = &mut self.wall {
             wall.update(window);
         }
     }
 
     /// Drops everything that belongs to the OpenGL context.
     pub(crate) fn let_go(&mut self) {
-        if let Shown::Wall(wall) = &mut self.ground {
+        if let Some(wall) = &mut self.wall {
             wall.let_go();
         }
     }
@@ -74,7 +68,7 @@ impl Wallpaper {
         is_new: bool,
         draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
     ) -> Result<(), SessionError> {
-        let Shown::Wall(wall) = &mut self.ground else { return Ok(()) };
+        let Some(wall) = &mut self.wall else { return Ok(()) };
         if is_new {
             wall.redraw();
         }
@@ -83,54 +77,42 @@ impl Wallpaper {
 
     /// True if the window is invisible, and surfaces show the frame.
     pub(crate) fn hides_window(&self) -> bool {
-        matches!(self.ground, Shown::Wall(_))
+        self.wall.is_some()
     }
 
     /// True if a visible surface is stale.
     pub(crate) fn is_due(&self) -> bool {
-        matches!(&self.ground, Shown::Wall(wall) if wall.is_due())
+        self.wall.as_ref().is_some_and(Wall::is_due)
     }
 
     /// True if the wallpaper is paused: covered, or on battery. A surface without a frame is drawn first.
     pub(crate) fn rests(&self) -> bool {
-        match &self.ground {
-            Shown::Wall(wall) => !wall.has_blank() && (self.rest.is_on() || !wall.is_ready()),
-            Shown::Window(_) => self.rest.is_on(),
-        }
+        let is_on = self.rest.is_on();
+        self.wall.as_ref().map_or(is_on, |wall| !wall.has_blank() && (is_on || !wall.is_ready()))
     }
 
     pub(crate) fn shows_words(&self) -> bool {
-        match &self.ground {
-            Shown::Wall(wall) => wall.shows_words(),
-            Shown::Window(_) => true,
-        }
+        self.wall.as_ref().is_none_or(Wall::shows_words)
     }
 
     pub(crate) fn place(&self) -> Option<Rect> {
-        around(&self.monitors()?)
+        around(&self.monitors.known()?)
     }
 
     /// Returns the size of the frame, which is the size of the largest monitor.
     pub(crate) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
-        match &self.ground {
-            Shown::Wall(wall) => wall.screen(),
-            Shown::Window(_) => {
-                self.monitors()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
+        match &self.wall {
+            Some(wall) => wall.screen(),
+            None => {
+                self.monitors.known()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
             }
         }
     }
 
     /// Returns the part of a frame of `shape` pixels that each monitor shows.
     pub(crate) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
-        panels(&self.monitors().unwrap_or_default(), shape)
-    }
-
-    fn monitors(&self) -> Option<Vec<Monitor>> {
-        match &self.ground {
-            Shown::Window(monitors) => monitors.known(),
-            Shown::Wall(_) => None,
-        }
+        panels(&self.monitors.known().unwrap_or_default(), shape)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Pauses the wallpaper: a thread asks the X server which windows cover the monitors, and reads the power source. On
 //! Wayland, the compositor requests no frames for a covered surface.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::layers::OutputSurfaces;
 use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
-use super::windows;
+use super::windows::Windows;
 use crate::session::Waker;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 use crate::shell::monitors::Rect;
@@ -24,16 +25,23 @@ impl WallpaperPause {
         let is_on = Arc::new(AtomicBool::new(false));
         let (reported, waker) = (Arc::downgrade(&is_on), waker.clone());
         let watch = move || {
-            let mut looks = Looks::new(output_surfaces);
+            // Do not ask the X server of a Wayland session: it knows only some of the windows.
+            #[cfg(all(unix, not(target_os = "macos")))]
+            let windows = if output_surfaces.is_none() { Windows::connect() } else { None };
             let mut rested = false;
             while let Some(is_on) = reported.upgrade() {
-                let look = looks.classify();
-                let rests = look.is_covered || look.is_unseen || look.spares_battery;
+                #[cfg(all(unix, not(target_os = "macos")))]
+                let is_covered = windows.as_ref().is_some_and(Windows::cover_everything);
+                #[cfg(not(all(unix, not(target_os = "macos"))))]
+                let is_covered = false;
+                let is_unseen =
+                    output_surfaces.as_ref().is_some_and(|surfaces| surfaces.are_unseen(Instant::now()));
+                // Leave out `is_unseen`: without requests from the compositor, the show stops drawing by itself.
+                let ordered = is_covered || power::is_from_battery(Path::new(power::FOLDER));
+                let rests = ordered || is_unseen;
                 if std::mem::replace(&mut rested, rests) != rests {
                     tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
                 }
-                // Leave out `is_unseen`: without requests from the compositor, the show stops drawing by itself.
-                let ordered = look.is_covered || look.spares_battery;
                 if is_on.swap(ordered, Ordering::Relaxed) != ordered {
                     waker.wake();
                 }
@@ -51,44 +59,6 @@ impl WallpaperPause {
 
     pub(super) fn is_on(&self) -> bool {
         self.0.load(Ordering::Relaxed)
-    }
-}
-
-struct Look {
-    is_covered: bool,
-    is_unseen: bool,
-    spares_battery: bool,
-}
-
-struct Looks {
-    output_surfaces: Option<OutputSurfaces>,
-    #[cfg(all(unix, not(target_os = "macos")))]
-    windows: Option<windows::Windows>,
-}
-
-impl Looks {
-    fn new(output_surfaces: Option<OutputSurfaces>) -> Self {
-        Self {
-            // Do not ask the X server of a Wayland session: it knows only some of the windows.
-            #[cfg(all(unix, not(target_os = "macos")))]
-            windows: if output_surfaces.is_none() { windows::Windows::connect() } else { None },
-            output_surfaces,
-        }
-    }
-
-    fn classify(&mut self) -> Look {
-        #[cfg(all(unix, not(target_os = "macos")))]
-        let is_covered = self.windows.as_ref().is_some_and(windows::Windows::cover_everything);
-        #[cfg(not(all(unix, not(target_os = "macos"))))]
-        let is_covered = false;
-        Look {
-            is_covered,
-            is_unseen: self
-                .output_surfaces
-                .as_ref()
-                .is_some_and(|output_surfaces| output_surfaces.are_unseen(Instant::now())),
-            spares_battery: power::is_from_battery(std::path::Path::new(power::FOLDER)),
-        }
     }
 }
 

@@ -2,13 +2,11 @@
 
 use std::error::Error;
 
-use x11rb::connection::Connection;
-use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, Window};
 use x11rb::rust_connection::RustConnection;
 
 use super::rest::are_covered;
-use crate::shell::monitors::Rect;
+use crate::shell::monitors::{Rect, x11};
 
 x11rb::atom_manager! {
     Names: NamesCookie {
@@ -40,10 +38,8 @@ pub(super) struct Windows {
 impl Windows {
     pub(super) fn connect() -> Option<Self> {
         let connect = || -> Result<Self, Box<dyn Error>> {
-            let (connection, screen) = x11rb::connect(None)?;
-            let root = connection.setup().roots.get(screen).ok_or("no screen")?.root;
+            let (connection, root) = x11::connect()?;
             let names = Names::new(&connection)?.reply()?;
-            connection.randr_query_version(1, 5)?.reply()?;
             Ok(Self { connection, root, names })
         };
         connect().inspect_err(|error| tracing::info!("windows are not watched: {error}")).ok()
@@ -54,11 +50,8 @@ impl Windows {
     }
 
     fn query(&self) -> Result<bool, Box<dyn Error>> {
-        let monitors = self.connection.randr_get_monitors(self.root, true)?.reply()?.monitors;
-        let monitors: Vec<Rect> = monitors
-            .iter()
-            .map(|found| ((found.x.into(), found.y.into()), (found.width.into(), found.height.into())))
-            .collect();
+        let monitors = x11::monitors(&self.connection, self.root)?;
+        let monitors: Vec<Rect> = monitors.iter().map(|monitor| (monitor.place, monitor.size)).collect();
         let present = self.numbers(self.root, self.names._NET_CURRENT_DESKTOP, AtomEnum::CARDINAL)?;
         let mut covering = Vec::new();
         for window in self.numbers(self.root, self.names._NET_CLIENT_LIST, AtomEnum::WINDOW)? {

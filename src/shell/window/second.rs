@@ -8,20 +8,18 @@ use std::sync::Arc;
 use glutin::context::PossiblyCurrentGlContext;
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
-use glutin::surface::{
-    GlSurface, Surface, SurfaceAttributes, SurfaceAttributesBuilder, SwapInterval, WindowSurface,
-};
+use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
 use raw_window_handle::RawWindowHandle;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowAttributes};
 
-use super::GlWindowContext;
+use super::{GlWindowContext, refused};
 use crate::gpu::error::GpuError;
 use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::monitors::{Monitor, Rect};
-use crate::shell::shared_window::SharedWindow;
+use crate::shell::shared_window::{SharedWindow, surface_attributes};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Ground {
@@ -75,10 +73,9 @@ impl SecondSurface {
 impl GlWindowContext {
     /// Creates a surface on another window of the same config. Only that surface waits for vertical sync from now on.
     pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
-        let attributes = window.surface_attributes();
         let size = window.calls().inner_size().into();
         let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
-        let second = self.surface_on(Arc::new(window), &attributes, size, vertical_sync)?;
+        let second = self.surface_on(Arc::new(window), size, vertical_sync)?;
         self.wait_for_monitor(false);
         Ok(second)
     }
@@ -89,25 +86,21 @@ impl GlWindowContext {
         output_surface: Arc<dyn DrawTarget>,
         size: (u32, u32),
     ) -> Result<SecondSurface, SessionError> {
-        let handle =
-            output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface was closed"))?;
-        let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
-        let attributes =
-            SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
-        self.surface_on(output_surface, &attributes, size, SwapInterval::DontWait)
+        self.surface_on(output_surface, size, SwapInterval::DontWait)
     }
 
     fn surface_on(
         &self,
         lies_on: Arc<dyn DrawTarget>,
-        attributes: &SurfaceAttributes<WindowSurface>,
         size: (u32, u32),
         interval: SwapInterval,
     ) -> Result<SecondSurface, SessionError> {
+        let handle = lies_on.handle().ok_or_else(|| refused("a wallpaper", &"the surface was closed"))?;
+        let (config, attributes) = (&self.open.config, surface_attributes(handle, size));
         let refused = |error: glutin::error::Error| refused("a second surface", &error);
         // SAFETY: the handle in `attributes` belongs to `lies_on`, which `SecondSurface` keeps until after the surface
         // (order of its fields).
-        let surface = unsafe { self.config.display().create_window_surface(&self.config, attributes) };
+        let surface = unsafe { config.display().create_window_surface(config, &attributes) };
         let second = SecondSurface { surface: surface.map_err(refused)?, lies_on, size };
         self.context.make_current(&second.surface).map_err(refused)?;
         if let Err(error) = second.surface.set_swap_interval(&self.context, interval) {
@@ -132,7 +125,7 @@ impl GlWindowContext {
     ) -> Result<T, SessionError> {
         let failed = |error: glutin::error::Error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
-            _ => SessionError::Window { doing: "to show a frame on the output", reason: error.to_string() },
+            _ => refused("to show a frame on the output", &error),
         };
         self.context.make_current(&second.surface).map_err(failed)?;
         let drawn = draw();
@@ -141,10 +134,6 @@ impl GlWindowContext {
         self.context.make_current(&self.surface).map_err(failed)?;
         drawn.and_then(|drawn| shown.map(|()| drawn))
     }
-}
-
-fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
-    SessionError::Window { doing, reason: error.to_string() }
 }
 
 pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
@@ -195,9 +184,8 @@ pub(crate) fn open_output(
             attributes.with_fullscreen(Some(winit::window::Fullscreen::Borderless(found)))
         }
     };
-    let window = glutin_winit::finalize_window(event_loop, attributes, config).map_err(|error| {
-        SessionError::Window { doing: "a window for the output", reason: error.to_string() }
-    })?;
+    let window = glutin_winit::finalize_window(event_loop, attributes, config)
+        .map_err(|error| refused("a window for the output", &error))?;
     window.set_cursor_visible(false);
     Ok(Arc::new(window))
 }

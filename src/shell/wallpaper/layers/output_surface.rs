@@ -1,8 +1,9 @@
 //! A wallpaper surface on a Wayland output: its size, and the compositor's requests for frames.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use mariana_work::lock;
 use raw_window_handle::{RawWindowHandle, WaylandWindowHandle};
 use smithay_client_toolkit::output::OutputInfo;
 use smithay_client_toolkit::reexports::protocols::wp::viewporter::client::wp_viewport::WpViewport;
@@ -79,12 +80,12 @@ impl OutputSurface {
     }
 
     pub(crate) fn extent(&self) -> Option<Extent> {
-        self.state().extent
+        lock(&self.state).extent
     }
 
     /// True if the compositor wants another frame.
     pub(crate) fn is_ready(&self) -> bool {
-        let state = self.state();
+        let state = lock(&self.state);
         state.extent.is_some() && state.waits_since.is_none()
     }
 
@@ -103,7 +104,7 @@ impl OutputSurface {
 
     /// Requests a callback for the next frame. Must be called before each frame is shown.
     pub(crate) fn request_frame(&self) {
-        self.state().waits_since = Some(Instant::now());
+        lock(&self.state).waits_since = Some(Instant::now());
         self.surface().frame(&self.queue, self.surface().clone());
     }
 
@@ -116,24 +117,20 @@ impl OutputSurface {
     }
 
     pub(super) fn answer(&self) {
-        self.state().waits_since = None;
+        lock(&self.state).waits_since = None;
     }
 
     pub(super) fn give(&self, units: (u32, u32)) {
-        self.state().units = Some(units);
+        lock(&self.state).units = Some(units);
     }
 
     fn surface(&self) -> &WlSurface {
         self.borne.layer.wl_surface()
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Updates the extent from the output's state and the stored units. Returns true if it has changed.
     pub(super) fn measure(&self, info: Option<&OutputInfo>) -> bool {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let Some(units) = state.units else { return false };
         let mode = info.and_then(|info| {
             let (width, height) = info.modes.iter().find(|mode| mode.current)?.dimensions;
@@ -169,36 +166,32 @@ pub(crate) struct OutputSurfaces(Arc<Mutex<Vec<Arc<OutputSurface>>>>);
 
 impl OutputSurfaces {
     pub(crate) fn present(&self) -> Vec<Arc<OutputSurface>> {
-        self.list().clone()
+        lock(&self.0).clone()
     }
 
     /// True if all surfaces are covered at `now`, judged by missing frame callbacks.
     pub(crate) fn are_unseen(&self, now: Instant) -> bool {
         let unseen = |output_surface: &Arc<OutputSurface>| {
-            let since = output_surface.state().waits_since;
+            let since = lock(&output_surface.state).waits_since;
             since.is_some_and(|since| now.saturating_duration_since(since) >= UNSEEN)
         };
-        self.list().iter().all(unseen)
+        lock(&self.0).iter().all(unseen)
     }
 
     pub(super) fn add(&self, output_surface: OutputSurface) {
-        self.list().push(Arc::new(output_surface));
+        lock(&self.0).push(Arc::new(output_surface));
     }
 
     pub(super) fn remove(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
-        self.list().retain(|output_surface| !is_gone(output_surface));
-    }
-
-    fn list(&self) -> MutexGuard<'_, Vec<Arc<OutputSurface>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0).retain(|output_surface| !is_gone(output_surface));
     }
 
     pub(super) fn of_surface(&self, surface: &WlSurface) -> Option<Arc<OutputSurface>> {
-        self.list().iter().find(|output_surface| output_surface.surface() == surface).cloned()
+        lock(&self.0).iter().find(|output_surface| output_surface.surface() == surface).cloned()
     }
 
     pub(super) fn of_output(&self, output: &WlOutput) -> Option<Arc<OutputSurface>> {
-        self.list().iter().find(|output_surface| output_surface.borne.output == *output).cloned()
+        lock(&self.0).iter().find(|output_surface| output_surface.borne.output == *output).cloned()
     }
 }
 

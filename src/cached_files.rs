@@ -1,10 +1,12 @@
-//! Files about songs in the user's cache folder. The name of a file is a hash of the songs' bytes and of what else
-//! decides about the contents. A file contains a line with a checksum, and then the contents. All files may be deleted
-//! at any time; a damaged file is replaced, and the least recently used files are deleted first.
+//! Files in the user's cache folder. A file contains a line with a checksum, and then the contents. All files may be
+//! deleted at any time; a damaged file is replaced, and the least recently used files are deleted first.
+//!
+//! [`CachedFiles`] are about songs. The name of a file is a hash of the songs' bytes and of what else decides about the
+//! contents.
 
-use std::fs::{self, File};
+use std::ffi::OsStr;
+use std::fs::{self, File, Metadata};
 use std::hash::{DefaultHasher, Hash, Hasher as _};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -63,13 +65,11 @@ impl CachedFiles {
     /// Returns the contents of a file, if the file exists and `decode` accepts its contents.
     pub fn load<T>(&self, key: FileKey, decode: impl FnOnce(&[u8]) -> Option<T>) -> Option<T> {
         let path = self.path(key)?;
-        let bytes = self.read_file(&path).ok()?;
-        let contents = checked(&bytes).and_then(decode);
-        if contents.is_none() {
-            tracing::info!("{} is damaged and will be replaced", path.display());
-        } else {
-            // Update the time of use. If that fails, the cache may delete this file too early.
-            let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));
+        let bytes = read_at_most(&path, self.bytes_max + CHECKSUM_LINE).ok()??;
+        let contents = unsealed(&bytes).and_then(decode);
+        match contents {
+            None => tracing::info!("{} is damaged and will be replaced", path.display()),
+            Some(_) => touch(&path),
         }
         contents
     }
@@ -77,11 +77,10 @@ impl CachedFiles {
     /// Saves a file. After an error, the next run finds no file.
     pub fn save(&self, key: FileKey, contents: &[u8]) {
         let Some(path) = self.path(key).filter(|_| contents.len() <= self.bytes_max) else { return };
-        let mut bytes = format!("{:016x}\n", checksum(contents)).into_bytes();
-        bytes.extend_from_slice(contents);
         let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
         let written = written.and_then(|()| {
-            AtomicFile::create(&path).and_then(|file| file.write(&bytes)).map_err(|error| error.to_string())
+            let written = AtomicFile::create(&path).and_then(|file| file.write(&sealed(contents)));
+            written.map_err(|error| error.to_string())
         });
         match written {
             Ok(()) => self.forget_oldest(),
@@ -93,31 +92,50 @@ impl CachedFiles {
         Some(self.folder.as_ref()?.join(format!("{key:032x}.{}", self.ending)))
     }
 
-    fn read_file(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let bytes = read_at_most(path, self.bytes_max + CHECKSUM_LINE)?;
-        bytes.ok_or_else(|| io::ErrorKind::FileTooLarge.into())
-    }
-
     /// Deletes the least recently used files beyond the limit.
-    pub(super) fn forget_oldest(&self) {
-        let Some(listing) = self.folder.as_ref().and_then(|folder| fs::read_dir(folder).ok()) else { return };
-        let mut files: Vec<(SystemTime, PathBuf)> = listing
-            .flatten()
-            .filter(|entry| entry.path().extension().is_some_and(|ending| ending == self.ending))
-            .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
-            .collect();
-        files.sort();
-        let surplus = files.len().saturating_sub(self.kept_max);
-        for (_, path) in files.into_iter().take(surplus) {
-            let _ = fs::remove_file(path);
+    pub(crate) fn forget_oldest(&self) {
+        if let Some(folder) = &self.folder {
+            make_room(folder, &[self.ending], |_| 1, self.kept_max as u64);
+        }
+    }
+}
+
+/// Marks a file as used. If that fails, the file may be deleted too early.
+pub fn touch(path: &Path) {
+    let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
+}
+
+/// Deletes the least recently used of the files with these `endings`, until the others cost at most `most` together.
+pub fn make_room(folder: &Path, endings: &[&str], cost: impl Fn(&Metadata) -> u64, most: u64) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    let file = |path: PathBuf| {
+        let is_ours = endings.iter().any(|ending| path.extension() == Some(OsStr::new(ending)));
+        let about = path.symlink_metadata().ok().filter(|about| is_ours && about.is_file())?;
+        Some((about.modified().ok()?, cost(&about), path))
+    };
+    let mut files: Vec<_> = entries.flatten().filter_map(|entry| file(entry.path())).collect();
+    files.sort();
+    let mut sum: u64 = files.iter().map(|(_, its, _)| its).sum();
+    for (_, its, path) in files {
+        if sum <= most {
+            break;
+        }
+        if fs::remove_file(path).is_ok() {
+            sum -= its;
         }
     }
 }
 
 /// Length of the first line, including the line feed, in bytes.
-const CHECKSUM_LINE: usize = 17;
+pub const CHECKSUM_LINE: usize = 17;
 
-fn checked(bytes: &[u8]) -> Option<&[u8]> {
+/// Puts a line with a checksum before the contents of a file.
+pub fn sealed(contents: &[u8]) -> Vec<u8> {
+    [format!("{:016x}\n", checksum(contents)).as_bytes(), contents].concat()
+}
+
+/// Returns the contents of a [`sealed`] file; `None` if they are damaged.
+pub fn unsealed(bytes: &[u8]) -> Option<&[u8]> {
     let (line, contents) = bytes.split_at_checked(CHECKSUM_LINE)?;
     let line = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
     (u64::from_str_radix(line, 16).ok()? == checksum(contents)).then_some(contents)
