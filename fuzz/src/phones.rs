@@ -1,8 +1,9 @@
 //! Network input of the page for phones: request heads and messages.
 
+use mariana_control::osc::Asked;
 use mariana_remote::http::Head;
 use mariana_remote::limits::LIMITS;
-use mariana_remote::message::{Asked, understand};
+use mariana_remote::message::understand;
 
 use super::bytes::Bytes;
 use super::control::{ACTIONS, check_act, check_turn};
@@ -16,12 +17,12 @@ pub(crate) fn phones(data: &[u8]) {
 }
 
 fn head(bytes: &[u8]) {
-    let Ok(Some(head)) = Head::parse(bytes, LIMITS.head_fields_max) else { return };
+    let Ok(Some(head)) = Head::parse(bytes, LIMITS.head.fields_max) else { return };
     assert!((1..=bytes.len()).contains(&head.length), "{head:?}");
     // Bytes after the head must have no effect. A head without its last byte must be incomplete.
-    let whole = Head::parse(&bytes[..head.length], LIMITS.head_fields_max);
+    let whole = Head::parse(&bytes[..head.length], LIMITS.head.fields_max);
     assert_eq!(whole, Ok(Some(head.clone())));
-    assert_eq!(Head::parse(&bytes[..head.length - 1], LIMITS.head_fields_max), Ok(None));
+    assert_eq!(Head::parse(&bytes[..head.length - 1], LIMITS.head.fields_max), Ok(None));
     for text in [&*head.method, &*head.path] {
         assert!(!text.is_empty() && !text.contains(['\r', '\n', ' ']), "{text:?}");
     }
@@ -37,6 +38,6 @@ fn message(text: &str) {
     match understand(text, ACTIONS) {
         Ok(Asked::Turn(change)) => check_turn(&change),
         Ok(Asked::Act(action)) => check_act(&action),
-        Ok(Asked::Nothing) | Err(_) => {}
+        Ok(Asked::Tell(_) | Asked::Nothing) | Err(_) => {}
     }
 }

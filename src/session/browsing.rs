@@ -8,46 +8,12 @@ use mariana_work::once;
 use super::panels::thumbnails_ahead_at;
 use super::{Interface, Playback, Session};
 use crate::clock;
-use crate::commands::{Command, Files, Panel};
+use crate::commands::{Files, Panel};
 use crate::scenes::{ImportedShader, SceneSource, import_shader, is_scene_file, is_shader_file};
 use crate::ui::file_browser::{FileBrowser, RememberedFolders};
-use crate::ui::overlay::{FileListEvent, TrackListEvent};
 use crate::ui::track_panel::TrackPanel;
 
 impl Session {
-    pub(super) fn handle_file_event(&mut self, event: FileListEvent) {
-        let Some(files) = &mut self.interface.ui_state.files else { return };
-        let commands = match event {
-            FileListEvent::Open { place, append } => files.open(place, append),
-            FileListEvent::Play(place) => files.play(place),
-            FileListEvent::OpenFolder { append } => files.open_folder(append),
-            FileListEvent::Mark => files.mark(),
-            FileListEvent::Close => vec![Command::TogglePanel(Panel::Files)],
-            FileListEvent::EnterPlace(place) => {
-                files.enter_place(place);
-                Vec::new()
-            }
-            FileListEvent::Up => {
-                files.enter_parent();
-                Vec::new()
-            }
-            FileListEvent::Drawn(rows) => {
-                files.record_drawn(rows);
-                Vec::new()
-            }
-        };
-        self.carry_out_all(commands);
-    }
-
-    pub(super) fn handle_track_event(&mut self, event: TrackListEvent) {
-        let Some(tracks) = &mut self.interface.ui_state.tracks else { return };
-        match event {
-            TrackListEvent::Search => tracks.toggle_search(),
-            TrackListEvent::Select(row) => tracks.select(row),
-            TrackListEvent::Drawn(rows) => tracks.record_drawn(rows),
-        }
-    }
-
     /// Takes back the last change of the track list.
     pub(super) fn undo_tracks(&mut self) {
         let undone = self.playback.listening.with_song(|player| {

@@ -362,7 +362,8 @@ impl Playback {
 
 impl Interface {
     fn apply_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
-        self.ui_events.extend(painted.events);
+        self.acts.on_panels.extend(painted.acts.on_panels);
+        self.acts.commands.extend(painted.acts.commands);
         if let Some(controls) = painted.controls {
             screen.show_controls(controls);
         }

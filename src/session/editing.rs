@@ -4,7 +4,7 @@ use super::{Interface, Session};
 use crate::clock;
 use crate::commands::{Command, Panel};
 use crate::input::Input;
-use crate::ui::editor::{Editor, EditorEvent};
+use crate::ui::editor::Editor;
 
 impl Session {
     /// Gives the key focus to an open editor that does not have it. Returns `true` if the focus has changed.
@@ -75,13 +75,6 @@ impl Session {
         self.follow_editor();
         self.interface.typing_times.taken += clock::since(begun);
         taken
-    }
-
-    pub(super) fn handle_editor_event(&mut self, event: EditorEvent) {
-        if let Some(editor) = &mut self.interface.ui_state.editor {
-            editor.obey(event);
-        }
-        self.follow_editor();
     }
 
     pub(super) fn update_editor(&mut self) {

@@ -84,7 +84,7 @@ use crate::session::typing_times::TypingTimes;
 use crate::show::{Finish, LiveDirector, PreparedShow};
 use crate::thumbnails::Thumbnails;
 use crate::ui::overlay::Assistance;
-use crate::ui::overlay::{Overlay, UiEvent};
+use crate::ui::overlay::{Acts, Overlay};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use mariana_player::{Moment, Player};
@@ -141,7 +141,7 @@ pub(crate) struct Interface {
     ui_state: UiState,
     input: UserInput,
     pointer_rest: PointerRest,
-    ui_events: Vec<UiEvent>,
+    acts: Acts,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
     shader_import: Awaited<Result<ImportedShader, ShaderError>>,
@@ -178,9 +178,10 @@ impl Session {
             return true;
         }
         let command_key = held.control_key() || held.super_key();
-        let (taken, commands) = self.interface.ui_state.help.handle_key(key, command_key);
-        self.carry_out_all(commands);
-        taken
+        let commands = self.interface.ui_state.help.handle_key(key, command_key);
+        let is_taken = commands.is_some();
+        self.carry_out_all(commands.into_iter().flatten());
+        is_taken
     }
 
     /// Passes a key to the open panel, or closes the panel by the key that opens it. Returns `true` if the panel
@@ -199,36 +200,20 @@ impl Session {
             return true;
         }
         let command_key = held.control_key() || held.super_key();
-        let panels = &mut self.interface.ui_state;
-        let of_list = if let Some(browser) = &mut panels.browser {
-            Some(browser.handle_key(key, command_key))
-        } else if let Some(files) = &mut panels.files {
-            Some(files.handle_key(key, held))
-        } else {
-            panels.tracks.as_mut().and_then(|tracks| tracks.handle_key(key, held))
-        };
-        if let Some(commands) = of_list {
-            self.carry_out_all(commands);
-            return true;
-        }
-        let of_settings = panels.settings.as_mut().map(|settings| settings.handle_key(key));
-        let of_panel = of_settings
-            .filter(|(taken, _)| *taken)
-            .or_else(|| panels.controllers.as_mut().map(|controllers| controllers.handle_key(key)))
-            .or_else(|| panels.video.panel.as_mut().map(|panel| panel.handle_key(key)));
-        if let Some((true, command)) = of_panel {
-            self.carry_out_all(command);
-            return true;
-        }
-        let of_corners =
-            panels.corners.as_mut().and_then(|corners| corners.handle_key(key, held.shift_key()));
-        let taken = of_corners.is_some();
-        self.carry_out_all(of_corners.flatten());
+        let ui = &mut self.interface.ui_state;
+        let taken = ui.browser.as_mut().map(|scenes| scenes.handle_key(key, command_key));
+        let taken = taken.or_else(|| Some(ui.files.as_mut()?.handle_key(key, held)));
+        let taken = taken.or_else(|| ui.tracks.as_mut()?.handle_key(key, held));
+        let taken = taken.or_else(|| ui.settings.as_mut()?.handle_key(key));
+        let taken = taken.or_else(|| ui.controllers.as_mut()?.handle_key(key));
+        let taken = taken.or_else(|| ui.video.panel.as_mut()?.handle_key(key));
+        let taken = taken.or_else(|| ui.corners.as_mut()?.handle_key(key, held.shift_key()));
         // Files can be dropped while no panel is open, so the former list comes back without one.
-        let undoes =
-            !taken && command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
-        self.carry_out_all(undoes.then_some(Command::UndoTracks));
-        taken || undoes
+        let undoes = command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
+        let commands = taken.or_else(|| undoes.then(|| vec![Command::UndoTracks]));
+        let is_taken = commands.is_some();
+        self.carry_out_all(commands.into_iter().flatten());
+        is_taken
     }
 
     /// Updates the title and the messages. Returns `true` when a song that plays once has ended.
@@ -272,7 +257,7 @@ impl Session {
     fn open_dropped(&mut self) {
         let dropped = self.interface.input.drain_dropped();
         if !dropped.is_empty() {
-            let append = self.interface.input.shift_held()
+            let append = self.interface.input.held().shift_key()
                 || self.interface.ui_state.panels.open == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }

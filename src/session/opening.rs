@@ -39,7 +39,7 @@ use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, structure_cache};
 use crate::stems::{parts_cache, start_reader};
 use crate::ui::overlay::Assistance;
-use crate::ui::overlay::{Overlay, OverlayContent};
+use crate::ui::overlay::{Acts, Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use crate::videos::Videos;
@@ -177,7 +177,7 @@ fn start_interface(
         ui_state: UiState::new(!hints),
         input: UserInput::default(),
         pointer_rest: PointerRest::default(),
-        ui_events: Vec::new(),
+        acts: Acts::default(),
         drafts,
         probing: Default::default(),
         shader_import: Default::default(),

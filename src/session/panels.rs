@@ -8,7 +8,7 @@ use crate::commands::{Command, Panel};
 use crate::limits;
 use crate::thumbnails::Thumbnails;
 use crate::ui::help_panel::HelpPanel;
-use crate::ui::overlay::{SceneListEvent, UiEvent};
+use crate::ui::overlay::{Acts, PanelAct};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::track_panel::TrackPanel;
 
@@ -42,22 +42,6 @@ impl Session {
         self.video_desk().show(open == Some(Panel::Video));
     }
 
-    fn handle_scene_event(&mut self, event: SceneListEvent) {
-        let Some(browser) = &mut self.interface.ui_state.browser else { return };
-        let commands = match event {
-            SceneListEvent::Show { place, close } => browser.show(place, close),
-            SceneListEvent::Mark(place) => browser.mark(place),
-            SceneListEvent::Drawn { places, columns, moving } => {
-                if let Some(thumbnails) = &mut self.interface.thumbnails {
-                    browser.record_drawn(places, columns, moving, thumbnails);
-                }
-                return;
-            }
-            SceneListEvent::Filter(filter) => return browser.filter(filter),
-        };
-        self.carry_out_all(commands);
-    }
-
     /// Closes the topmost panel, or leaves full screen.
     pub(super) fn leave(&mut self) {
         if self.playback.controllers.midi.stop_learning() {
@@ -72,20 +56,25 @@ impl Session {
         }
     }
 
-    pub(super) fn handle_ui_events(&mut self) -> Vec<Command> {
-        let mut commands = Vec::new();
-        for event in std::mem::take(&mut self.interface.ui_events) {
-            match event {
-                UiEvent::Command(command) => commands.push(command),
-                UiEvent::Help(row) => commands.extend(self.interface.ui_state.help.pick(row)),
-                UiEvent::Editor(event) => self.handle_editor_event(event),
-                UiEvent::Scenes(event) => self.handle_scene_event(event),
-                UiEvent::Files(event) => self.handle_file_event(event),
-                UiEvent::Tracks(event) => self.handle_track_event(event),
-                UiEvent::Settings(event) => self.handle_setting_event(event),
+    /// Changes the panels by the user's input in them. Returns the commands.
+    pub(super) fn handle_acts(&mut self) -> Vec<Command> {
+        let Acts { on_panels, commands } = std::mem::take(&mut self.interface.acts);
+        let (ui, mut of_panels) = (&mut self.interface.ui_state, Vec::new());
+        for act in on_panels {
+            match act {
+                PanelAct::Help(act) => of_panels.extend(act(&mut ui.help)),
+                PanelAct::Editor(act) => _ = ui.editor.as_mut().map(act),
+                PanelAct::Scenes(act) => of_panels.extend(ui.browser.as_mut().map(act).unwrap_or_default()),
+                PanelAct::Files(act) => of_panels.extend(ui.files.as_mut().map(act).unwrap_or_default()),
+                PanelAct::Tracks(act) => _ = ui.tracks.as_mut().map(act),
+                PanelAct::Settings(act) => {
+                    of_panels.extend(ui.settings.as_mut().map(act).unwrap_or_default());
+                }
             }
         }
-        commands
+        self.follow_editor();
+        of_panels.extend(commands);
+        of_panels
     }
 }
 
@@ -155,6 +144,9 @@ impl Interface {
         let Some(thumbnails) = &mut self.thumbnails else { return };
         if !wanted.is_empty() {
             thumbnails.request_pictures_later(wanted);
+        }
+        if let Some(browser) = &mut self.ui_state.browser {
+            browser.request_thumbnails(thumbnails);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| playback.controllers.phones.record_picture(looked));

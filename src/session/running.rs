@@ -120,7 +120,7 @@ impl Run {
         if self.session.draw()? {
             tracing::info!("first picture after {:.0} ms", clock::since(self.started).as_secs_f64() * 1000.0);
         }
-        for command in self.session.handle_ui_events() {
+        for command in self.session.handle_acts() {
             self.carry_out(command, Sender::Window);
         }
         Ok(())

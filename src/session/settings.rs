@@ -1,9 +1,8 @@
 //! The settings panel: changes take effect at once and are saved.
 
 use super::Session;
-use crate::commands::{Command, Panel, SetSetting};
+use crate::commands::SetSetting;
 use crate::config::Setting;
-use crate::ui::overlay::SettingEvent;
 use crate::ui::settings_panel::{Facts, SettingsPanel};
 
 impl Session {
@@ -20,16 +19,6 @@ impl Session {
             let facts = self.playback.listening.facts(&self.choices, self.names_output);
             panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
         }
-    }
-
-    pub(super) fn handle_setting_event(&mut self, event: SettingEvent) {
-        let Some(panel) = &mut self.interface.ui_state.settings else { return };
-        let command = match event {
-            SettingEvent::Pick { row, value } => panel.pick(row, value),
-            SettingEvent::Change { row, number, settled } => panel.change_number(row, number, settled),
-            SettingEvent::Close => Some(Command::TogglePanel(Panel::Settings)),
-        };
-        self.carry_out_all(command);
     }
 
     /// Applies a setting, and saves it once it is settled.

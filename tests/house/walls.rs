@@ -4,7 +4,7 @@
 pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("editing", &["mariana-field", "thiserror"]),
     ("commands", &["bitflags", "mariana-control", "mariana-player", "mariana-scenes", "mariana-settings"]),
-    ("control", &["midir", "regex-lite", "rosc", "serde", "thiserror", "toml", "tracing"]),
+    ("control", &["mariana-work", "midir", "regex-lite", "rosc", "serde", "thiserror", "toml", "tracing"]),
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "serde_json", "thiserror"]),
     (
         "files",
@@ -54,6 +54,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "getrandom",
             "httparse",
             "mariana-control",
+            "mariana-work",
             "qrcode",
             "serde",
             "serde_json",

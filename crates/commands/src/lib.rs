@@ -328,15 +328,6 @@ pub fn bindings_of(group: Group) -> impl Iterator<Item = &'static Binding> {
     ROWS.iter().flat_map(of_row)
 }
 
-/// Returns the tables of keys in `docs/reference.md`, one for each group.
-pub fn markdown_table() -> String {
-    let of_group = |group: Group| {
-        let rows = bindings_of(group).map(|binding| format!("| {} | {} |\n", binding.written, binding.help));
-        format!("### {}\n\n| key | what it does |\n|---|---|\n{}", group.name(), rows.collect::<String>())
-    };
-    Group::ALL.map(of_group).join("\n")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

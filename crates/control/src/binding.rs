@@ -133,18 +133,6 @@ pub enum ChangedBy {
 }
 
 impl ChangedBy {
-    /// All variants.
-    pub const ALL: [Self; 8] = [
-        Self::Text,
-        Self::Slider,
-        Self::Midi,
-        Self::Osc,
-        Self::Phone,
-        Self::Show,
-        Self::Recording,
-        Self::Sound,
-    ];
-
     /// Returns the label next to a slider.
     pub fn name(self) -> &'static str {
         match self {

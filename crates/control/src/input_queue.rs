@@ -3,8 +3,10 @@
 //! number of different names, and the show is woken only once per batch.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
+
+use mariana_work::lock;
 
 use super::action::Action;
 use super::midi::{KnobMove, Source};
@@ -166,17 +168,17 @@ impl InputQueue {
 
     /// Counts a received message.
     pub fn count(&self) {
-        self.lock().messages += 1;
+        lock(&self.pending).messages += 1;
     }
 
     /// Counts rejected input.
     pub fn refuse(&self, count: impl FnOnce(&mut Refusals)) {
-        count(&mut self.lock().refusals);
+        count(&mut lock(&self.pending).refusals);
     }
 
     /// Takes the pending input.
     pub fn drain(&self) -> InputBatch {
-        let mut pending = self.lock();
+        let mut pending = lock(&self.pending);
         pending.is_woken = false;
         pending.places.clear();
         pending.knob_places.clear();
@@ -185,18 +187,18 @@ impl InputQueue {
 
     /// True if there is pending input.
     pub fn has_any(&self) -> bool {
-        !self.lock().batch.is_empty()
+        !lock(&self.pending).batch.is_empty()
     }
 
     /// Returns the number of messages since the start, and the counts of rejected input.
     pub fn counts(&self) -> (u64, Refusals) {
-        let pending = self.lock();
+        let pending = lock(&self.pending);
         (pending.messages, pending.refusals)
     }
 
     fn put(&self, put: impl FnOnce(&mut Pending)) {
         let is_new = {
-            let mut pending = self.lock();
+            let mut pending = lock(&self.pending);
             put(&mut pending);
             if !pending.batch.is_empty() {
                 pending.batch.since.get_or_insert_with(Instant::now);
@@ -206,10 +208,6 @@ impl InputQueue {
         if is_new {
             (self.wake)();
         }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Pending> {
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

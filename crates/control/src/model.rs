@@ -305,7 +305,8 @@ mod tests {
     fn the_last_change_wins_from_any_origin() {
         let mut model = Model::default();
         assert_eq!(read(&model, None, 0.0), (1.0, ChangedBy::Text));
-        for changed_by in ChangedBy::ALL {
+        use ChangedBy::{Midi, Osc, Phone, Recording, Show, Slider, Sound, Text};
+        for changed_by in [Text, Slider, Midi, Osc, Phone, Show, Recording, Sound] {
             model.turn("orb", &SIZE, turn(changed_by, 2.5), None, 1.0);
             assert_eq!(read(&model, None, 1.0), (2.5, changed_by));
         }

@@ -1,7 +1,8 @@
 //! The state of the show for other threads: scene, parameters, switches and levels.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
+use mariana_work::lock;
 use serde::Serialize;
 
 use super::Slider;
@@ -34,12 +35,12 @@ pub struct Board(Arc<Mutex<Arc<Present>>>);
 impl Board {
     /// Publishes a new state.
     pub fn put(&self, present: Present) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(present);
+        *lock(&self.0) = Arc::new(present);
     }
 
     /// Returns the latest state. Keeping the result does not block the show.
     pub fn newest(&self) -> Arc<Present> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.0).clone()
     }
 
     /// Reads the latest state.

@@ -35,13 +35,8 @@ pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
         return if line == 0 { 0 } else { buffer.line_range(line - 1).end };
     }
     let inside = offset.min(range.end) - range.start;
-    let mut last = 0;
-    for cell in cells(buffer.line(line)) {
-        if cell.start >= inside {
-            break;
-        }
-        last = cell.start;
-    }
+    let last = cells(buffer.line(line)).take_while(|cell| cell.start < inside).last();
+    let last = last.map_or(0, |cell| cell.start);
     if offset > range.end { range.end } else { range.start + last }
 }
 
@@ -61,31 +56,17 @@ fn in_word(byte: u8) -> bool {
 }
 
 pub(crate) fn word_before(buffer: &Buffer, offset: usize) -> usize {
-    let at = |place: usize| buffer.bytes().get(place).copied().unwrap_or(b' ');
-    let mut place = offset.min(buffer.len());
-    while place > 0 && at(place - 1).is_ascii_whitespace() {
-        place -= 1;
-    }
-    let Some(last) = place.checked_sub(1) else { return 0 };
-    let is_word = in_word(at(last));
-    while place > 0 && in_word(at(place - 1)) == is_word && !at(place - 1).is_ascii_whitespace() {
-        place -= 1;
-    }
-    place
+    let text = buffer.slice(0..offset).trim_ascii_end();
+    let Some(is_word) = text.last().map(|last| in_word(*last)) else { return 0 };
+    let ends = |byte: &u8| in_word(*byte) != is_word || byte.is_ascii_whitespace();
+    text.iter().rposition(ends).map_or(0, |at| at + 1)
 }
 
 pub(crate) fn word_behind(buffer: &Buffer, offset: usize) -> usize {
-    let at = |place: usize| buffer.bytes().get(place).copied();
-    let mut place = offset;
-    while at(place).is_some_and(|byte| byte.is_ascii_whitespace()) {
-        place += 1;
-    }
-    let Some(first) = at(place) else { return buffer.len() };
-    let is_word = in_word(first);
-    while at(place).is_some_and(|byte| in_word(byte) == is_word && !byte.is_ascii_whitespace()) {
-        place += 1;
-    }
-    place
+    let text = buffer.slice(offset..buffer.len()).trim_ascii_start();
+    let Some(is_word) = text.first().map(|first| in_word(*first)) else { return buffer.len() };
+    let ends = |byte: &u8| in_word(*byte) != is_word || byte.is_ascii_whitespace();
+    buffer.len() - text.len() + text.iter().position(ends).unwrap_or(text.len())
 }
 
 pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usize> {

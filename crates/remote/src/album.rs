@@ -3,7 +3,9 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
+
+use mariana_work::lock;
 
 use crate::limits::LIMITS;
 
@@ -13,43 +15,28 @@ pub struct Album(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
-    pages: Mutex<HashMap<String, Page>>,
+    /// The requested images by scene, as JPEG once they are there. Each is requested once.
+    pages: Mutex<HashMap<String, Option<Arc<[u8]>>>>,
     wanted: Mutex<Vec<String>>,
     count: AtomicU64,
-}
-
-#[derive(Debug, Clone)]
-enum Page {
-    /// Requested by a phone.
-    Coming,
-    /// Available, as JPEG.
-    There(Arc<[u8]>),
-    Missing,
 }
 
 impl Album {
     /// Stores the JPEG image of a scene. Returns false if the image is too large or the album is full.
     pub fn put(&self, scene: &str, jpeg: Arc<[u8]>) -> bool {
-        let mut pages = self.lock();
+        let mut pages = lock(&self.0.pages);
         let is_full = pages.len() >= LIMITS.pictures_max && !pages.contains_key(scene);
         if is_full || jpeg.len() > LIMITS.picture_bytes_max {
             return false;
         }
-        pages.insert(scene.to_owned(), Page::There(jpeg));
+        pages.insert(scene.to_owned(), Some(jpeg));
         self.0.count.fetch_add(1, Ordering::Release);
         true
     }
 
-    /// Records that a requested image cannot be made, so that it is not requested again.
-    pub fn miss(&self, scene: &str) {
-        if let Some(page) = self.lock().get_mut(scene) {
-            *page = Page::Missing;
-        }
-    }
-
     /// Takes the titles of scenes whose images phones have requested, in order of request.
     pub fn drain_requested(&self) -> Vec<String> {
-        std::mem::take(&mut *self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut *lock(&self.0.wanted))
     }
 
     /// Returns the number of images stored so far. A new number tells phones to retry missing images.
@@ -58,25 +45,18 @@ impl Album {
     }
 
     pub(crate) fn find(&self, scene: &str) -> Option<Arc<[u8]>> {
-        match self.lock().get(scene)? {
-            Page::There(jpeg) => Some(jpeg.clone()),
-            Page::Coming | Page::Missing => None,
-        }
+        lock(&self.0.pages).get(scene)?.clone()
     }
 
     /// Requests the image of an existing scene. Returns true for the first request.
     pub(crate) fn request(&self, scene: &str) -> bool {
-        let mut pages = self.lock();
+        let mut pages = lock(&self.0.pages);
         let is_new = pages.len() < LIMITS.pictures_max && !pages.contains_key(scene);
         if is_new {
-            pages.insert(scene.to_owned(), Page::Coming);
-            self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner).push(scene.to_owned());
+            pages.insert(scene.to_owned(), None);
+            lock(&self.0.wanted).push(scene.to_owned());
         }
         is_new
-    }
-
-    fn lock(&self) -> MutexGuard<'_, HashMap<String, Page>> {
-        self.0.pages.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -96,7 +76,6 @@ mod tests {
         assert_eq!((album.find("orb").as_deref(), album.count()), (Some(&b"jpeg"[..]), 1));
         assert!(album.request("heart"));
         assert_eq!(album.drain_requested(), ["heart"]);
-        album.miss("heart");
         assert!(
             album.find("heart").is_none() && !album.request("heart") && album.drain_requested().is_empty()
         );

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 use std::net::IpAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
+
+use mariana_work::lock;
 
 use crate::limits::Limits;
 
@@ -19,7 +21,7 @@ pub(crate) struct ConnectionSlot {
 impl ConnectionLimit {
     pub(crate) fn reserve(&self, address: IpAddr, limits: &Limits) -> Option<ConnectionSlot> {
         let address = address.to_canonical();
-        let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut taken = lock(&self.0);
         let of_address = taken.get(&address).copied().unwrap_or_default();
         let is_free = of_address < limits.connections_per_address_max
             && taken.values().sum::<usize>() < limits.connections_max;
@@ -32,7 +34,7 @@ impl ConnectionLimit {
 
 impl Drop for ConnectionSlot {
     fn drop(&mut self) {
-        let mut taken = self.connection_limit.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut taken = lock(&self.connection_limit.0);
         match taken.get_mut(&self.address) {
             Some(count) if *count > 1 => *count -= 1,
             _ => drop(taken.remove(&self.address)),

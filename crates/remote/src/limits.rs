@@ -2,15 +2,13 @@
 
 use std::time::Duration;
 
+use crate::http::HeadBounds;
+
 /// Limits on input from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// The maximum size of a request's head, in bytes.
-    pub head_bytes_max: usize,
-    /// The maximum number of header fields in a request.
-    pub head_fields_max: usize,
-    /// The maximum time for receiving a request, and for sending its answer.
-    pub head_time_max: Duration,
+    /// Of a request's head. The maximum time also limits the sending of the answer.
+    pub head: HeadBounds,
     /// The maximum number of open connections, including phones.
     pub connections_max: usize,
     /// The maximum number of connections from one address.
@@ -37,9 +35,7 @@ pub struct Limits {
 
 /// The limits in force.
 pub const LIMITS: Limits = Limits {
-    head_bytes_max: 8 << 10,
-    head_fields_max: 64,
-    head_time_max: Duration::from_secs(5),
+    head: HeadBounds { bytes_max: 8 << 10, fields_max: 64, time_max: Duration::from_secs(5) },
     connections_max: 48,
     connections_per_address_max: 24,
     phones_max: 8,

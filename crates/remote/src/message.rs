@@ -6,32 +6,11 @@
 //! {"do": "pause", "with": true}    {"do": "volume", "with": 0.8}    {"do": "scene", "with": "orb"}
 //! ```
 
-use mariana_control::action::{Action, ActionRow, ActionValue, row_of};
+use mariana_control::action::{ActionRow, ActionValue, row_of};
 use mariana_control::limits as control_limits;
+use mariana_control::osc::{Asked, Refused};
 use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
-
-/// The request in a message.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Asked {
-    /// Change a parameter.
-    Turn(ParamChange),
-    /// Run an action.
-    Act(Action),
-    /// Do nothing: the action ignores this number.
-    Nothing,
-}
-
-/// The reason for rejecting a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refused {
-    /// The text is not JSON, or has an unknown structure.
-    Rubbish,
-    /// The action is unknown or does not take this value.
-    Unknown,
-    /// A value is outside the range of `f32`.
-    NotANumber,
-}
 
 #[derive(Deserialize)]
 #[serde(untagged)]
@@ -87,12 +66,7 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
                 }
                 Some(With::Text(_)) => return Err(Refused::Unknown),
             };
-            let is_number = matches!(given, ActionValue::Number(_));
-            match row.wanted(given) {
-                Some(action) => Ok(Asked::Act(action)),
-                None if is_number => Ok(Asked::Nothing),
-                None => Err(Refused::Unknown),
-            }
+            Asked::of(row, given)
         }
     }
 }
@@ -105,7 +79,7 @@ fn number(value: f64) -> Result<f32, Refused> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_control::action::ValueType;
+    use mariana_control::action::{Action, ValueType};
 
     const ACTIONS: &[ActionRow] = &[
         ActionRow { name: "next", takes: ValueType::Press, meaning: "the next scene" },

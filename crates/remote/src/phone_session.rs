@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use mariana_control::osc::Asked;
 use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
@@ -11,7 +12,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use crate::heartbeat::{Due, Heartbeat};
 use crate::http;
-use crate::message::{Asked, Refused, understand};
+use crate::message::understand;
 use crate::server::Serving;
 use crate::state_delta::SentState;
 
@@ -99,28 +100,24 @@ impl<'a> PhoneSession<'a> {
     }
 
     fn send(&mut self, message: Message) -> Result<(), End> {
-        match self.socket.write(message) {
-            Ok(()) => self.flush(),
-            Err(Error::Io(error)) if is_patience(&error) => {
-                self.unread.get_or_insert_with(Instant::now);
-                Ok(())
-            }
-            Err(error) => Err(error.to_string()),
-        }
+        let sent = self.socket.send(message);
+        self.record_sent(sent)
     }
 
     fn flush(&mut self) -> Result<(), End> {
-        match self.socket.flush() {
-            Ok(()) => {
-                self.unread = None;
-                Ok(())
-            }
+        let sent = self.socket.flush();
+        self.record_sent(sent)
+    }
+
+    fn record_sent(&mut self, sent: tungstenite::Result<()>) -> Result<(), End> {
+        match sent {
+            Ok(()) => self.unread = None,
             Err(Error::Io(error)) if is_patience(&error) => {
                 self.unread.get_or_insert_with(Instant::now);
-                Ok(())
             }
-            Err(error) => Err(error.to_string()),
+            Err(error) => return Err(error.to_string()),
         }
+        Ok(())
     }
 
     fn listen(&mut self, until: Instant) -> Result<(), End> {
@@ -156,16 +153,9 @@ impl<'a> PhoneSession<'a> {
     }
 
     fn handle_text(&self, text: &str) {
-        let input_queue = &self.shared.input_queue;
-        input_queue.count();
-        match understand(text, self.shared.actions) {
-            Ok(Asked::Turn(change)) => input_queue.turn(change),
-            Ok(Asked::Act(action)) => input_queue.act(action),
-            Ok(Asked::Nothing) => {}
-            Err(Refused::Rubbish) => input_queue.refuse(|refusals| refusals.rubbish += 1),
-            Err(Refused::Unknown) => input_queue.refuse(|refusals| refusals.unknown += 1),
-            Err(Refused::NotANumber) => input_queue.refuse(|refusals| refusals.not_numbers += 1),
-        }
+        self.shared.input_queue.count();
+        // Phones ask no queries.
+        let _ = Asked::queue(understand(text, self.shared.actions), &self.shared.input_queue);
     }
 
     fn close(&mut self, code: CloseCode, reason: &'static str) -> End {

@@ -5,17 +5,17 @@ use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use mariana_control::action::ActionRow;
-use mariana_control::limits as control_limits;
-use mariana_control::osc::{Place, PlaceError};
+use mariana_control::osc::{Place, PlaceError, PortState};
 use mariana_control::{Board, InputQueue};
+use mariana_work::lock;
 
 use crate::album::Album;
 use crate::connection_limit::{ConnectionLimit, ConnectionSlot};
-use crate::http::{self, HeadBounds};
+use crate::http;
 use crate::limits::Limits;
 use crate::page::policy;
 use crate::pairing_address::PairingAddress;
@@ -41,17 +41,8 @@ impl FromStr for RemotePlace {
     }
 }
 
-/// The state of the server.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum RemoteState {
-    /// The port is being opened.
-    #[default]
-    Opening,
-    /// Phones can connect with this pairing address.
-    Open(Arc<PairingAddress>),
-    /// The port cannot be opened; the text explains the reason. The server keeps trying.
-    Refused(String),
-}
+/// The state of the server: phones can connect with a pairing address.
+pub type RemoteState = PortState<Arc<PairingAddress>>;
 
 /// Serves phones until it is dropped.
 pub struct Remote(Arc<Serving>);
@@ -128,13 +119,17 @@ fn thread(run: impl FnOnce() + Send + 'static) -> io::Result<()> {
     std::thread::Builder::new().name("phones".into()).spawn(run).map(drop)
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl Serving {
     fn keep(self: &Arc<Self>) {
-        let Some(listens) = self.open_when_free() else { return };
+        let open = |address: SocketAddr| {
+            let listener = TcpListener::bind(address)?;
+            let (listens, shared) = (listener.local_addr()?, self.clone());
+            thread(move || shared.accept_connections(&listener))?;
+            Ok(listens)
+        };
+        let refused = |why| self.set_state(RemoteState::Refused(why));
+        let listens = self.place.open_when_free("phone control", "--remote", &self.is_over, open, refused);
+        let Some(listens) = listens else { return };
         while !self.is_over() {
             let pairing_address = PairingAddress::new(listens, self.name(), &self.token);
             self.set_state(RemoteState::Open(Arc::new(pairing_address)));
@@ -145,36 +140,8 @@ impl Serving {
         let _ = TcpStream::connect_timeout(&SocketAddr::new(local, listens.port()), LOOK);
     }
 
-    /// Opens the port, retrying while it is refused. Returns `None` if the server is dropped first.
-    fn open_when_free(self: &Arc<Self>) -> Option<SocketAddr> {
-        while !self.is_over() {
-            match self.open() {
-                Ok(listens) => return Some(listens),
-                Err(error) => self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
-            }
-            std::thread::sleep(control_limits::PORT_RETRY);
-        }
-        None
-    }
-
-    fn open(self: &Arc<Self>) -> io::Result<SocketAddr> {
-        let listener = TcpListener::bind(self.place.resolve()?)?;
-        let listens = listener.local_addr()?;
-        let shared = self.clone();
-        thread(move || shared.accept_connections(&listener))?;
-        Ok(listens)
-    }
-
     fn set_state(&self, state: RemoteState) {
-        let is_new = {
-            let mut known = lock(&self.state);
-            let is_new = *known != state;
-            *known = state;
-            is_new
-        };
-        if is_new {
-            (self.wake)();
-        }
+        state.store_in(&self.state, &self.wake);
     }
 
     /// Returns the host given by the user, if it is a name.
@@ -210,13 +177,8 @@ impl Serving {
 
     fn serve(&self, stream: TcpStream, from: IpAddr, _connection_slot: &ConnectionSlot) {
         let limits = &self.limits;
-        let within = limits.head_time_max;
-        let bounds = HeadBounds {
-            bytes_max: limits.head_bytes_max,
-            fields_max: limits.head_fields_max,
-            time_max: within,
-        };
-        let (head, rest) = match http::read_head(&stream, &bounds) {
+        let within = limits.head.time_max;
+        let (head, rest) = match http::read_head(&stream, &limits.head) {
             Ok(read) => read,
             Err(error) => {
                 if let Some(status) = error.status() {
@@ -276,12 +238,12 @@ impl Serving {
     fn phone_session(&self, stream: TcpStream, key: &str, rest: Vec<u8>) {
         let is_free = |phones: usize| (phones < self.limits.phones_max).then_some(phones + 1);
         if self.phones.fetch_update(Ordering::AcqRel, Ordering::Acquire, is_free).is_err() {
-            return turn_away(&stream, self.limits.head_time_max);
+            return turn_away(&stream, self.limits.head.time_max);
         }
         (self.wake)();
         let _place = PhonePlace(self);
         tracing::info!("a phone connected");
-        let accepted = phone_session::accept(&stream, key, self.limits.head_time_max);
+        let accepted = phone_session::accept(&stream, key, self.limits.head.time_max);
         let end = match accepted {
             Ok(()) => PhoneSession::new(stream, rest, self).run(),
             Err(error) => error.to_string(),
@@ -314,22 +276,6 @@ fn answer_own(stream: &TcpStream, kind: &str, bytes: &[u8], more: &[(&str, &str)
 fn turn_away(stream: &TcpStream, within: Duration) {
     let words = "too many phones are connected; close the page on one of them";
     http::answer_in_words(stream, "503 Service Unavailable", words, within);
-}
-
-fn refusal(place: &Place, error: &io::Error) -> String {
-    let sentence = match error.kind() {
-        io::ErrorKind::AddrInUse => format!(
-            "phone control is off: another program uses {place}; close it, or choose another port with --remote"
-        ),
-        io::ErrorKind::PermissionDenied => {
-            format!("phone control is off: the system denies {place}; choose a port above 1023 with --remote")
-        }
-        io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => format!(
-            "phone control is off: {place} is not an address of this computer; give --remote one of its addresses"
-        ),
-        _ => format!("phone control on {place} failed ({error}); choose another address with --remote"),
-    };
-    sentence + " (Mariana keeps trying)"
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use mariana_control::action::{ActionRow, ActionValue, ValueType};
 use mariana_control::{Amount, Board, ChangedBy, InputQueue, Present, Slider};
+use mariana_remote::http::HeadBounds;
 use mariana_remote::limits::{LIMITS, Limits};
 use mariana_remote::{Album, Remote, RemoteState, SESSION_PATH};
 use tungstenite::client::{IntoClientRequest, client};
@@ -207,8 +208,8 @@ fn error_answers_do_not_repeat_the_request() {
         (format!("GET {} HTTP/1.1\r\nHost: example.org\r\n\r\n", place.path), "403"),
         (format!("GET {} HTTP/1.1\r\n\r\n", place.path), "403"),
         ("hello\r\n\r\n".to_owned(), "400"),
-        (format!("GET / HTTP/1.1\r\nA: {}\r\n\r\n", "x".repeat(LIMITS.head_bytes_max)), "431"),
-        (format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(LIMITS.head_fields_max + 1)), "431"),
+        (format!("GET / HTTP/1.1\r\nA: {}\r\n\r\n", "x".repeat(LIMITS.head.bytes_max)), "431"),
+        (format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(LIMITS.head.fields_max + 1)), "431"),
     ] {
         assert_eq!(status(&place.answer_to(question.as_bytes())), wanted, "{question:.40}");
     }
@@ -439,7 +440,8 @@ fn phones_beyond_the_limit_are_refused() {
 
 #[test]
 fn idle_connections_are_limited_and_closed() {
-    let limits = Limits { head_time_max: Duration::from_millis(500), ..LIMITS };
+    let limits =
+        Limits { head: HeadBounds { time_max: Duration::from_millis(500), ..LIMITS.head }, ..LIMITS };
     let place = Place::within(limits);
     let mut idle: Vec<TcpStream> = (0..limits.connections_per_address_max).map(|_| place.connect()).collect();
     // One more connection is closed at once.

@@ -17,15 +17,17 @@ use mariana_render::placement::{Corners, Crop, Flip, Placement};
 pub trait Choice: Copy + PartialEq + 'static {
     /// All options, each with its name and, if the name is not clear enough, an explanation.
     const ALL: &'static [(Self, &'static str, &'static str)];
+    /// Names in the panel that differ, for people who never see the file or the flags.
+    const WORDS: &'static [(Self, &'static str)] = &[];
 
     /// Returns the option's name.
     fn name(self) -> &'static str {
         Self::ALL.iter().find(|(value, ..)| *value == self).map_or("", |(_, name, _)| name)
     }
 
-    /// Returns the option's name in the panel, for people who never see the file or the flags.
+    /// Returns the option's name in the panel.
     fn word(self) -> &'static str {
-        self.name()
+        Self::WORDS.iter().find(|(value, _)| *value == self).map_or(self.name(), |(_, word)| word)
     }
 
     /// Returns the option with this name.
@@ -54,14 +56,7 @@ impl Choice for FollowChoice {
         (Self::On, "on", "For songs and inputs"),
         (Self::Off, "off", "Only you change the scene"),
     ];
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Songs => "songs",
-            Self::On => "always",
-            Self::Off => "never",
-        }
-    }
+    const WORDS: &'static [(Self, &'static str)] = &[(Self::On, "always"), (Self::Off, "never")];
 }
 
 impl Choice for Repeat {
@@ -79,27 +74,14 @@ impl Choice for Flip {
         (Self::Vertical, "vertical", ""),
         (Self::Both, "both", "For a projector mounted upside down"),
     ];
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Horizontal => "left and right",
-            Self::Vertical => "top and bottom",
-            Self::Both => "both",
-        }
-    }
+    const WORDS: &'static [(Self, &'static str)] =
+        &[(Self::Horizontal, "left and right"), (Self::Vertical, "top and bottom")];
 }
 
 impl Choice for Gain {
     const ALL: &'static [(Self, &'static str, &'static str)] =
         &[(Self::Auto, "auto", ""), (Self::Off, "off", "")];
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Auto => "on",
-            Self::Off => "off",
-        }
-    }
+    const WORDS: &'static [(Self, &'static str)] = &[(Self::Auto, "on")];
 }
 
 impl Choice for ProjectionKind {
@@ -132,16 +114,13 @@ impl Choice for Option<ToneMap> {
         (Some(ToneMap::Reinhard), ToneMap::Reinhard.name(), "Gentle highlights"),
         (Some(ToneMap::None), ToneMap::None.name(), "Light as it is; all that is too bright becomes white"),
     ];
-
-    fn word(self) -> &'static str {
-        match self {
-            None => "the scene's",
-            Some(ToneMap::Agx) => "film",
-            Some(ToneMap::Aces) => "high contrast",
-            Some(ToneMap::Reinhard) => "soft",
-            Some(ToneMap::None) => "plain",
-        }
-    }
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (None, "the scene's"),
+        (Some(ToneMap::Agx), "film"),
+        (Some(ToneMap::Aces), "high contrast"),
+        (Some(ToneMap::Reinhard), "soft"),
+        (Some(ToneMap::None), "plain"),
+    ];
 }
 
 macro_rules! define_settings {

@@ -3,16 +3,14 @@
 //! kept. A damaged file is renamed before a new one is written.
 
 use mariana_files::reading::read_at_most;
-use std::fs::create_dir_all;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::aside::aside;
+use super::stored_file::{self, SystemError, aside};
 use mariana_control::limits as control_limits;
 use mariana_control::midi::{Mapping, MappingFile, MappingsError};
 use mariana_files::Folders;
-use mariana_files::atomic_file::AtomicFile;
 use mariana_work::{Worker, in_order};
 
 /// A change to the controller mappings.
@@ -51,15 +49,8 @@ pub enum KnobsError {
         aside: PathBuf,
     },
     /// The system reports an error.
-    #[error("the knobs in {} cannot be {doing} ({reason}); check the folder's permissions", path.display())]
-    System {
-        /// The file.
-        path: PathBuf,
-        /// The failed operation: read or written.
-        doing: &'static str,
-        /// The system's reason.
-        reason: String,
-    },
+    #[error(transparent)]
+    System(#[from] SystemError),
 }
 
 impl KnobMemory {
@@ -149,8 +140,8 @@ fn apply(file: &mut MappingFile, edit: &KnobEdit) {
     }
 }
 
-fn refused(path: &Path, doing: &'static str, reason: &dyn std::fmt::Display) -> KnobsError {
-    KnobsError::System { path: path.to_owned(), doing, reason: reason.to_string() }
+fn refused(path: &Path, doing: &'static str, reason: &dyn std::fmt::Display) -> SystemError {
+    SystemError::new("knobs", path, doing, reason)
 }
 
 fn read(path: &Path) -> Result<MappingFile, KnobsError> {
@@ -158,17 +149,14 @@ fn read(path: &Path) -> Result<MappingFile, KnobsError> {
         Ok(Some(bytes)) => MappingFile::read(&bytes),
         Ok(None) => Err(MappingsError::TooLarge),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(MappingFile::default()),
-        Err(error) => return Err(refused(path, "read", &error)),
+        Err(error) => return Err(refused(path, "read", &error).into()),
     };
     read.map_err(|reason| KnobsError::Damaged { path: path.to_owned(), reason, aside: aside(path) })
 }
 
 fn write(path: &Path, file: &MappingFile) -> Result<(), KnobsError> {
-    let failed = |error: &dyn std::fmt::Display| refused(path, "written", error);
-    let text = file.text().map_err(|error| failed(&error))?;
-    create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(|error| failed(&error))?;
-    let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
-    written.map_err(|error| failed(&error.reason))
+    let text = file.text().map_err(|error| refused(path, "written", &error))?;
+    Ok(stored_file::write("knobs", path, &text)?)
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::settings::{SettingsError, refused};
-use mariana_files::atomic_file::AtomicFile;
+use super::stored_file::{self, SystemError};
 
 /// The state of the last show. A missing field has its default value.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -43,7 +42,7 @@ pub(super) fn tracks_file(settings: &Path) -> PathBuf {
 
 /// Writes the track list next to the settings file `settings`. Removes the old list if there are no `tracks`, or if a
 /// path does not fit into M3U8 because the path contains a line break or is not valid UTF-8.
-pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
+pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SystemError> {
     let file = tracks_file(settings);
     let lines = tracks.filter(|tracks| !tracks.is_empty()).and_then(|tracks| {
         let line = |path: &PathBuf| {
@@ -55,17 +54,13 @@ pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result
     let Some(lines) = lines else {
         return match std::fs::remove_file(&file) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(refused(&file, "removed", &error))
+                Err(SystemError::new("settings", &file, "removed", &error))
             }
             _ => Ok(()),
         };
     };
     let text = format!("#EXTM3U\n{}\n", lines.join("\n"));
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| refused(&file, "written", &error))?;
-    }
-    let written = AtomicFile::create(&file).and_then(|out| out.write(text.as_bytes()));
-    written.map_err(|error| refused(&file, "written", &error.reason))
+    stored_file::write("settings", &file, &text)
 }
 
 #[cfg(test)]

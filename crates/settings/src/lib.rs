@@ -17,7 +17,6 @@
 //! The crate also stores controller mappings ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and the
 //! state of the last show ([`LastShow`]).
 
-mod aside;
 mod choices;
 mod kept_settings;
 mod knobs;
@@ -27,6 +26,7 @@ mod performances;
 mod setting_rows;
 mod setting_table;
 mod settings;
+mod stored_file;
 mod understood;
 
 pub use choices::{Choice, Choices, DisplayChoices, Setting};
@@ -36,6 +36,7 @@ pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
 pub use setting_rows::{SettingGroup, SettingRow, Values};
 pub use settings::{Settings, SettingsError, SettingsFile, Snapshot};
+pub use stored_file::SystemError;
 
 /// The rendering quality in the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

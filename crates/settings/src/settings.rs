@@ -18,7 +18,7 @@
 
 use mariana_files::reading::read_at_most;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{File, TryLockError, create_dir_all};
+use std::fs::{File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -27,13 +27,12 @@ use mariana_control::SoundBinding;
 use mariana_player::limits as player_limits;
 use serde::{Deserialize, Serialize};
 
-use super::aside::aside;
-use super::choices::Choices;
+use super::choices::{Choices, is_default};
 use super::last_show::{self, LastShow};
+use super::stored_file::{self, SystemError, aside};
 use super::understood::{rewrite, understood};
 use crate::limits;
 use mariana_files::Folders;
-use mariana_files::atomic_file::AtomicFile;
 
 /// The contents of the settings file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -46,7 +45,7 @@ pub struct Settings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
     /// The choices in the settings panel.
-    #[serde(skip_serializing_if = "is_untouched")]
+    #[serde(skip_serializing_if = "is_default")]
     pub choices: Choices,
     /// The titles of the marked scenes.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
@@ -102,10 +101,6 @@ pub struct Snapshot {
     pub bindings: BTreeMap<String, SoundBinding>,
 }
 
-fn is_untouched(choices: &Choices) -> bool {
-    *choices == Choices::default()
-}
-
 /// The maximum number of keys that a message names.
 const NAMED_MAX: usize = 3;
 /// The maximum number of characters that a message shows of a key.
@@ -141,15 +136,8 @@ pub enum SettingsError {
         aside: PathBuf,
     },
     /// The system reports an error.
-    #[error("the settings in {} cannot be {doing} ({reason}); check the folder's permissions", path.display())]
-    System {
-        /// The file.
-        path: PathBuf,
-        /// The failed operation: read, written or removed.
-        doing: &'static str,
-        /// The system's reason.
-        reason: String,
-    },
+    #[error(transparent)]
+    System(#[from] SystemError),
 }
 
 /// The settings file and its contents.
@@ -194,7 +182,7 @@ impl SettingsFile {
     /// # Errors
     /// Fails if the file cannot be written.
     pub fn keep_tracks(&self, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
-        self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
+        self.path.as_deref().map_or(Ok(()), |path| Ok(last_show::keep_tracks(path, tracks)?))
     }
 
     /// Changes the settings here and in the file's current contents, which other windows may have changed.
@@ -256,8 +244,8 @@ fn newer(path: &Path, strange: &[String]) -> SettingsError {
     SettingsError::Newer { path: path.to_owned(), names: names.join(", ") }
 }
 
-pub(super) fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SettingsError {
-    SettingsError::System { path: path.to_owned(), doing, reason: error.to_string() }
+fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SystemError {
+    SystemError::new("settings", path, doing, error)
 }
 
 fn read(path: &Path) -> Result<Found, SettingsError> {
@@ -265,7 +253,7 @@ fn read(path: &Path) -> Result<Found, SettingsError> {
         Ok(Some(bytes)) => bytes,
         Ok(None) => return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) }),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::default()),
-        Err(error) => return Err(refused(path, "read", &error)),
+        Err(error) => return Err(refused(path, "read", &error).into()),
     };
     let malformed =
         |reason: String| SettingsError::Malformed { path: path.to_owned(), reason, aside: aside(path) };
@@ -297,16 +285,14 @@ fn write(
     let failed = |error: &dyn std::fmt::Display| refused(path, "written", error);
     rewrite(table, before, after).map_err(|error| failed(&error))?;
     let text = toml::to_string(table).map_err(|error| failed(&error))?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    create_dir_all(folder).map_err(|error| failed(&error))?;
-    let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
-    written.map_err(|error| failed(&error.reason))
+    Ok(stored_file::write("settings", path, &text)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::fs::create_dir_all;
 
     fn folder() -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
@@ -326,7 +312,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("settings.toml");
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-        assert!(matches!(SettingsFile::open(Some(path)).1, Some(SettingsError::System { .. })));
+        assert!(matches!(SettingsFile::open(Some(path)).1, Some(SettingsError::System(_))));
     }
 
     #[test]

@@ -201,9 +201,9 @@ impl ControllersPanel {
         }
     }
 
-    /// Handles a key. Returns true if the panel used the key, and the key's command.
-    pub fn handle_key(&mut self, key: &Key) -> (bool, Option<Command>) {
-        let Key::Named(named) = key else { return (false, None) };
+    /// Handles a key. Returns the key's commands; `None` for a key that belongs to the show.
+    pub fn handle_key(&mut self, key: &Key) -> Option<Vec<Command>> {
+        let Key::Named(named) = key else { return None };
         let row = self.rows.get(self.selected);
         match named {
             NamedKey::ArrowDown => self.select_from(self.selected + 1, true),
@@ -228,16 +228,16 @@ impl ControllersPanel {
                     }
                     Some(ControllerRow::Words { .. } | ControllerRow::Phone { .. }) | None => None,
                 };
-                return (true, request);
+                return Some(Vec::from_iter(request));
             }
             NamedKey::Delete | NamedKey::Backspace => {
-                let Some(ControllerRow::Knob { mapping, .. }) = row else { return (true, None) };
-                return (true, Some(Command::EditMappings(KnobEdit::Remove(mapping.clone()))));
+                let Some(ControllerRow::Knob { mapping, .. }) = row else { return Some(Vec::new()) };
+                return Some(vec![Command::EditMappings(KnobEdit::Remove(mapping.clone()))]);
             }
-            _ => return (false, None),
+            _ => return None,
         }
         self.revision += 1;
-        (true, None)
+        Some(Vec::new())
     }
 
     /// Selects the first changeable row at or below `place` if `down`, otherwise at or above `place`, if there is one.

@@ -77,7 +77,7 @@ pub struct RememberedFolders {
     pub recent: Vec<String>,
 }
 
-const CLOSE: Command = Command::TogglePanel(Panel::Files);
+pub(crate) const CLOSE: Command = Command::TogglePanel(Panel::Files);
 const READING: &str = "reading this folder; a slow disk or network takes a while";
 const PAGE: usize = 10;
 
@@ -190,7 +190,7 @@ impl FileBrowser {
 
     /// Shows the entries of a folder that has been read, and the folders that the system provides.
     pub fn update(&mut self) {
-        while let Some(answer) = self.reader.answer() {
+        for answer in self.reader.answers() {
             match answer {
                 Answer::Places(places) => self.show_places(places),
                 Answer::Folder(folder, listing) if folder == self.folder => self.show_listing(listing),

@@ -34,21 +34,21 @@ impl HelpPanel {
     }
 
     /// Handles a key; `command` is true while Ctrl or Command is held. Letters search, arrows select, and Enter
-    /// carries out the selected row. H and F1 close the table; H searches once there is a search text. Returns true if
-    /// the table used the key, and the key's commands.
-    pub fn handle_key(&mut self, key: &Key, command: bool) -> (bool, Vec<Command>) {
+    /// carries out the selected row. H and F1 close the table; H searches once there is a search text. Returns
+    /// the key's commands; `None` for a key that belongs to the show.
+    pub fn handle_key(&mut self, key: &Key, command: bool) -> Option<Vec<Command>> {
         let last = self.rows().len().saturating_sub(1);
         let selected = match key {
-            Key::Named(NamedKey::Escape) if self.query().is_empty() => return (true, vec![CLOSE]),
-            Key::Named(NamedKey::F1) => return (true, vec![CLOSE]),
+            Key::Named(NamedKey::Escape) if self.query().is_empty() => return Some(vec![CLOSE]),
+            Key::Named(NamedKey::F1) => return Some(vec![CLOSE]),
             // Before a search, Space pauses.
-            Key::Named(NamedKey::Space) if self.query().is_empty() => return (false, Vec::new()),
+            Key::Named(NamedKey::Space) if self.query().is_empty() => return None,
             Key::Character(letter)
                 if self.query().is_empty() && !command && letter.eq_ignore_ascii_case("h") =>
             {
-                return (true, vec![CLOSE]);
+                return Some(vec![CLOSE]);
             }
-            Key::Named(NamedKey::Enter) => return (true, self.pick(self.selected)),
+            Key::Named(NamedKey::Enter) => return Some(self.pick(self.selected)),
             Key::Named(NamedKey::ArrowUp) => self.selected.saturating_sub(1),
             Key::Named(NamedKey::ArrowDown) => self.selected + 1,
             Key::Named(NamedKey::PageUp) => self.selected.saturating_sub(PAGE),
@@ -61,12 +61,12 @@ impl HelpPanel {
                     self.selected = self.row_of_key().unwrap_or(0);
                     self.revision += 1;
                 }
-                return (changed, Vec::new());
+                return changed.then(Vec::new);
             }
         };
         self.selected = selected.min(last);
         self.revision += 1;
-        (true, Vec::new())
+        Some(Vec::new())
     }
 
     /// The commands of the matching row with this index. They close the table, unless the row's key repeats.
@@ -101,14 +101,12 @@ mod tests {
     use mariana_commands::{Switch, bindings};
 
     fn press(help: &mut HelpPanel, key: NamedKey) -> Vec<Command> {
-        let (taken, commands) = help.handle_key(&Key::Named(key), false);
-        assert!(taken, "the table ignores {key:?}");
-        commands
+        help.handle_key(&Key::Named(key), false).unwrap_or_else(|| panic!("the table ignores {key:?}"))
     }
 
     fn typed(help: &mut HelpPanel, text: &str) {
         for letter in text.chars() {
-            assert_eq!(help.handle_key(&Key::Character(letter.to_string()), false), (true, Vec::new()));
+            assert_eq!(help.handle_key(&Key::Character(letter.to_string()), false), Some(vec![]));
         }
     }
 
@@ -151,13 +149,13 @@ mod tests {
     fn the_key_that_opens_the_table_closes_it_until_something_is_typed() {
         let mut help = HelpPanel::default();
         let h = Key::Character("h".to_owned());
-        assert_eq!(help.handle_key(&h, false), (true, vec![CLOSE]));
+        assert_eq!(help.handle_key(&h, false), Some(vec![CLOSE]));
         typed(&mut help, "s");
-        assert_eq!(help.handle_key(&h, false), (true, Vec::new()));
+        assert_eq!(help.handle_key(&h, false), Some(vec![]));
         assert_eq!(help.query(), "sh");
         assert_eq!(press(&mut help, NamedKey::F1), [CLOSE]);
         for key in [Key::Named(NamedKey::F5), Key::Named(NamedKey::ArrowLeft), Key::Other] {
-            assert_eq!(help.handle_key(&key, false), (false, Vec::new()), "{key:?} belongs to the show");
+            assert_eq!(help.handle_key(&key, false), None, "{key:?} belongs to the show");
         }
     }
 

@@ -67,6 +67,9 @@ pub struct SceneBrowser {
     /// The filters by mood and energy.
     pub filters: Filters,
     moving: Option<Moving>,
+    /// Scenes whose thumbnail or loop is to be requested.
+    wanted: Vec<SceneSource>,
+    wanted_motion: Option<SceneSource>,
     /// A number that grows whenever the list looks different.
     pub revision: u64,
 }
@@ -103,6 +106,8 @@ impl SceneBrowser {
             favourites,
             filters: Filters::default(),
             moving: None,
+            wanted: Vec::new(),
+            wanted_motion: None,
             revision: 0,
             tiles,
         };
@@ -153,33 +158,30 @@ impl SceneBrowser {
         moving.map_or(&[], |moving| &moving.frames)
     }
 
-    /// Records the drawn tiles, the number of tiles side by side, and the index of the tile that should move. Requests
-    /// missing thumbnails of the drawn tiles.
-    pub fn record_drawn(
-        &mut self,
-        places: Range<usize>,
-        columns: usize,
-        moving: Option<usize>,
-        thumbnails: &mut Thumbnails,
-    ) {
+    /// Records the drawn tiles, the number of tiles side by side, and the index of the tile that should move.
+    pub fn record_drawn(&mut self, places: Range<usize>, columns: usize, moving: Option<usize>) {
         let source = moving.and_then(|place| self.tile(place)).map(|tile| &tile.source);
         if self.moving.as_ref().map(|moving| &moving.source) != source {
             let source = source.cloned();
             self.moving = source.clone().map(|source| Moving { source, frames: Vec::new() });
-            source.into_iter().for_each(|source| thumbnails.request_motion(source));
+            self.wanted_motion = source;
         }
         self.columns = columns.max(1);
-        let mut wanted = Vec::new();
         for place in places {
             let Some(at) = self.found.get(place).copied() else { break };
             let Some(tile) = self.tiles.get_mut(at) else { continue };
             if matches!(tile.picture, TilePicture::Unseen) {
                 tile.picture = TilePicture::Coming;
-                wanted.push(tile.source.clone());
+                self.wanted.push(tile.source.clone());
             }
         }
-        if !wanted.is_empty() {
-            thumbnails.request_pictures(wanted);
+    }
+
+    /// Requests the missing thumbnails of the drawn tiles.
+    pub fn request_thumbnails(&mut self, thumbnails: &mut Thumbnails) {
+        self.wanted_motion.take().into_iter().for_each(|source| thumbnails.request_motion(source));
+        if !self.wanted.is_empty() {
+            thumbnails.request_pictures(std::mem::take(&mut self.wanted));
         }
     }
 
@@ -435,10 +437,11 @@ mod tests {
             source: SceneSource::Shipped(name.to_owned()),
             about: About::Motion(frames(count)),
         };
-        browser.record_drawn(0..2, 2, Some(1), &mut thumbnails);
+        browser.record_drawn(0..2, 2, Some(1));
+        browser.request_thumbnails(&mut thumbnails);
         browser.store(vec![moved("b", 5), moved("a", 3)]);
         assert_eq!([0, 1, 2].map(|place| browser.frames(place).len()), [0, 5, 0]);
-        browser.record_drawn(0..2, 2, None, &mut thumbnails);
+        browser.record_drawn(0..2, 2, None);
         assert!(browser.frames(1).is_empty());
     }
 

@@ -83,24 +83,18 @@ impl SettingsPanel {
         self.revision += 1;
     }
 
-    /// Handles a key: arrows select and change, Enter chooses the next value. Returns true if the panel used the key,
-    /// and the key's command.
-    pub fn handle_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+    /// Handles a key: arrows select and change, Enter chooses the next value. Returns the key's commands;
+    /// `None` for a key that belongs to the show.
+    pub fn handle_key(&mut self, key: &Key) -> Option<Vec<Command>> {
         let command = match key {
-            Key::Named(NamedKey::ArrowUp) => {
-                self.select(self.selected.saturating_sub(1));
-                None
-            }
-            Key::Named(NamedKey::ArrowDown) => {
-                self.select(self.selected + 1);
-                None
-            }
+            Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(1)),
+            Key::Named(NamedKey::ArrowDown) => self.select(self.selected + 1),
             Key::Named(NamedKey::ArrowLeft) => self.step(false),
             Key::Named(NamedKey::ArrowRight) => self.step(true),
             Key::Named(NamedKey::Enter) => self.enter(),
-            _ => return (false, None),
+            _ => return None,
         };
-        (true, command)
+        Some(Vec::from_iter(command))
     }
 
     /// Selects a row and chooses one of its values.
@@ -146,10 +140,11 @@ impl SettingsPanel {
         }
     }
 
-    fn select(&mut self, row: usize) {
+    fn select(&mut self, row: usize) -> Option<Command> {
         let row = row.min(self.rows.len().saturating_sub(1));
         self.revision += u64::from(row != self.selected);
         self.selected = row;
+        None
     }
 
     fn step(&mut self, forward: bool) -> Option<Command> {
@@ -268,9 +263,8 @@ pub(crate) mod tests {
     }
 
     fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<Command> {
-        let (taken, change) = panel.handle_key(&Key::Named(key));
-        assert!(taken, "the panel ignores {key:?}");
-        change
+        let commands = panel.handle_key(&Key::Named(key));
+        commands.unwrap_or_else(|| panic!("the panel ignores {key:?}")).pop()
     }
 
     fn set(setting: Setting) -> Option<Command> {
@@ -317,7 +311,7 @@ pub(crate) mod tests {
         assert_eq!(panel.rows[panel.selected].name, "Crop");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
-            assert_eq!(panel.handle_key(&key), (false, None), "{key:?} belongs to the show");
+            assert_eq!(panel.handle_key(&key), None, "{key:?} belongs to the show");
         }
     }
 

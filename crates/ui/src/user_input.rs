@@ -67,11 +67,6 @@ impl UserInput {
     pub fn pointer(&self) -> ([f64; 2], bool) {
         self.pointer.place()
     }
-
-    /// True while a shift key is held.
-    pub fn shift_held(&self) -> bool {
-        self.held.shift_key()
-    }
 }
 
 #[cfg(test)]

@@ -87,9 +87,9 @@ impl VideoPanel {
         self.revision += 1;
     }
 
-    /// Handles a key: up and down select a row, left and right an option or a button, Enter presses. Returns true if
-    /// the panel used the key, and the key's command.
-    pub fn handle_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+    /// Handles a key: up and down select a row, left and right an option or a button, Enter presses. Returns the
+    /// key's commands; `None` for a key that belongs to the show.
+    pub fn handle_key(&mut self, key: &Key) -> Option<Vec<Command>> {
         let command = match key {
             Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(1)),
             Key::Named(NamedKey::ArrowDown) => self.select(self.selected + 1),
@@ -98,11 +98,11 @@ impl VideoPanel {
             Key::Named(NamedKey::Enter) => self.press(),
             Key::Named(NamedKey::Delete) => match self.rows.get(self.selected) {
                 Some(VideoRow::Job { id, .. }) => Some(job(*id, JobAction::Remove)),
-                _ => return (false, None),
+                _ => return None,
             },
-            _ => return (false, None),
+            _ => return None,
         };
-        (true, command)
+        Some(Vec::from_iter(command))
     }
 
     fn select(&mut self, row: usize) -> Option<Command> {
@@ -209,7 +209,7 @@ pub(crate) mod tests {
         use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Delete, Enter};
         let mut panel = VideoPanel::default();
         panel.update(rows(0));
-        let mut press = |key| panel.handle_key(&Key::Named(key)).1;
+        let mut press = |key| panel.handle_key(&Key::Named(key)).unwrap().pop();
         assert_eq!(press(Enter), Some(Command::Video(VideoEdit::Make)));
         assert_eq!((press(ArrowUp), press(ArrowRight)), (None, None));
         assert_eq!(press(Enter), Some(choose(VideoChoice::Marks, 1)));
@@ -217,7 +217,7 @@ pub(crate) mod tests {
         assert_eq!(press(ArrowRight), Some(choose(VideoChoice::Place, 1)));
         // The queue appears above the choices, and the selected row stays.
         panel.update(rows(2));
-        let mut press = |key| panel.handle_key(&Key::Named(key)).1;
+        let mut press = |key| panel.handle_key(&Key::Named(key)).unwrap().pop();
         assert_eq!(press(ArrowRight), Some(choose(VideoChoice::Place, 1)));
         assert_eq!((press(ArrowUp), press(ArrowRight)), (None, None));
         assert_eq!(press(Enter), Some(job(2, JobAction::Remove)));
@@ -226,7 +226,7 @@ pub(crate) mod tests {
         (0..9).for_each(|_| assert_eq!(press(ArrowDown), None));
         assert_eq!(press(Enter), Some(Command::Video(VideoEdit::Make)));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(Delete)] {
-            assert_eq!(panel.handle_key(&key), (false, None), "{key:?} belongs to the show");
+            assert_eq!(panel.handle_key(&key), None, "{key:?} belongs to the show");
         }
     }
 }

@@ -43,14 +43,8 @@ impl Phones {
         if self.remote.is_none() {
             return;
         }
-        let title = looked.source.title();
-        let is_there = match &looked.about {
-            About::Picture(_, jpeg) => self.album.put(&title, jpeg.clone()),
-            About::NoPicture(_) => false,
-            About::Description(_) | About::Motion(_) => return,
-        };
-        if !is_there {
-            self.album.miss(&title);
+        if let About::Picture(_, jpeg) = &looked.about {
+            let _ = self.album.put(&looked.source.title(), jpeg.clone());
         }
     }
 

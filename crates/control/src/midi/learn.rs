@@ -33,38 +33,28 @@ impl Learning {
 
     /// Processes a knob movement at `now`, in seconds. Released keys and key pressure are ignored.
     pub fn notice(&mut self, moved: &KnobMove, now: f64) {
-        let is_meant = match moved.source {
-            Source::Note { .. } | Source::Program { .. } => moved.presses > 0,
-            Source::Pressure { .. } => false,
-            Source::Control { .. }
-            | Source::FineControl { .. }
-            | Source::Increment { .. }
-            | Source::Bend { .. } => true,
-        };
-        if !is_meant {
+        let is_let_go = moved.source.is_pressed() && moved.presses == 0;
+        if is_let_go || matches!(moved.source, Source::Pressure { .. }) {
             return;
         }
-        match (&self.moved, moved.source) {
-            (None, source) => self.moved = Some((moved.device.clone(), source, now)),
+        let Some((device, known, _)) = &mut self.moved else {
+            self.moved = Some((moved.device.clone(), moved.source, now));
+            return;
+        };
+        let is_same_knob = match (*known, moved.source) {
             // The knob that moved has 14 bits: learn the 14-bit control.
-            (
-                Some((device, Source::Control { channel, number }, since)),
-                fine @ Source::FineControl { .. },
-            ) if *device == moved.device
-                && [*number, number.wrapping_sub(32)]
-                    .iter()
-                    .any(|number| fine == Source::FineControl { channel: *channel, number: *number }) =>
-            {
-                self.moved = Some((device.clone(), fine, *since));
+            (Source::Control { channel, number }, Source::FineControl { channel: of, number: coarse }) => {
+                channel == of && [number, number.wrapping_sub(32)].contains(&coarse)
             }
             // The knob repeats data increments: learn its steps.
             (
-                Some((device, Source::Control { channel, number: INCREMENT | DECREMENT }, since)),
-                steps @ Source::Increment { channel: of },
-            ) if *device == moved.device && *channel == of => {
-                self.moved = Some((device.clone(), steps, *since));
-            }
-            _ => {}
+                Source::Control { channel, number: INCREMENT | DECREMENT },
+                Source::Increment { channel: of },
+            ) => channel == of,
+            _ => false,
+        };
+        if is_same_knob && *device == moved.device {
+            *known = moved.source;
         }
     }
 

@@ -4,7 +4,7 @@ use regex_lite::Regex;
 use rosc::{OscMessage, OscType};
 
 use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
-use crate::{Amount, ChangedBy, ParamChange, limits};
+use crate::{Amount, ChangedBy, InputQueue, ParamChange, limits};
 
 /// The request in a message.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,8 +15,37 @@ pub enum Asked {
     Act(Action),
     /// Answer a query.
     Tell(Query),
-    /// Do nothing: a button was released.
+    /// Do nothing: a button was released, or the action ignores this number.
     Nothing,
+}
+
+impl Asked {
+    /// Returns the request to run an action with this value.
+    ///
+    /// # Errors
+    /// [`Refused::Unknown`] if the action does not take this kind of value.
+    pub fn of(row: ActionRow, given: ActionValue) -> Result<Self, Refused> {
+        let is_let_go = matches!(given, ActionValue::Number(_));
+        match row.wanted(given) {
+            Some(action) => Ok(Self::Act(action)),
+            None if is_let_go => Ok(Self::Nothing),
+            None => Err(Refused::Unknown),
+        }
+    }
+
+    /// Queues the request in a message, or counts its refusal. Returns the query that the message asks.
+    pub fn queue(asked: Result<Self, Refused>, input: &InputQueue) -> Option<Query> {
+        match asked {
+            Ok(Self::Turn(change)) => input.turn(change),
+            Ok(Self::Act(action)) => input.act(action),
+            Ok(Self::Tell(query)) => return Some(query),
+            Ok(Self::Nothing) => {}
+            Err(Refused::Rubbish) => input.refuse(|refusals| refusals.rubbish += 1),
+            Err(Refused::Unknown) => input.refuse(|refusals| refusals.unknown += 1),
+            Err(Refused::NotANumber) => input.refuse(|refusals| refusals.not_numbers += 1),
+        }
+        None
+    }
 }
 
 /// A query for the state of the show.
@@ -43,7 +72,9 @@ pub enum Query {
 /// The reason for rejecting a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// The address is unknown, or the argument does not fit.
+    /// The message is malformed.
+    Rubbish,
+    /// The address or the action is unknown, or the argument does not fit.
     Unknown,
     /// A value is not a finite number.
     NotANumber,
@@ -129,13 +160,7 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
             let row = row_of(actions, name).ok_or(Refused::Unknown)?;
             // A text is the name of a choice, and otherwise a number.
             let given = if row.takes == ValueType::Choice { given(0)? } else { number(0)? };
-            let given = given.unwrap_or_default();
-            let is_let_go = matches!(given, ActionValue::Number(_));
-            match row.wanted(given) {
-                Some(action) => Ok(Asked::Act(action)),
-                None if is_let_go => Ok(Asked::Nothing),
-                None => Err(Refused::Unknown),
-            }
+            Asked::of(row, given.unwrap_or_default())
         }
         _ => Err(Refused::Unknown),
     }

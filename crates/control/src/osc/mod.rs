@@ -9,6 +9,6 @@ mod sender;
 
 pub use address::{Asked, FixedAddress, Pattern, Query, Refused, fixed_addresses, is_pattern, understand};
 pub use packet::{Timed, messages};
-pub use place::{Place, PlaceError};
+pub use place::{Place, PlaceError, PortState};
 pub use receiver::{OscReceiver, ReceiverState};
 pub use sender::{OscSender, Sample};

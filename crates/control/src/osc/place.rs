@@ -4,6 +4,12 @@ use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use mariana_work::lock;
+
+use crate::limits;
 
 /// A host and a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,6 +30,30 @@ pub enum PlaceError {
     /// The port is out of range, and [port 0](Place::parse) is allowed.
     #[error("the port must be a number from 1 to 65535, or 0 for any free port")]
     NoPortNorAny,
+}
+
+/// The state of a port that a thread opens.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum PortState<T> {
+    /// The port is being opened.
+    #[default]
+    Opening,
+    /// The port is open.
+    Open(T),
+    /// The port cannot be opened; the text explains the reason. The thread keeps trying.
+    Refused(String),
+}
+
+impl<T: PartialEq> PortState<T> {
+    /// Stores this state, and calls `wake` if it differs from the state before.
+    pub fn store_in(self, shared: &Mutex<Self>, wake: impl Fn()) {
+        let mut known = lock(shared);
+        if *known != self {
+            *known = self;
+            drop(known);
+            wake();
+        }
+    }
 }
 
 const LOOPBACK: &str = "127.0.0.1";
@@ -70,6 +100,42 @@ impl Place {
     pub fn resolve(&self) -> io::Result<SocketAddr> {
         let nobody = || io::Error::new(io::ErrorKind::NotFound, "no computer has this name");
         (&*self.host, self.port).to_socket_addrs()?.next().ok_or_else(nobody)
+    }
+
+    /// Opens the port, retrying while `open` fails. Returns `None` if `is_over` becomes true first. `refused` gets the
+    /// reason of each failure as a sentence, in which `name` is what uses the port, and `flag` chooses the port.
+    pub fn open_when_free<T>(
+        &self,
+        name: &str,
+        flag: &str,
+        is_over: &AtomicBool,
+        open: impl Fn(SocketAddr) -> io::Result<T>,
+        refused: impl Fn(String),
+    ) -> Option<T> {
+        while !is_over.load(Ordering::Relaxed) {
+            match self.resolve().and_then(&open) {
+                Ok(opened) => return Some(opened),
+                Err(error) => refused(self.refusal(name, flag, &error)),
+            }
+            std::thread::sleep(limits::PORT_RETRY);
+        }
+        None
+    }
+
+    fn refusal(&self, name: &str, flag: &str, error: &io::Error) -> String {
+        let sentence = match error.kind() {
+            io::ErrorKind::AddrInUse => format!(
+                "{name} is off: another program uses {self}; close it, or choose another port with {flag}"
+            ),
+            io::ErrorKind::PermissionDenied => {
+                format!("{name} is off: the system denies {self}; choose a port above 1023 with {flag}")
+            }
+            io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => format!(
+                "{name} is off: {self} is not an address of this computer; give {flag} one of its addresses"
+            ),
+            _ => format!("{name} on {self} failed ({error}); choose another address with {flag}"),
+        };
+        sentence + " (Mariana keeps trying)"
     }
 }
 

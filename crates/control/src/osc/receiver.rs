@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::io;
-use std::mem::replace;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime};
 
+use mariana_work::lock;
 use rosc::{OscMessage, OscPacket, OscTime, OscType, encoder};
 
-use super::address::{Asked, Pattern, Query, Refused, fixed_addresses, is_pattern, understand};
+use super::address::{Asked, Pattern, Query, fixed_addresses, is_pattern, understand};
 use super::packet::messages;
-use super::place::Place;
+use super::place::{Place, PortState};
 use crate::action::ActionRow;
 use crate::{Board, InputQueue, Present, Slider, limits};
 
@@ -21,17 +21,8 @@ const LOOK: Duration = Duration::from_millis(200);
 const LEAST_LOOK: Duration = Duration::from_millis(1);
 const PACKET_MAX: usize = 65_535;
 
-/// The state of the receiver.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum ReceiverState {
-    /// The port is being opened.
-    #[default]
-    Opening,
-    /// Messages are received.
-    Open(SocketAddr),
-    /// The port cannot be opened; the text explains the reason. The receiver keeps trying.
-    Refused(String),
-}
+/// The state of the receiver: it is open at an address.
+pub type ReceiverState = PortState<SocketAddr>;
 
 /// Receives OSC until it is dropped.
 pub struct OscReceiver {
@@ -55,13 +46,15 @@ impl OscReceiver {
         let (state, is_over) = (Arc::default(), Arc::<AtomicBool>::default());
         let receiver = Self { state: Arc::clone(&state), is_over: is_over.clone() };
         std::thread::Builder::new().name("OSC in".into()).spawn(move || {
-            let set_state = |now: ReceiverState| {
-                let before = replace(&mut *lock(&state), now.clone());
-                if before != now {
-                    wake();
-                }
+            let set_state = |now: ReceiverState| now.store_in(&state, &wake);
+            let open = |address: SocketAddr| {
+                let socket = UdpSocket::bind(address)?;
+                socket.set_read_timeout(Some(LOOK))?;
+                set_state(ReceiverState::Open(socket.local_addr()?));
+                Ok(socket)
             };
-            if let Some(socket) = open_when_free(&place, &is_over, set_state) {
+            let refused = |why| set_state(ReceiverState::Refused(why));
+            if let Some(socket) = place.open_when_free("OSC input", "--osc", &is_over, open, refused) {
                 Hearing { actions, input_queue, board }.run(&socket, &is_over);
             }
         })?;
@@ -79,56 +72,6 @@ impl Drop for OscReceiver {
         // Do not wait: the thread ends by itself.
         self.is_over.store(true, Ordering::Relaxed);
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Opens the port, retrying while it is refused. Returns `None` if the receiver is dropped first.
-fn open_when_free(
-    place: &Place,
-    is_over: &AtomicBool,
-    set_state: impl Fn(ReceiverState),
-) -> Option<UdpSocket> {
-    while !is_over.load(Ordering::Relaxed) {
-        match open(place) {
-            Ok((socket, address)) => {
-                set_state(ReceiverState::Open(address));
-                return Some(socket);
-            }
-            Err(error) => set_state(ReceiverState::Refused(refusal(place, &error))),
-        }
-        std::thread::sleep(limits::PORT_RETRY);
-    }
-    None
-}
-
-fn open(place: &Place) -> io::Result<(UdpSocket, SocketAddr)> {
-    let socket = UdpSocket::bind(place.resolve()?)?;
-    socket.set_read_timeout(Some(LOOK))?;
-    let address = socket.local_addr()?;
-    Ok((socket, address))
-}
-
-fn refusal(place: &Place, error: &io::Error) -> String {
-    let sentence = match error.kind() {
-        io::ErrorKind::AddrInUse => {
-            format!(
-                "OSC input is off: another program uses {place}; close it, or choose another port with --osc"
-            )
-        }
-        io::ErrorKind::PermissionDenied => {
-            format!("OSC input is off: the system denies {place}; choose a port above 1023 with --osc")
-        }
-        io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => {
-            format!(
-                "OSC input is off: {place} is not an address of this computer; give --osc one of its addresses"
-            )
-        }
-        _ => format!("OSC input on {place} failed ({error}); choose another address with --osc"),
-    };
-    sentence + " (Mariana keeps trying)"
 }
 
 struct Hearing {
@@ -225,16 +168,9 @@ impl Hearing {
     }
 
     fn obey_one(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
-        match understand(message, self.actions) {
-            Ok(Asked::Turn(change)) => self.input_queue.turn(change),
-            Ok(Asked::Act(action)) => self.input_queue.act(action),
-            Ok(Asked::Tell(query)) => {
-                answers.extend(self.board.read(|present| answers_to(&query, present, self.actions)));
-                answers.truncate(limits::OSC_ANSWERS_MAX);
-            }
-            Ok(Asked::Nothing) => {}
-            Err(Refused::Unknown) => self.input_queue.refuse(|refusals| refusals.unknown += 1),
-            Err(Refused::NotANumber) => self.input_queue.refuse(|refusals| refusals.not_numbers += 1),
+        if let Some(query) = Asked::queue(understand(message, self.actions), &self.input_queue) {
+            answers.extend(self.board.read(|present| answers_to(&query, present, self.actions)));
+            answers.truncate(limits::OSC_ANSWERS_MAX);
         }
     }
 }

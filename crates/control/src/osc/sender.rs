@@ -3,9 +3,10 @@
 use std::io;
 use std::net::UdpSocket;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use mariana_work::lock;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 
 use super::place::Place;
@@ -46,7 +47,7 @@ impl OscSender {
                 let Err(error) = send(&place, interval, &sample, &is_over) else { continue };
                 let sentence =
                     format!("audio features cannot be sent to {place} ({error}); Mariana keeps trying");
-                let mut reported = problem.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut reported = lock(&problem);
                 if reported.is_none() {
                     *reported = Some(sentence);
                     drop(reported);
@@ -60,12 +61,12 @@ impl OscSender {
 
     /// Sets the numbers to send from now on.
     pub fn put(&self, sample: Sample) {
-        *self.sample.lock().unwrap_or_else(PoisonError::into_inner) = sample;
+        *lock(&self.sample) = sample;
     }
 
     /// Returns the first problem, if any.
     pub fn problem(&self) -> Option<String> {
-        self.problem.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.problem).clone()
     }
 }
 
@@ -84,7 +85,7 @@ fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &Ato
         // After the computer was suspended, do not send the missed packets.
         due = (due + interval).max(now);
         std::thread::sleep(due.saturating_duration_since(now));
-        let sample = sample.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let sample = lock(sample).clone();
         for bytes in packets(sample) {
             match socket.send_to(&bytes, to) {
                 // Keep sending: no program is listening yet.

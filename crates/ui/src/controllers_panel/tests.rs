@@ -96,15 +96,15 @@ fn keys_learn_change_and_forget() {
     let mut panel = panel(&[knob(size())], None);
     assert_eq!(
         panel.handle_key(&key(NamedKey::Enter)),
-        (true, Some(Command::EditMappings(KnobEdit::Clock(false))))
+        Some(vec![Command::EditMappings(KnobEdit::Clock(false))])
     );
     panel.handle_key(&key(NamedKey::ArrowDown));
-    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
+    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).unwrap().pop(), Some(Command::Learn(size())));
     panel.handle_key(&key(NamedKey::ArrowDown));
     let mut after = knob(size());
     after.range = [0.25, 1.0];
     assert_eq!(
-        panel.handle_key(&key(NamedKey::Enter)).1,
+        panel.handle_key(&key(NamedKey::Enter)).unwrap().pop(),
         Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
     );
     panel.handle_key(&key(NamedKey::ArrowRight));
@@ -112,14 +112,14 @@ fn keys_learn_change_and_forget() {
     let mut after = knob(size());
     after.range = [1.0, 0.0];
     assert_eq!(
-        panel.handle_key(&key(NamedKey::Enter)).1,
+        panel.handle_key(&key(NamedKey::Enter)).unwrap().pop(),
         Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
     );
     assert_eq!(
-        panel.handle_key(&key(NamedKey::Delete)).1,
+        panel.handle_key(&key(NamedKey::Delete)).unwrap().pop(),
         Some(Command::EditMappings(KnobEdit::Remove(knob(size()))))
     );
-    assert_eq!(panel.handle_key(&Key::Character("n".into())), (false, None), "letters belong to the show");
+    assert_eq!(panel.handle_key(&Key::Character("n".into())), None, "letters belong to the show");
     for _ in 0..100 {
         panel.handle_key(&key(NamedKey::ArrowDown));
     }
@@ -149,7 +149,7 @@ fn a_row_that_moves_stays_selected() {
         mappings: &[],
         learning: None,
     });
-    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).1, Some(Command::Learn(next)));
+    assert_eq!(panel.handle_key(&key(NamedKey::Enter)).unwrap().pop(), Some(Command::Learn(next)));
 }
 
 #[test]

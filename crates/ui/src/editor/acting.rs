@@ -10,7 +10,7 @@ use super::keys::{action_of, way_of};
 use super::params::NewParam;
 use super::proposing::Choice;
 use super::turning::KeyTurn;
-use super::{Document, EditAction, Editor, EditorEvent, Question};
+use super::{Document, EditAction, Editor, Question};
 
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
@@ -84,18 +84,14 @@ impl Editor {
             Key::Named(NamedKey::Enter) if plain => self.edit(|editing| editing.insert_line()),
             Key::Named(NamedKey::Backspace) => {
                 let was = self.proposals.shown().is_some();
-                self.edit(|editing| {
-                    editing.delete(if word { Move::WordLeft } else { Move::Left });
-                    Ok(())
-                });
+                self.change(|editing| editing.delete(if word { Move::WordLeft } else { Move::Left }));
                 if was {
                     self.propose(false);
                 }
             }
-            Key::Named(NamedKey::Delete) => self.edit(|editing| {
-                editing.delete(if word { Move::WordRight } else { Move::Right });
-                Ok(())
-            }),
+            Key::Named(NamedKey::Delete) => {
+                self.change(|editing| editing.delete(if word { Move::WordRight } else { Move::Right }));
+            }
             Key::Named(NamedKey::Tab) if plain => self.edit(|editing| {
                 let several = editing.selected().contains(&b'\n');
                 match (several, select) {
@@ -169,56 +165,22 @@ fn is_editing_key(key: &Key) -> bool {
 }
 
 impl Editor {
-    /// Handles an event of the pointer or of a button.
-    pub fn obey(&mut self, request: EditorEvent) {
-        match request {
-            EditorEvent::Press { at, clicks, select } => self.press(at, clicks, select),
-            EditorEvent::DragTo(at) => {
-                self.with_text(|document| document.editing.move_to(at, true));
-            }
-            EditorEvent::Grab(at) => self.grab(at),
-            EditorEvent::Turn { points, speed } => {
-                self.turn(|held_numbers, texts| held_numbers.turn(f64::from(points), speed, texts));
-            }
-            EditorEvent::LetGo => self.let_go(),
-            EditorEvent::PickColor(at) => self.pick_color(at),
-            EditorEvent::ClosePicker => {
-                self.held_numbers.close_picker(&mut self.texts);
-                self.revision += 1;
-            }
-            EditorEvent::SetColor(color) => self.set_color(color),
-            EditorEvent::MovePlace(way) => self.move_place(way),
-            EditorEvent::Scroll { rows } => {
-                self.texts.documents.scroll(rows);
-                self.revision += 1;
-            }
-            EditorEvent::Drawn { rows, columns } => {
-                if self.texts.documents.resize(rows, columns) {
-                    self.revision += 1;
-                    self.texts.documents.reveal();
-                }
-            }
-            EditorEvent::Act(command) => self.act_with(command, false),
-            EditorEvent::ShowText(number) => self.show_text(number),
-            EditorEvent::GoToProbed => {
-                if let Some((number, range)) = self.picture.written() {
-                    self.select(number, range);
-                }
-                self.set_focus(true);
-            }
-            EditorEvent::CloseProbed => {
-                self.close_probed();
-            }
-            EditorEvent::GoTo { text, byte } => {
-                self.set_focus(true);
-                self.select(text, byte..byte);
-            }
-            EditorEvent::Take(number) => self.accept_proposal(number),
-            EditorEvent::Answer { first } => self.apply_answer(first),
+    /// Scrolls the text by rows, positive downwards.
+    pub(crate) fn scroll(&mut self, rows: f32) {
+        self.texts.documents.scroll(rows);
+        self.revision += 1;
+    }
+
+    /// Records how many rows are visible, and how many columns each row has.
+    pub(crate) fn record_drawn(&mut self, rows: usize, columns: usize) {
+        if self.texts.documents.resize(rows, columns) {
+            self.revision += 1;
+            self.texts.documents.reveal();
         }
     }
 
-    fn press(&mut self, at: usize, clicks: u8, select: bool) {
+    /// Handles a press of the pointer at an offset: 2 `clicks` select the word, 3 the line.
+    pub(crate) fn press(&mut self, at: usize, clicks: u8, select: bool) {
         self.set_focus(true);
         self.focus.ignores_repeats = false;
         self.close_small();
@@ -230,6 +192,15 @@ impl Editor {
                 document.editing.select_line(line);
             }
         });
+    }
+
+    pub(crate) fn drag_to(&mut self, at: usize) {
+        self.with_text(|document| document.editing.move_to(at, true));
+    }
+
+    /// Carries out the action of a button.
+    pub(crate) fn act(&mut self, action: EditAction) {
+        self.act_with(action, false);
     }
 
     fn act_with(&mut self, action: EditAction, shift: bool) {
@@ -246,11 +217,10 @@ impl Editor {
             EditAction::Copy => self.copy(),
             EditAction::Cut => {
                 self.copy();
-                self.edit(|editing| {
+                self.change(|editing| {
                     if !editing.selection().is_empty() {
                         editing.delete(Move::Right);
                     }
-                    Ok(())
                 });
             }
             EditAction::Paste => self.clipboard.paste(),
@@ -259,10 +229,7 @@ impl Editor {
             }
             EditAction::Find => self.begin_find(),
             EditAction::FindNext { forward } => self.find_next(forward),
-            EditAction::ToggleComment => self.edit(|editing| {
-                editing.toggle_comment();
-                Ok(())
-            }),
+            EditAction::ToggleComment => self.change(Editing::toggle_comment),
             EditAction::Format => {
                 let mut is_correct = true;
                 self.edit(|editing| {
@@ -329,12 +296,17 @@ impl Editor {
         self.revision += 1;
     }
 
-    fn step(&mut self, step: impl FnOnce(&mut Editing) -> bool, nothing: &str) {
-        let mut done = false;
+    /// Edits the text in a way that cannot make it too long.
+    fn change(&mut self, change: impl FnOnce(&mut Editing)) {
         self.edit(|editing| {
-            done = step(editing);
+            change(editing);
             Ok(())
         });
+    }
+
+    fn step(&mut self, step: impl FnOnce(&mut Editing) -> bool, nothing: &str) {
+        let mut done = false;
+        self.change(|editing| done = step(editing));
         if !done && self.notice.words().is_none() {
             self.show_notice(nothing);
         }
@@ -368,15 +340,16 @@ impl Editor {
         }
     }
 
-    pub(super) fn show_text(&mut self, number: usize) {
+    pub(crate) fn show_text(&mut self, number: usize) {
         if let Some(file) = self.texts.found.file(number).map(std::path::Path::to_owned) {
             self.close_small();
             self.texts.show(&file);
         }
     }
 
-    fn apply_answer(&mut self, first: bool) {
-        let Some(question) = self.texts.drain_question() else { return };
+    pub(crate) fn apply_answer(&mut self, first: bool) {
+        let document = self.texts.documents.shown_mut();
+        let Some(question) = document.and_then(|document| document.question.take()) else { return };
         match (question, first) {
             (Question::Kept(kept), true) => self.edit(|editing| editing.replace_all(&kept.text)),
             (Question::Kept(_), false) => self.texts.forget_kept(),
@@ -429,7 +402,7 @@ impl Editor {
         }
     }
 
-    fn accept_proposal(&mut self, number: usize) {
+    pub(crate) fn accept_proposal(&mut self, number: usize) {
         if let Some(write) = self.proposals.accept(number) {
             self.edit(write);
         }

@@ -29,15 +29,6 @@ pub(crate) enum Question {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Marked {
-    /// Byte range of the mistake; empty if the mistake concerns the whole text.
-    pub range: Range<usize>,
-    pub message: String,
-    /// A suggestion. It may be empty.
-    pub hint: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Change {
     None,
     Taken,
@@ -241,38 +232,38 @@ impl Document {
     }
 
     /// The mistakes at their present positions. Leaves out mistakes whose text has been edited.
-    pub(crate) fn mistakes(&self) -> impl Iterator<Item = Marked> {
+    pub(crate) fn mistakes(&self) -> impl Iterator<Item = Mistake> {
         self.marked(&self.found.1)
     }
 
     /// The warnings at their present positions. Leaves out warnings whose text has been edited.
-    pub(crate) fn warnings(&self) -> impl Iterator<Item = Marked> {
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = Mistake> {
         self.marked(&self.warned)
     }
 
-    fn marked<'a>(&'a self, found: &'a [Mistake]) -> impl Iterator<Item = Marked> + 'a {
+    fn marked<'a>(&'a self, found: &'a [Mistake]) -> impl Iterator<Item = Mistake> + 'a {
         found.iter().filter_map(|one| {
             let range = self.editing.place(self.found.0, one.range.clone())?;
-            Some(Marked { range, message: one.message.clone(), hint: one.hint.clone() })
+            Some(Mistake { range, ..one.clone() })
         })
     }
 
     /// The warning at the cursor.
-    pub(crate) fn warning(&self) -> Option<Marked> {
+    pub(crate) fn warning(&self) -> Option<Mistake> {
         let cursor = self.editing.cursor();
         self.warnings().find(|one| (one.range.start..=one.range.end).contains(&cursor))
     }
 
-    pub(crate) fn mistake(&self) -> Option<Marked> {
+    pub(crate) fn mistake(&self) -> Option<Mistake> {
         let cursor = self.editing.cursor();
-        let at_cursor = |one: &Marked| (one.range.start..=one.range.end).contains(&cursor);
-        let all: Vec<Marked> = self.mistakes().collect();
+        let at_cursor = |one: &Mistake| (one.range.start..=one.range.end).contains(&cursor);
+        let all: Vec<Mistake> = self.mistakes().collect();
         all.iter().find(|one| at_cursor(one)).or(all.first()).cloned()
     }
 
-    pub(super) fn next_mistake(&self) -> Option<Marked> {
+    pub(super) fn next_mistake(&self) -> Option<Mistake> {
         let cursor = self.editing.cursor();
-        let all: Vec<Marked> = self.mistakes().collect();
+        let all: Vec<Mistake> = self.mistakes().collect();
         all.iter().find(|one| one.range.start > cursor).or(all.first()).cloned()
     }
 

@@ -51,12 +51,6 @@ impl Files {
         Ok(())
     }
 
-    pub(super) fn overwrite(&self, document: &Document) {
-        if let Some(file) = document.file() {
-            self.file_thread.save(file, document.bytes(), None);
-        }
-    }
-
     pub(super) fn copy(&self, document: &Document) -> Result<(), &'static str> {
         let folder = self.file_thread.own_scenes().ok_or(NO_FOLDER)?;
         self.file_thread.create(folder, &document.name(), document.bytes());

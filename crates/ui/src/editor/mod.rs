@@ -52,7 +52,7 @@ pub use keys::EditAction;
 use mariana_control::SoundBinding;
 use mariana_editing::{Number, Refused, TurnSpeed};
 use notice::Notice;
-pub(crate) use object_previews::{ObjectPreview, SIDE as PREVIEW_SIDE};
+pub(crate) use object_previews::ObjectPreview;
 use probed::Picture;
 pub(crate) use probed::{Light, parts_of};
 use proposing::Proposals;
@@ -68,75 +68,6 @@ use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
 use mariana_scenes::probing::Answer;
 use mariana_scenes::{Drafts, SceneSource};
-
-/// An event of the pointer in the editor. Positions are byte offsets in the visible text.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum EditorEvent {
-    /// The pointer was pressed at an offset.
-    Press {
-        /// The byte offset of the press.
-        at: usize,
-        /// 1 for a single click, 2 for a double click, 3 for a triple click.
-        clicks: u8,
-        /// True to extend the selection.
-        select: bool,
-    },
-    /// The pointer was dragged to an offset.
-    DragTo(usize),
-    /// The number at an offset was grabbed.
-    Grab(usize),
-    /// The grabbed number was turned.
-    Turn {
-        /// Movement to the right, in points.
-        points: f32,
-        /// Speed of the turn.
-        speed: TurnSpeed,
-    },
-    /// The grabbed numbers were released.
-    LetGo,
-    /// The colour at an offset was clicked: open the picker.
-    PickColor(usize),
-    /// The picker was closed.
-    ClosePicker,
-    /// The picker's colour changed.
-    SetColor([f64; 3]),
-    /// The position whose numbers are at the cursor was dragged by this vector, in scene coordinates.
-    MovePlace([f64; 3]),
-    /// The text was scrolled.
-    Scroll {
-        /// Rows, positive downwards.
-        rows: f32,
-    },
-    /// The text was laid out with this many visible rows, and columns in each row.
-    Drawn {
-        /// Visible rows.
-        rows: usize,
-        /// Columns of a row.
-        columns: usize,
-    },
-    /// A button with a key's action was clicked.
-    Act(EditAction),
-    /// The tab of a text was clicked.
-    ShowText(usize),
-    /// The card's source line was clicked.
-    GoToProbed,
-    /// The card was closed.
-    CloseProbed,
-    /// A row of the cost table was clicked: go to a byte of one of the scene's loaded texts.
-    GoTo {
-        /// The text's number.
-        text: usize,
-        /// The byte offset.
-        byte: usize,
-    },
-    /// A proposal was clicked.
-    Take(usize),
-    /// An answer above the text was clicked.
-    Answer {
-        /// True for the first answer.
-        first: bool,
-    },
-}
 
 /// The state of the editor.
 pub struct Editor {
@@ -329,6 +260,20 @@ impl Editor {
         self.revision += 1;
     }
 
+    /// Goes to the line that drew the clicked point.
+    pub(crate) fn jump_to_probed(&mut self) {
+        if let Some((number, range)) = self.picture.written() {
+            self.select(number, range);
+        }
+        self.set_focus(true);
+    }
+
+    /// Goes to a byte of one of the scene's loaded texts.
+    pub(crate) fn jump_to(&mut self, text: usize, byte: usize) {
+        self.set_focus(true);
+        self.select(text, byte..byte);
+    }
+
     /// Closes the card of the clicked point. Returns true if the card was open.
     pub fn close_probed(&mut self) -> bool {
         let was = self.picture.close_probed();
@@ -343,7 +288,7 @@ impl Editor {
 }
 
 impl Editor {
-    fn grab(&mut self, at: usize) {
+    pub(crate) fn grab(&mut self, at: usize) {
         self.close_small();
         match self.document().and_then(|document| document.number(at)) {
             Some((number, line_start)) => self.hold_numbers(vec![number], line_start),
@@ -373,11 +318,16 @@ impl Editor {
         self.revision += 1;
     }
 
-    fn let_go(&mut self) {
+    /// Turns the grabbed number by a movement of the pointer to the right, in points.
+    pub(crate) fn turn_number(&mut self, points: f32, speed: TurnSpeed) {
+        self.turn(|held_numbers, texts| held_numbers.turn(f64::from(points), speed, texts));
+    }
+
+    pub(crate) fn let_go(&mut self) {
         self.revision += u64::from(self.held_numbers.let_go(&mut self.texts));
     }
 
-    fn pick_color(&mut self, at: usize) {
+    pub(crate) fn pick_color(&mut self, at: usize) {
         self.let_go();
         self.set_focus(true);
         self.close_small();
@@ -391,13 +341,18 @@ impl Editor {
         self.held_numbers.pick(at);
     }
 
-    fn set_color(&mut self, color: [f64; 3]) {
+    pub(crate) fn close_picker(&mut self) {
+        self.held_numbers.close_picker(&mut self.texts);
+        self.revision += 1;
+    }
+
+    pub(crate) fn set_color(&mut self, color: [f64; 3]) {
         if self.held_numbers.picked.is_some_and(|at| self.hold_triple(at)) {
             self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
         }
     }
 
-    fn move_place(&mut self, way: [f64; 3]) {
+    pub(crate) fn move_place(&mut self, way: [f64; 3]) {
         let cursor = self.document().map(|document| document.editing.cursor());
         if cursor.is_some_and(|cursor| self.hold_triple(cursor)) {
             self.turn(|held_numbers, texts| held_numbers.move_three(way, texts));

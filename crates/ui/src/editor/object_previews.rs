@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use image::RgbaImage;
 use mariana_field::lang::examples;
 use mariana_field::ray_probe::preview;
 use mariana_work::{Worker, in_order};
 
-pub(crate) const SIDE: usize = 48;
+const SIDE: usize = 48;
 
-/// A preview: red, green, blue and coverage of each pixel, row by row from the upper left.
-pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
+/// A preview: red, green, blue and coverage of each pixel.
+pub(crate) type ObjectPreview = Arc<RgbaImage>;
 
 pub(super) struct ObjectPreviews {
     /// Finished previews; `None` while a preview is being rendered.
@@ -21,7 +22,10 @@ pub(super) struct ObjectPreviews {
 impl ObjectPreviews {
     /// Starts the thread, which calls `wake` after each preview. If the thread cannot start, there are no previews.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        let draw = |(name, formula)| Some((name, Arc::new(preview(formula, SIDE)?)));
+        let draw = |(name, formula)| {
+            let pixels = preview(formula, SIDE)?.into_flattened();
+            Some((name, Arc::new(RgbaImage::from_raw(SIDE as u32, SIDE as u32, pixels)?)))
+        };
         let painter = in_order("previews", wake, move || draw).inspect_err(|error| {
             tracing::warn!("cannot start the thread for shape previews, so the list shows none: {error}");
         });

@@ -11,7 +11,7 @@ use super::document::Document;
 pub(super) struct Outbox {
     pub(super) drafts: Drafts,
     /// True while turned numbers are frame inputs, so that turning them does not reload the text.
-    turns: bool,
+    pub(super) turns: bool,
     commands: Vec<Command>,
 }
 
@@ -34,22 +34,18 @@ impl Outbox {
             true => self.drafts.set(file, document.bytes()),
             false => self.drafts.remove(file),
         };
-        document.record_sent(version);
-        self.commands.push(Command::ReloadScene);
+        self.record_sent(version, document);
     }
 
-    /// Passes a changed text to the loader, unless only turned numbers have changed.
-    pub(super) fn draft_change(&mut self, document: &mut Document) {
-        if !self.turns {
-            self.draft(document);
-        }
+    fn record_sent(&mut self, version: u64, document: &mut Document) {
+        document.record_sent(version);
+        self.commands.push(Command::ReloadScene);
     }
 
     pub(super) fn replace_file(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = self.drafts.set(file, document.bytes());
-        document.record_sent(version);
-        self.commands.push(Command::ReloadScene);
+        self.record_sent(version, document);
     }
 
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning], document: &mut Document) -> u64 {
@@ -57,9 +53,8 @@ impl Outbox {
             self.drafts.set(file, document.bytes());
         }
         let since = self.drafts.turn(Some((file, turning)));
-        document.record_sent(since);
         self.turns = true;
-        self.commands.push(Command::ReloadScene);
+        self.record_sent(since, document);
         since
     }
 

@@ -127,7 +127,7 @@ impl TestEditor {
     fn go_to(&mut self, part: &str) {
         let bytes = self.editor.document().unwrap().editing.buffer().bytes();
         let at = bytes.windows(part.len()).position(|bytes| bytes == part.as_bytes()).unwrap();
-        self.editor.obey(EditorEvent::Press { at, clicks: 1, select: false });
+        self.editor.press(at, 1, false);
     }
 
     fn picked_color(&self) -> Option<(usize, [f64; 3])> {
@@ -288,18 +288,18 @@ fn turning_a_number_does_not_parse_the_text() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     assert!(setup.load());
     let at = BALL.find("0.5").unwrap();
-    setup.editor.obey(EditorEvent::Grab(at + 1));
+    setup.editor.grab(at + 1);
     assert_eq!(setup.reloads(), 1, "one load makes it an input");
     assert!(setup.load());
     for _ in 0..50 {
-        setup.editor.obey(EditorEvent::Turn { points: 2.0, speed: TurnSpeed::Usual });
+        setup.editor.turn_number(2.0, TurnSpeed::Usual);
     }
     let commands = setup.commands();
     assert_eq!(commands.len(), 50, "the text is not parsed: {commands:?}");
     let last = Command::TurnNumbers(TurnedNumbers { file: setup.file(), values: vec![(at, 0.7)] });
     assert_eq!(commands.last(), Some(&last));
     assert_eq!(setup.text(), BALL.replace("0.5", "0.7"));
-    setup.editor.obey(EditorEvent::LetGo);
+    setup.editor.let_go();
     assert_eq!(setup.reloads(), 1, "the text defines the number again");
     assert!(setup.load());
     assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers, [0_usize; 0]);
@@ -311,13 +311,13 @@ fn turning_a_number_does_not_parse_the_text() {
 fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     let at = BALL.find("0.5").unwrap();
-    setup.editor.obey(EditorEvent::Grab(at));
+    setup.editor.grab(at);
     assert!(setup.load());
     assert_eq!(setup.reloads(), 1);
-    setup.editor.obey(EditorEvent::Turn { points: 200.0, speed: TurnSpeed::Coarse });
+    setup.editor.turn_number(200.0, TurnSpeed::Coarse);
     assert_eq!((setup.text(), setup.reloads()), (BALL.replace("0.5", "4.5"), 1));
     assert!(setup.load());
-    setup.editor.obey(EditorEvent::Turn { points: 100.0, speed: TurnSpeed::Usual });
+    setup.editor.turn_number(100.0, TurnSpeed::Usual);
     let commands = setup.commands();
     let is = |commands: &[Command], at: usize, wanted: f32| match commands {
         [Command::TurnNumbers(TurnedNumbers { values, .. })] => {
@@ -327,12 +327,12 @@ fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
     };
     assert!(is(&commands, at, 4.7), "{commands:?}");
     // A negative value gets a minus, so the digits move one byte to the right.
-    setup.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
+    setup.editor.turn_number(-400.0, TurnSpeed::Coarse);
     assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
     assert!(setup.load());
     assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers, [at + 1]);
     let _ = setup.commands();
-    setup.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
+    setup.editor.turn_number(50.0, TurnSpeed::Usual);
     let commands = setup.commands();
     assert!(is(&commands, at + 1, 3.2), "{commands:?}");
 }
@@ -341,13 +341,13 @@ fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
 fn a_structural_number_is_parsed_at_each_value() {
     let text = "object o { shape = length(p) - sum(for i in 0..4: 0.1) }";
     let mut setup = TestEditor::new(text.as_bytes());
-    setup.editor.obey(EditorEvent::Grab(text.find("4:").unwrap()));
+    setup.editor.grab(text.find("4:").unwrap());
     assert!(setup.load());
     let _ = setup.commands();
-    setup.editor.obey(EditorEvent::Turn { points: 24.0, speed: TurnSpeed::Usual });
+    setup.editor.turn_number(24.0, TurnSpeed::Usual);
     assert_eq!((setup.text(), setup.reloads()), (text.replace("4:", "6:"), 1));
     assert!(setup.load());
-    setup.editor.obey(EditorEvent::LetGo);
+    setup.editor.let_go();
     assert_eq!(setup.text(), text.replace("4:", "6:"));
 }
 

@@ -2,16 +2,16 @@
 
 use std::io;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use mariana_commands::{Command, TurnedNumbers};
+use mariana_commands::Command;
 use mariana_editing::{Editing, Refused};
 use mariana_field::lang::Turning;
 use mariana_files::Folders;
 use mariana_files::documents::{FileEvent, OnDisk};
-use mariana_scenes::{Drafts, SceneSource};
+use mariana_scenes::{Drafts, Mistake, SceneSource};
 
-use super::document::{Change, Document, Marked, Owner, Question};
+use super::document::{Change, Document, Owner, Question};
 use super::documents::{Documents, Tab};
 use super::files::{Files, KEEP_LIMIT};
 use super::found::Found;
@@ -93,7 +93,7 @@ impl Texts {
     }
 
     /// Returns the next mistake of the visible text. Without one, returns the number of another text with mistakes.
-    pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
+    pub(super) fn next_mistake(&self) -> Result<Mistake, Option<usize>> {
         let next = self.documents.shown().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.findings.as_ref()?.mistakes.first().map(|one| one.text))
     }
@@ -154,10 +154,6 @@ impl Texts {
         }
     }
 
-    pub(super) fn drain_question(&mut self) -> Option<Question> {
-        self.documents.shown_mut()?.question.take()
-    }
-
     pub(super) fn save(&mut self) -> Result<(), &'static str> {
         let Some(document) = self.documents.shown() else { return Ok(()) };
         if let Owner::File(_) = document.owner {
@@ -169,9 +165,11 @@ impl Texts {
         Ok(())
     }
 
+    /// Saves the visible text, even if another program has changed its file.
     pub(super) fn overwrite(&self) {
-        if let Some(document) = self.documents.shown() {
-            self.files.overwrite(document);
+        let document = self.documents.shown();
+        if let Some((document, file)) = document.and_then(|document| Some((document, document.file()?))) {
+            self.files.file_thread.save(file, document.bytes(), None);
         }
     }
 
@@ -205,10 +203,6 @@ impl Texts {
 impl Texts {
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
-    }
-
-    pub(super) fn turn_numbers(&mut self, file: PathBuf, values: Vec<(usize, f32)>) {
-        self.outbox.send(Command::TurnNumbers(TurnedNumbers { file, values }));
     }
 
     pub(super) fn release(&mut self) {
@@ -298,6 +292,9 @@ impl Texts {
 fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
     if document.record_change() {
         files.keep(document);
-        outbox.draft_change(document);
+        // Turned numbers do not reload the text.
+        if !outbox.turns {
+            outbox.draft(document);
+        }
     }
 }

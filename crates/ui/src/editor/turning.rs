@@ -7,6 +7,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use mariana_commands::{Command, TurnedNumbers};
 use mariana_editing::{Editing, Number, Refused, TurnSpeed, numbers_before};
 use mariana_field::lang::Turning;
 
@@ -209,7 +210,8 @@ impl HeldNumbers {
             inputs.map(|(input, value)| (*input, digits_value(*value, input.negated))).collect();
         if of_frame.iter().all(|(input, value)| (input.room.0..=input.room.1).contains(value)) {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
-            texts.turn_numbers(turn.file.clone(), values);
+            let turned = TurnedNumbers { file: turn.file.clone(), values };
+            texts.outbox.send(Command::TurnNumbers(turned));
         } else {
             // A value is out of range: parse the new text, with ranges around the new values.
             let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();

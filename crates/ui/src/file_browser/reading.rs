@@ -4,12 +4,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
 
 use directories::UserDirs;
 use mariana_player::playlist::{AUDIO_EXTENSIONS, Kind, compare_names};
 use mariana_scenes::{is_scene_file, is_shader_file};
+use mariana_work::{Awaited, once};
 
 use super::{FileEntry, FileKind, Place, PlaceKind};
 use crate::limits;
@@ -25,10 +24,8 @@ pub(super) enum Answer {
 pub(super) struct FolderReader {
     read: Arc<dyn Fn(&Path) -> Listing + Send + Sync>,
     wake: Arc<dyn Fn() + Send + Sync>,
-    answers: Sender<Answer>,
-    answered: Receiver<Answer>,
-    /// The number of folders that are being read.
-    open: Arc<AtomicUsize>,
+    /// The answers of the threads that are reading.
+    open: Vec<Awaited<Answer>>,
 }
 
 impl FolderReader {
@@ -36,13 +33,12 @@ impl FolderReader {
         read: impl Fn(&Path) -> Listing + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let (answers, answered) = channel();
-        Self { read: Arc::new(read), wake: Arc::new(wake), answers, answered, open: Arc::default() }
+        Self { read: Arc::new(read), wake: Arc::new(wake), open: Vec::new() }
     }
 
     /// Reads a folder. Fails if too many folders do not answer, or without threads.
-    pub(super) fn request(&self, folder: PathBuf) -> Result<(), String> {
-        if self.open.load(Ordering::Relaxed) >= limits::FOLDERS_READ_MAX {
+    pub(super) fn request(&mut self, folder: PathBuf) -> Result<(), String> {
+        if self.open.len() >= limits::FOLDERS_READ_MAX {
             return Err("several folders do not answer: check the disks and the network".to_owned());
         }
         let read = self.read.clone();
@@ -52,26 +48,21 @@ impl FolderReader {
         })
     }
 
-    pub(super) fn answer(&self) -> Option<Answer> {
-        self.answered.try_recv().ok()
+    /// Returns the answers that have come.
+    pub(super) fn answers(&mut self) -> Vec<Answer> {
+        let answers = self.open.iter_mut().filter_map(|one| one.poll()?.ok()).collect();
+        self.open.retain(Awaited::is_awaited);
+        answers
     }
 
-    pub(super) fn start(&self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {
-        let (answers, wake, open) = (self.answers.clone(), self.wake.clone(), self.open.clone());
-        open.fetch_add(1, Ordering::Relaxed);
-        let of_thread = open.clone();
-        let started = std::thread::Builder::new().name("folder".into()).spawn(move || {
-            let answer = work();
-            of_thread.fetch_sub(1, Ordering::Relaxed);
-            // Sending fails only if the list was closed.
-            if answers.send(answer).is_ok() {
-                wake();
-            }
-        });
-        started.map(drop).map_err(|error| {
-            open.fetch_sub(1, Ordering::Relaxed);
-            format!("the system starts no thread ({error}): close other programs")
-        })
+    pub(super) fn start(&mut self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {
+        let wake = self.wake.clone();
+        let started = once("folder", move || wake(), work);
+        self.open.push(
+            started
+                .map_err(|error| format!("the system starts no thread ({error}): close other programs"))?,
+        );
+        Ok(())
     }
 }
 

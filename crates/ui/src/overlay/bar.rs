@@ -12,7 +12,7 @@ use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
-use super::events::{Pass, UiEvent};
+use super::acts::{Acts, Pass};
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
 use super::picture::{Cover, KeptPicture};
@@ -95,42 +95,31 @@ impl Hash for Bar<'_> {
     }
 }
 
-/// Draws the bar at the bottom of `space`. Returns the bar's area and adds the user's events to `events`.
+/// Draws the bar at the bottom of `space`. Returns the bar's area.
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, bar: &Bar<'_>, picture: &mut KeptPicture) -> Rect {
-    let Pass { context, events } = pass;
-    let width = space.width().min(WIDTH_MAX);
-    let area = style::area(Id::unique("bar"), Order::Middle)
-        .pivot(egui::Align2::CENTER_BOTTOM)
-        .fixed_pos(space.center_bottom());
-    let shown = area.show(context, |ui| {
-        if !bar.seen {
-            ui.set_opacity(0.0);
-        }
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
-            match bar.cover {
-                Some(cover) => {
-                    ui.horizontal(|ui| {
-                        let side = WORDS + GAP + RAIL_HEIGHT;
-                        let (square, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-                        picture.draw(ui.painter(), square, cover);
-                        ui.add_space(COVER_GAP);
-                        ui.vertical(|ui| {
-                            words(ui, bar);
-                            seek_rail(ui, bar, events);
-                        });
+    let Pass { context, acts } = pass;
+    style::strip(context, Id::unique("bar"), space, WIDTH_MAX, bar.seen, |ui| {
+        ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
+        match bar.cover {
+            Some(cover) => {
+                ui.horizontal(|ui| {
+                    let side = WORDS + GAP + RAIL_HEIGHT;
+                    let (square, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+                    picture.draw(ui.painter(), square, cover);
+                    ui.add_space(COVER_GAP);
+                    ui.vertical(|ui| {
+                        words(ui, bar);
+                        seek_rail(ui, bar, acts);
                     });
-                }
-                None => {
-                    words(ui, bar);
-                    seek_rail(ui, bar, events);
-                }
+                });
             }
-            buttons(ui, bar, events);
-        });
-    });
-    shown.response.rect
+            None => {
+                words(ui, bar);
+                seek_rail(ui, bar, acts);
+            }
+        }
+        buttons(ui, bar, acts);
+    })
 }
 
 fn words(ui: &mut Ui, bar: &Bar<'_>) {
@@ -152,14 +141,14 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     style::put(painter, line.left_center(), &text, style::TEXT_SIZE, style::TEXT, full - left - 16.0);
 }
 
-fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
+fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, acts: &mut Acts) {
     let full = ui.available_width();
     let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(full, LINE_HEIGHT));
     let painter = ui.painter().clone();
     let Some((duration, fraction)) = bar.now.duration.zip(bar.now.fraction()).filter(|_| !bar.now.live)
     else {
-        draw_fraction(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
+        style::fraction(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
         return;
     };
     let fraction_at = |x: f32| ((x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
@@ -169,7 +158,7 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let shown = pointed.filter(|_| held).unwrap_or(fraction);
     match bar.shape {
         Some(shape) => draw_shape(&painter, place, shape, shown),
-        None => draw_fraction(&painter, rail, shown),
+        None => style::fraction(&painter, rail, shown),
     }
     if let Some(song) = bar.song {
         draw_sections(&painter, place, song, duration);
@@ -178,13 +167,13 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
     let (name, position) = ("position in the track in seconds", bar.now.position);
     if let Some(wanted) = assisted::rail(ui, &response, name, position, 0.0..=duration, SEEK_SECONDS) {
-        events.push(UiEvent::Command(Command::SeekTo(wanted)));
+        acts.commands.push(Command::SeekTo(wanted));
     }
-    marks::show(ui, place, bar, duration, events);
+    marks::show(ui, place, bar, duration, acts);
     let Some(pointed) = pointed else { return };
     let seconds = f64::from(pointed) * duration;
     if response.clicked() || response.drag_stopped() {
-        events.push(UiEvent::Command(Command::SeekTo(seconds)));
+        acts.commands.push(Command::SeekTo(seconds));
     }
     let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
     let galley = style::line(&front, &clock_time(seconds), style::SMALL_SIZE, style::TEXT, 200.0);
@@ -240,13 +229,6 @@ fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration:
     }
 }
 
-fn draw_fraction(painter: &Painter, rail: Rect, fraction: f32) {
-    painter.rect_filled(rail, LINE_HEIGHT / 2.0, style::RAIL);
-    let mut passed = rail;
-    passed.set_width(fraction * rail.width());
-    painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
-}
-
 /// A control of the bar's lowest row.
 enum Control {
     Button(Icon, Box<Command>, Lamp),
@@ -266,18 +248,18 @@ impl Control {
     }
 
     /// Draws the control. The volume slider takes the `spare` width.
-    fn show(self, ui: &mut Ui, bar: &Bar<'_>, spare: f32, events: &mut Vec<UiEvent>) {
+    fn show(self, ui: &mut Ui, bar: &Bar<'_>, spare: f32, acts: &mut Acts) {
         match self {
             Self::Button(icon, command, lamp) => {
                 let response = button(ui, icon, &words_of(&command), lamp);
                 if response.clicked() {
-                    events.push(UiEvent::Command(*command));
+                    acts.commands.push(*command);
                 }
                 match icon {
                     Icon::Source => {
                         let bottom = response.rect.center_bottom() - vec2(0.0, LEVEL.y);
                         let level = bar.level.clamp(0.0, 1.0);
-                        draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), level);
+                        style::fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), level);
                     }
                     Icon::Repeat | Icon::RepeatOne => {
                         let holds = match bar.now.repeat {
@@ -290,7 +272,7 @@ impl Control {
                     _ => {}
                 }
             }
-            Self::Volume => volume(ui, bar.now, (VOLUME_WIDTH.0 + spare).min(VOLUME_WIDTH.1), events),
+            Self::Volume => volume(ui, bar.now, (VOLUME_WIDTH.0 + spare).min(VOLUME_WIDTH.1), acts),
             Self::Times(text) => {
                 let size = vec2(text.size().x + TIMES_GAP, BUTTON);
                 let (place, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -343,7 +325,7 @@ fn controls(bar: &Bar<'_>, painter: &Painter) -> [Vec<(u8, Control)>; 2] {
     [left, right]
 }
 
-fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
+fn buttons(ui: &mut Ui, bar: &Bar<'_>, acts: &mut Acts) {
     let mut groups = controls(bar, ui.painter());
     let spare = loop {
         let width: f32 = groups.iter().flatten().map(|(_, control)| control.width()).sum();
@@ -357,9 +339,9 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     };
     let [left, right] = groups;
     ui.horizontal(|ui| {
-        left.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, events));
+        left.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, acts));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            right.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, events));
+            right.into_iter().for_each(|(_, control)| control.show(ui, bar, spare, acts));
         });
     });
 }
@@ -387,11 +369,7 @@ pub(super) enum Lamp {
 /// A button with an icon. `words` are its tooltip and accessible name.
 pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Response {
     let (place, response) = ui.allocate_exact_size(vec2(BUTTON, BUTTON), Sense::click());
-    let color = match (response.hovered(), lamp) {
-        (_, Lamp::Seen(true)) => style::ACCENT,
-        (true, _) => style::TEXT,
-        (false, _) => style::BUTTON,
-    };
+    let color = style::lit(lamp == Lamp::Seen(true), response.hovered(), style::BUTTON);
     if response.hovered() {
         ui.painter().rect_filled(place.shrink(1.0), 5.0, style::RAIL);
     }
@@ -403,7 +381,7 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
     response.on_hover_text(words)
 }
 
-fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {
+fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, acts: &mut Acts) {
     let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));
     let volume = if now.muted { 0.0 } else { now.volume };
@@ -411,15 +389,15 @@ fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) 
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
         shown = ((at.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         if shown.to_bits() != now.volume.to_bits() || now.muted {
-            events.push(UiEvent::Command(Command::Volume(shown)));
+            acts.commands.push(Command::Volume(shown));
         }
     }
-    draw_fraction(ui.painter(), rail, shown);
+    style::fraction(ui.painter(), rail, shown);
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
     let (percent, step) = (100.0 * f64::from(volume), 100.0 * f64::from(VOLUME_STEP));
     if let Some(wanted) = assisted::rail(ui, &response, "volume in percent", percent, 0.0..=100.0, step) {
-        events.push(UiEvent::Command(Command::Volume(wanted as f32 / 100.0)));
+        acts.commands.push(Command::Volume(wanted as f32 / 100.0));
     }
     response.on_hover_text(format!("volume {:.0} %", 100.0 * shown));
 }

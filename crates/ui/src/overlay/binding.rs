@@ -2,8 +2,8 @@
 
 use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, pos2};
 
+use super::acts::Acts;
 use super::chips::{self, Chip};
-use super::events::UiEvent;
 use super::{assisted, params, style};
 use mariana_commands::{Bind, Command};
 use mariana_control::{Bound, ChangedBy, Curve, Slider, SoundBinding};
@@ -44,11 +44,7 @@ pub(super) fn button(ui: &Ui, rect: Rect, slider: &Slider, open: &mut OpenBindin
     let response = ui.interact(rect, ui.scope_id().with("bind"), Sense::click());
     let is_active = slider.bound.as_ref().is_some_and(|bound| bound.is_active);
     let is_open = open.is_of(&slider.name);
-    let color = match (is_active, response.hovered() || is_open) {
-        (true, _) => style::ACCENT,
-        (false, true) => style::TEXT,
-        (false, false) => style::DIM,
-    };
+    let color = style::lit(is_active, response.hovered() || is_open, style::DIM);
     style::light(ui.painter(), rect, is_open);
     ui.painter().add(Shape::line(wave(rect.shrink(2.0)), Stroke::new(1.6, color)));
     assisted::selected(
@@ -72,19 +68,19 @@ fn wave(rect: Rect) -> Vec<Pos2> {
 }
 
 /// Draws the settings of the slider's binding, and the list of sounds.
-pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, events: &mut Vec<UiEvent>) {
-    let bind = |binding| UiEvent::Command(Command::Bind(Bind { name: slider.name.clone(), binding }));
+pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, acts: &mut Acts) {
+    let bind = |binding| Command::Bind(Bind { name: slider.name.clone(), binding });
     if let Some(bound) = &slider.bound {
         if let Some(changed) = settings(ui, slider, &bound.binding) {
-            events.push(bind(Some(changed)));
+            acts.commands.push(bind(Some(changed)));
         }
-        match chips::row(ui, "acts", &acts(slider, bound)) {
+        match chips::row(ui, "acts", &chips_of(slider, bound)) {
             Some(0) if bound.is_active => {
-                events.push(bind(None));
+                acts.commands.push(bind(None));
                 *open = OpenBinding::default();
             }
-            Some(0) => events.push(bind(Some(bound.binding.clone()))),
-            Some(_) => events.push(UiEvent::Command(Command::WriteBinding(slider.name.clone()))),
+            Some(0) => acts.commands.push(bind(Some(bound.binding.clone()))),
+            Some(_) => acts.commands.push(Command::WriteBinding(slider.name.clone())),
             None => {}
         }
         ui.add_space(2.0);
@@ -95,7 +91,7 @@ pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, events:
         let (low, high) = range_of(slider);
         let (curve, smoothing, release) = (Curve::Linear, 0.0, None);
         let plain = SoundBinding { input: String::new(), low, high, curve, smoothing, release };
-        events.push(bind(Some(SoundBinding { input: input.name(), ..before.unwrap_or(plain) })));
+        acts.commands.push(bind(Some(SoundBinding { input: input.name(), ..before.unwrap_or(plain) })));
     }
     ui.add_space(6.0);
 }
@@ -106,7 +102,7 @@ fn range_of(slider: &Slider) -> (f32, f32) {
     if value < slider.max { (value, slider.max) } else { (slider.min, slider.max) }
 }
 
-fn acts(slider: &Slider, bound: &Bound) -> [Chip<'static>; 2] {
+fn chips_of(slider: &Slider, bound: &Bound) -> [Chip<'static>; 2] {
     let name = &slider.name;
     let first = match bound.is_active {
         true => Chip::new("unbind", format!("end the binding of {name}"), false),
@@ -138,8 +134,7 @@ fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<Soun
     let curve = |curve: Curve| {
         Chip::new(curve.name(), format!("curve of {}: {}", slider.name, curve.name()), curve == binding.curve)
     };
-    if let Some(place) = chips::row(ui, "curve", &Curve::ALL.map(curve)) {
-        let curve = Curve::ALL.get(place).copied().unwrap_or_default();
+    if let Some(curve) = chips::choose(ui, "curve", &Curve::ALL, curve) {
         changed = Some(SoundBinding { curve, ..binding.clone() });
     }
     if let Some(smoothing) = time(ui, slider, "rises", binding.smoothing) {
@@ -159,8 +154,7 @@ fn time(ui: &mut Ui, slider: &Slider, way: &str, present: f32) -> Option<f32> {
         Chip::new(words, format!("{} {way}: {words}", slider.name), seconds == present)
     };
     caption(ui, way, "");
-    let place = chips::row(ui, way, &TIMES.map(chip))?;
-    TIMES.get(place).map(|(seconds, _)| *seconds)
+    chips::choose(ui, way, &TIMES, chip).map(|(seconds, _)| seconds)
 }
 
 /// Draws a line of small text above a row.
@@ -177,14 +171,12 @@ pub(super) fn caption(ui: &mut Ui, left: &str, right: &str) {
 fn inputs(ui: &mut Ui, name: &str, chosen: Option<&str>, open: &mut OpenBinding) -> Option<UnitInput> {
     let others = UnitInput::others().filter(|input| open.lists_all || chosen == Some(&*input.name()));
     let listed: Vec<UnitInput> = UnitInput::first().chain(others).collect();
-    let labels: Vec<String> = listed.iter().map(|input| input.label()).collect();
-    let mut chips: Vec<Chip<'_>> = listed
-        .iter()
-        .zip(&labels)
-        .map(|(input, label)| {
-            Chip::new(label, format!("bind {name} to {label}"), chosen == Some(&*input.name()))
-        })
-        .collect();
+    let chip = |input: &UnitInput| {
+        let label = input.label();
+        let name_of_chip = format!("bind {name} to {label}");
+        Chip::new(label, name_of_chip, chosen == Some(&*input.name()))
+    };
+    let mut chips: Vec<Chip<'_>> = listed.iter().map(chip).collect();
     if !open.lists_all {
         chips.push(Chip::new("more…", format!("more sounds for {name}"), false));
     }
@@ -205,18 +197,14 @@ fn waves(ui: &mut Ui, name: &str, chosen: Option<UnitInput>) -> Option<UnitInput
         let is_chosen = chosen.is_some_and(|(chosen, _)| chosen == wave);
         Chip::new(wave.name(), format!("move {name} in a wave: {}", wave.name()), is_chosen)
     };
-    let clicked = chips::row(ui, "waves", &Wave::ALL.map(shape)).and_then(|place| Wave::ALL.get(place));
-    let mut wanted =
-        clicked.map(|wave| UnitInput::Wave(*wave, chosen.map_or(USUAL_BEATS, |(_, beats)| beats)));
+    let mut wanted = chips::choose(ui, "waves", &Wave::ALL, shape)
+        .map(|wave| UnitInput::Wave(wave, chosen.map_or(USUAL_BEATS, |(_, beats)| beats)));
     if let Some((wave, present)) = chosen {
-        let texts = Wave::BEATS.map(|beats| beats.to_string());
-        let lengths = Wave::BEATS
-            .iter()
-            .zip(&texts)
-            .map(|(beats, text)| Chip::new(text, format!("wave of {name}: {text} beats"), *beats == present));
-        let place = chips::row(ui, "beats", &lengths.collect::<Vec<_>>());
-        let beats = place.and_then(|place| Wave::BEATS.get(place));
-        wanted = beats.map(|beats| UnitInput::Wave(wave, *beats)).or(wanted);
+        let length = |beats: u8| {
+            Chip::new(beats.to_string(), format!("wave of {name}: {beats} beats"), beats == present)
+        };
+        let beats = chips::choose(ui, "beats", &Wave::BEATS, length);
+        wanted = beats.map(|beats| UnitInput::Wave(wave, beats)).or(wanted);
     }
     wanted
 }

@@ -5,13 +5,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use egui::{
-    ColorImage, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
-    WidgetInfo, pos2, vec2,
+    Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2,
+    vec2,
 };
 
+use super::acts::{Acts, PanelAct, Pass, on};
 use super::chips::{self, Chip};
-use super::events::{Pass, SceneListEvent, UiEvent};
 use super::icons::{self, Icon};
+use super::picture::pixels;
 use super::{assisted, style};
 use image::RgbaImage;
 
@@ -39,12 +40,7 @@ pub(super) struct TilePictures {
 impl TilePictures {
     fn texture(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
         let key = Arc::as_ptr(image) as usize;
-        let made = || {
-            let options = TextureOptions::LINEAR;
-            let size = [image.width() as usize, image.height() as usize];
-            let pixels = ColorImage::from_rgba_unmultiplied(size, image);
-            (image.clone(), context.load_texture("tile", pixels, options))
-        };
+        let made = || (image.clone(), context.load_texture("tile", pixels(image), TextureOptions::LINEAR));
         self.textures.entry(key).or_insert_with(made).1.id()
     }
 
@@ -59,22 +55,22 @@ pub(super) fn show(
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
 ) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     style::panel(context, "scenes", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
         let bottom = space.bottom() - style::PADDING.y - LINE;
-        heading(ui, browser, events);
-        filters(ui, browser, events);
-        tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, events);
+        heading(ui, browser, acts);
+        filters(ui, browser, acts);
+        tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, acts);
         comment(ui, browser);
     })
 }
 
-fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
+fn heading(ui: &mut Ui, browser: &SceneBrowser, acts: &mut Acts) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the list of scenes") {
-        events.push(UiEvent::Command(Command::TogglePanel(Panel::Scenes)));
+        acts.commands.push(Command::TogglePanel(Panel::Scenes));
     }
     let painter = ui.painter();
     let found = match browser.found() {
@@ -102,7 +98,7 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
 }
 
 /// Draws a button for each mood and each energy.
-fn filters(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
+fn filters(ui: &mut Ui, browser: &SceneBrowser, acts: &mut Acts) {
     let filters = &browser.filters;
     if filters.moods.is_empty() {
         return;
@@ -116,23 +112,18 @@ fn filters(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
             SceneFilter::Mood(_) => "mood",
             SceneFilter::Energy(_) => "energy",
         };
-        Chip::new(name, format!("{kind}: {name}"), filters.is_on(*filter))
+        Chip::new(*name, format!("{kind}: {name}"), filters.is_on(*filter))
     });
     let chips: Vec<Chip<'_>> = chips.collect();
     let clicked = chips::row(ui, "filters", &chips).and_then(|at| all.get(at));
-    if let Some((_, filter)) = clicked {
-        events.push(UiEvent::Scenes(SceneListEvent::Filter(*filter)));
+    if let Some((_, filter)) = clicked.copied() {
+        let act = on(move |scenes: &mut SceneBrowser| scenes.filter(filter));
+        acts.on_panels.push(PanelAct::Scenes(act));
     }
     ui.add_space(FILTERS_GAP);
 }
 
-fn tiles(
-    ui: &mut Ui,
-    height: f32,
-    browser: &SceneBrowser,
-    pictures: &mut TilePictures,
-    events: &mut Vec<UiEvent>,
-) {
+fn tiles(ui: &mut Ui, height: f32, browser: &SceneBrowser, pictures: &mut TilePictures, acts: &mut Acts) {
     let lane = 10.0;
     let room = ui.available_width() - lane;
     let columns = ((room + GAP) / (TILE_MIN + GAP)).floor().max(1.0);
@@ -157,7 +148,7 @@ fn tiles(
                 let Some(tile) = browser.tile(place) else { break };
                 let left = line.left() + column as f32 * (width + GAP);
                 let rect = Rect::from_min_size(pos2(left, line.top()), vec2(width, tile_height));
-                if draw_tile(ui, rect, tile, place, browser, pictures, events) {
+                if draw_tile(ui, rect, tile, place, browser, pictures, acts) {
                     pointed = Some(place);
                 }
             }
@@ -173,7 +164,8 @@ fn tiles(
     };
     pictures.textures.retain(|_, (image, _)| kept(image));
     let moving = Some(pointed.unwrap_or(browser.selected));
-    events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns, moving }));
+    let record_drawn = on(move |scenes: &mut SceneBrowser| scenes.record_drawn(seen, columns, moving));
+    acts.on_panels.push(PanelAct::Scenes(record_drawn));
 }
 
 /// Draws a tile. Returns true if the pointer rests on it.
@@ -184,7 +176,7 @@ fn draw_tile(
     place: usize,
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
-    events: &mut Vec<UiEvent>,
+    acts: &mut Acts,
 ) -> bool {
     let picture = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
     let response = ui.interact(picture, ui.scope_id().with(("tile", place)), Sense::click());
@@ -230,9 +222,10 @@ fn draw_tile(
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &tile.name));
     assisted::selected(&marks, egui::Role::CheckBox, tile.favourite, format_args!("mark {}", tile.name));
     if marks.clicked() {
-        events.push(UiEvent::Scenes(SceneListEvent::Mark(place)));
+        acts.on_panels.push(PanelAct::Scenes(Box::new(move |scenes| scenes.mark(place))));
     } else if response.clicked() {
-        events.push(UiEvent::Scenes(SceneListEvent::Show { place, close: response.double_clicked() }));
+        let close = response.double_clicked();
+        acts.on_panels.push(PanelAct::Scenes(Box::new(move |scenes| scenes.show(place, close))));
     }
     let is_pointed = response.hovered();
     if !tile.about.comment.is_empty() {

@@ -1,5 +1,7 @@
 //! Small buttons side by side, in as many lines as needed.
 
+use std::borrow::Cow;
+
 use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 
 use super::style;
@@ -11,7 +13,7 @@ const GAP: f32 = 3.0;
 
 /// A button of a row.
 pub(super) struct Chip<'a> {
-    pub text: &'a str,
+    pub text: Cow<'a, str>,
     /// The name for screen readers. Also the tooltip, if it says more than the text at its end.
     pub name: String,
     /// True for a chosen value, which is filled.
@@ -21,8 +23,8 @@ pub(super) struct Chip<'a> {
 }
 
 impl<'a> Chip<'a> {
-    pub(super) fn new(text: &'a str, name: String, is_chosen: bool) -> Self {
-        Self { text, name, is_chosen, is_dim: false }
+    pub(super) fn new(text: impl Into<Cow<'a, str>>, name: String, is_chosen: bool) -> Self {
+        Self { text: text.into(), name, is_chosen, is_dim: false }
     }
 }
 
@@ -42,10 +44,21 @@ pub(super) fn row(ui: &mut Ui, id: &str, chips: &[Chip<'_>]) -> Option<usize> {
     clicked
 }
 
+/// Draws a row with a chip for each of `values`. Returns the value of the clicked chip.
+pub(super) fn choose<'a, T: Copy>(
+    ui: &mut Ui,
+    id: &str,
+    values: &[T],
+    chip: impl Fn(T) -> Chip<'a>,
+) -> Option<T> {
+    let chips: Vec<Chip<'_>> = values.iter().copied().map(chip).collect();
+    row(ui, id, &chips).and_then(|place| values.get(place)).copied()
+}
+
 /// Draws a chip of at most `width` points. Returns true if it was clicked.
 pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
     let plain = if chip.is_dim { style::DIM } else { style::BUTTON };
-    let galley = style::line(ui.painter(), chip.text, style::SMALL_SIZE, plain, width - 2.0 * PADDING);
+    let galley = style::line(ui.painter(), &chip.text, style::SMALL_SIZE, plain, width - 2.0 * PADDING);
     let size = vec2(galley.size().x + 2.0 * PADDING, HEIGHT);
     let (rect, response): (Rect, _) = ui.allocate_exact_size(size, Sense::click());
     let (fill, color) = match (chip.is_chosen, response.hovered()) {
@@ -58,7 +71,7 @@ pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
     ui.painter().galley_with_override_text_color(place, galley, color);
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chip.is_chosen, &chip.name));
     let clicked = response.clicked();
-    if !chip.name.ends_with(chip.text) {
+    if !chip.name.ends_with(&*chip.text) {
         response.on_hover_text(&chip.name);
     }
     clicked

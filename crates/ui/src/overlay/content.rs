@@ -270,7 +270,8 @@ impl OverlayContent<'_> {
         (self.controllers.map(|panel| panel.revision), self.learning).hash(&mut hasher);
         (&self.cues, &self.decks).hash(&mut hasher);
         self.video.map(|panel| panel.revision).hash(&mut hasher);
-        self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
+        let places = |corners: CornerHandles| corners.places().map(|place| place.map(f64::to_bits));
+        self.corners.map(|corners| (corners.selected, places(corners))).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.ray.map(|ray| ray.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);

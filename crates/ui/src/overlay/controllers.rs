@@ -2,7 +2,7 @@
 
 use egui::{Color32, Order, Pos2, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{Pass, UiEvent};
+use super::acts::Pass;
 use super::{assisted, pairing_address, style, words};
 use crate::controllers_panel::{ControllerRow, ControllersPanel, Field};
 use mariana_commands::{Command, Panel};
@@ -19,10 +19,10 @@ const NAME: f32 = 0.34;
 pub(super) type Seen = Option<usize>;
 
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, seen: &mut Seen) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     style::panel(context, "hands", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-        let mut ask = |command| events.push(UiEvent::Command(command));
+        let mut ask = |command| acts.commands.push(command);
         let hint = "click a row, then move a knob · saved automatically";
         if words::heading(ui, LINE, "Controllers", hint, "", "close the controllers") {
             ask(Command::TogglePanel(Panel::Controllers));
@@ -124,15 +124,9 @@ fn draw_knob(
         at.x = place.right() + 3.0;
         let request = field.request(mapping, stands);
         let button = ui.interact(place, ui.scope_id().with(text.as_str()), Sense::click());
-        let (fill, color) = match (selected == Some(field), button.hovered(), &request) {
-            (true, ..) => (Some(style::ACCENT), style::ON_ACCENT),
-            (false, _, None) => (None, style::DIM),
-            (false, true, _) => (Some(style::RAIL), style::TEXT),
-            (false, false, _) => (None, style::BUTTON),
-        };
-        if let Some(fill) = fill {
-            ui.painter().rect_filled(place, 4.0, fill);
-        }
+        let (is_selected, is_pointed) = (selected == Some(field), button.hovered() && request.is_some());
+        let color = style::value_ground(ui.painter(), place, is_selected, is_pointed);
+        let color = if request.is_none() && !is_selected { style::DIM } else { color };
         let top = place.center().y - 0.5 * galley.size().y;
         ui.painter().galley_with_override_text_color(pos2(place.left() + 6.0, top), galley, color);
         button.widget_info(|| {

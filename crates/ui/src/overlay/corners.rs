@@ -2,7 +2,7 @@
 
 use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
-use super::events::{Pass, UiEvent};
+use super::acts::Pass;
 use super::{assisted, style};
 use crate::corner_handles::CornerHandles;
 use mariana_commands::{Command, MovedCorner};
@@ -15,7 +15,7 @@ const NAMES: [&str; 4] =
 
 /// Draws the handles in a window of `screen` points. Returns the areas in which they can be grabbed.
 pub(super) fn show(pass: &mut Pass<'_>, screen: Rect, handles: &CornerHandles) -> Vec<Rect> {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let places = handles.places().map(|[x, y]| {
         pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height())
     });
@@ -58,7 +58,7 @@ pub(super) fn show(pass: &mut Pass<'_>, screen: Rect, handles: &CornerHandles) -
                 let fraction =
                     [(to.x - screen.left()) / screen.width(), (to.y - screen.top()) / screen.height()];
                 let place = handles.on_screen(fraction.map(f64::from));
-                events.push(UiEvent::Command(Command::MoveCorner(MovedCorner { corner, place, settled })));
+                acts.commands.push(Command::MoveCorner(MovedCorner { corner, place, settled }));
             }
         });
         grabs.push(grab);

@@ -2,9 +2,9 @@
 
 use egui::{Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::acts::{Acts, Pass};
 use super::chips::{self, Chip};
 use super::content::{CueRow, CueSheet};
-use super::events::{Pass, UiEvent};
 use super::now_playing::clock_time;
 use super::style;
 use mariana_commands::Command;
@@ -18,10 +18,10 @@ const MOMENT: f32 = 0.4;
 
 /// Draws the panel, and scrolls to the present entry when it is no longer `seen`. Returns the panel's area.
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mut Option<usize>) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     style::panel(context, "cues", Order::Middle, style::right_part(space, WIDTH), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        buttons(ui, sheet, events);
+        buttons(ui, sheet, acts);
         ui.add_space(6.0);
         let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW).max(ROW);
         let mut scroll = ScrollArea::vertical().max_height(height);
@@ -33,7 +33,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mu
             ui.set_width((ui.available_width() - LANE).max(0.0));
             for index in rows {
                 if let Some(cue) = sheet.rows.get(index) {
-                    row(ui, cue, index, sheet.current, events);
+                    row(ui, cue, index, sheet.current, acts);
                 }
             }
         });
@@ -41,7 +41,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mu
 }
 
 /// The buttons for the next and the previous entry.
-fn buttons(ui: &mut Ui, sheet: &CueSheet, events: &mut Vec<UiEvent>) {
+fn buttons(ui: &mut Ui, sheet: &CueSheet, acts: &mut Acts) {
     if sheet.rows.is_empty() {
         let words = "no show is running: press A to let scenes follow the song";
         let galley = style::line(ui.painter(), words, style::TEXT_SIZE, style::DIM, ui.available_width());
@@ -54,8 +54,8 @@ fn buttons(ui: &mut Ui, sheet: &CueSheet, events: &mut Vec<UiEvent>) {
         Chip::new("next", "next entry".to_owned(), false),
     ];
     match chips::row(ui, "steps", &chips) {
-        Some(0) => events.push(UiEvent::Command(Command::PreviousCue)),
-        Some(_) => events.push(UiEvent::Command(Command::CueAt(next(sheet) + 1))),
+        Some(0) => acts.commands.push(Command::PreviousCue),
+        Some(_) => acts.commands.push(Command::CueAt(next(sheet) + 1)),
         None => {}
     }
 }
@@ -73,15 +73,11 @@ fn next(sheet: &CueSheet) -> usize {
     found.map_or(sheet.rows.len(), |(index, _)| index)
 }
 
-fn row(ui: &mut Ui, cue: &CueRow, index: usize, current: Option<usize>, events: &mut Vec<UiEvent>) {
+fn row(ui: &mut Ui, cue: &CueRow, index: usize, current: Option<usize>, acts: &mut Acts) {
     let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let painter = ui.painter().clone();
     style::light(&painter, place, response.hovered());
-    let color = match (current == Some(index), cue.start.is_some() || cue.waits) {
-        (true, _) => style::ACCENT,
-        (false, true) => style::TEXT,
-        (false, false) => style::DIM,
-    };
+    let color = style::lit(current == Some(index), cue.start.is_some() || cue.waits, style::DIM);
     let time = match cue.start {
         Some(start) => clock_time(start),
         None if cue.waits => "Enter".to_owned(),
@@ -100,7 +96,7 @@ fn row(ui: &mut Ui, cue: &CueRow, index: usize, current: Option<usize>, events: 
     let words = format!("entry {}: {scene} at {}, {time}", index + 1, cue.moment);
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, current == Some(index), &words));
     if response.clicked() {
-        events.push(UiEvent::Command(Command::CueAt(index + 1)));
+        acts.commands.push(Command::CueAt(index + 1));
     }
 }
 

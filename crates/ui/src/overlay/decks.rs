@@ -1,10 +1,10 @@
 //! The strip of two decks above the bar: their scenes, the crossfader, and the ways to mix.
 
-use egui::{Align, Align2, Id, Layout, Order, Rect, Ui};
+use egui::{Align, Id, Layout, Rect, Ui};
 
+use super::acts::{Acts, Pass};
 use super::chips::{self, Chip};
 use super::content::{Deck, DeckStrip};
-use super::events::{Pass, UiEvent};
 use super::{params, style};
 use mariana_commands::Command;
 use mariana_control::{ChangedBy, Slider};
@@ -15,32 +15,26 @@ const NAME_MAX: f32 = 0.3;
 
 /// Draws the strip at the lower edge of `space`. Returns its area.
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, strip: &DeckStrip) -> Rect {
-    let Pass { context, events } = pass;
-    let width = space.width().min(WIDTH_MAX);
+    let Pass { context, acts } = pass;
     let id = Id::unique("decks");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
         // Discard egui's first pass, because it only finds the size.
         context.request_discard("the size of the decks' strip");
     }
-    let area = style::area(id, Order::Middle).pivot(Align2::CENTER_BOTTOM).fixed_pos(space.center_bottom());
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            faders(ui, strip, events);
-            ways(ui, strip, events);
-        });
-    });
-    shown.response.rect
+    style::strip(context, id, space, WIDTH_MAX, true, |ui| {
+        faders(ui, strip, acts);
+        ways(ui, strip, acts);
+    })
 }
 
 /// The names of both decks with the crossfader between them.
-fn faders(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
+fn faders(ui: &mut Ui, strip: &DeckStrip, acts: &mut Acts) {
     let name_width = NAME_MAX * ui.available_width();
     ui.horizontal(|ui| {
         let [first, second] = &strip.decks;
-        name(ui, first, 1, name_width, events);
+        name(ui, first, 1, name_width, acts);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            name(ui, second, 2, name_width, events);
+            name(ui, second, 2, name_width, acts);
             let mut slider = Slider {
                 name: "crossfader from deck A to deck B".to_owned(),
                 value: strip.crossfade,
@@ -52,13 +46,13 @@ fn faders(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
             };
             params::rail(ui, &mut slider);
             if slider.value != strip.crossfade {
-                events.push(UiEvent::Command(Command::Crossfade(slider.value)));
+                acts.commands.push(Command::Crossfade(slider.value));
             }
         });
     });
 }
 
-fn name(ui: &mut Ui, deck: &Deck, number: usize, width: f32, events: &mut Vec<UiEvent>) {
+fn name(ui: &mut Ui, deck: &Deck, number: usize, width: f32, acts: &mut Acts) {
     let waits = if deck.is_ready { "" } else { " …" };
     let text = format!("{}  {}{waits}", deck.letter, deck.title);
     let words = match deck.is_ready {
@@ -67,14 +61,14 @@ fn name(ui: &mut Ui, deck: &Deck, number: usize, width: f32, events: &mut Vec<Ui
     };
     let chip = Chip { is_dim: !deck.is_ready, ..Chip::new(&text, words, deck.is_in_hand) };
     if chips::single(ui, &chip, width) {
-        events.push(UiEvent::Command(Command::TakeDeck(number)));
+        acts.commands.push(Command::TakeDeck(number));
     }
 }
 
 /// The ways to mix, and the buttons that move the crossfader.
-fn ways(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
+fn ways(ui: &mut Ui, strip: &DeckStrip, acts: &mut Acts) {
     let of_mix = |(at, name): (usize, &&'static str)| {
-        Chip::new(name, format!("mix the decks by {name}"), at == strip.mix)
+        Chip::new(*name, format!("mix the decks by {name}"), at == strip.mix)
     };
     let mut chips: Vec<Chip<'_>> = strip.mixes.iter().enumerate().map(of_mix).collect();
     chips.push(Chip::new("cross over", "move the crossfader to the other deck".to_owned(), false));
@@ -87,5 +81,5 @@ fn ways(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
         Some(1) => Command::SwapDecks,
         Some(_) => Command::Decks(mariana_commands::Switch::Off),
     };
-    events.push(UiEvent::Command(command));
+    acts.commands.push(command);
 }

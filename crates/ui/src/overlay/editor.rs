@@ -13,11 +13,11 @@ pub(super) use light::on_screen;
 
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{Pass, UiEvent};
+use super::acts::{On, PanelAct, Pass};
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
-use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
+use crate::editor::{Document, EditAction, Editor, Owner, Question};
 use mariana_scenes::SceneSource;
 
 /// Width of the editor as a fraction of the window's width. The next two constants limit this width, in points.
@@ -33,7 +33,7 @@ const EDGE: f32 = 10.0;
 
 /// Draws the editor, and its marks and cards over the frame. Returns all these areas, the editor's area first.
 pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<Rect> {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let space = rooms.main;
     let fraction = if rooms.is_desk { 1.0 } else { WIDTH_FRACTION };
     let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
@@ -43,7 +43,7 @@ pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<R
     let text = editor.document().map_or(0.0, |document| text::height(&font, width - 2.0 * EDGE, document));
     let wanted = (text + 2.0 * cell).max(LINES_MIN as f32 * cell) + AROUND;
     let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
-    let mut ask = |request| events.push(UiEvent::Editor(request));
+    let mut ask = |act| acts.on_panels.push(PanelAct::Editor(act));
     let screen = context.viewport_rect();
     light::show(context, screen, editor);
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
@@ -74,12 +74,12 @@ fn header(
     space: Rect,
     editor: &Editor,
     document: &Document,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) -> f32 {
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the editor (Esc)") {
-        ask(EditorEvent::Act(EditAction::Leave));
+        ask(Box::new(|editor| editor.act(EditAction::Leave)));
     }
     let mut right = cross.left() - 6.0;
     let save = match (&document.owner, document.is_dirty()) {
@@ -99,7 +99,7 @@ fn header(
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
         right = rect.left() - 6.0;
         if clicked {
-            ask(EditorEvent::Act(command));
+            ask(Box::new(move |editor| editor.act(command)));
         }
     }
     let mut left = line.left();
@@ -123,7 +123,7 @@ fn header(
         let response = ui.interact(rect, Id::unique(("editor tab", number)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Tab, true, &tab.name));
         if response.clicked() && !tab.shows {
-            ask(EditorEvent::ShowText(number));
+            ask(Box::new(move |editor| editor.show_text(number)));
         }
         left = rect.right() + 14.0;
         if left > right {
@@ -133,7 +133,7 @@ fn header(
     line.bottom() + 4.0
 }
 
-fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorEvent)) -> f32 {
+fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(On<Editor, ()>)) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
         Some(Question::Kept(_)) => ("There is unsaved text from last time.", "restore it", "discard it"),
@@ -163,7 +163,7 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
         right = rect.left() - 6.0;
         if clicked {
-            ask(EditorEvent::Answer { first: is_first });
+            ask(Box::new(move |editor| editor.apply_answer(is_first)));
         }
     }
     line.bottom() + 4.0

@@ -3,11 +3,11 @@
 
 use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{FileListEvent, Pass, UiEvent};
+use super::acts::{On, PanelAct, Pass, on};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
 use super::{assisted, style, words};
-use crate::file_browser::{FileBrowser, FileEntry, FileKind, Place, PlaceKind};
+use crate::file_browser::{CLOSE, FileBrowser, FileEntry, FileKind, Place, PlaceKind};
 use mariana_player::decode::TrackTags;
 
 const WIDTH_MAX: f32 = 1400.0;
@@ -33,11 +33,11 @@ pub(super) struct SelectedRows {
 }
 
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser, last: &mut SelectedRows) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     style::panel(context, "files", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         let inner = ui.available_width();
         ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-        let mut ask = |request| events.push(UiEvent::Files(request));
+        let mut ask = |act| acts.on_panels.push(PanelAct::Files(act));
         heading(ui, files, &mut ask);
         let height = (space.height() - 2.0 * style::PADDING.y - 1.2 * ROW - words::BUTTON - ROW).max(ROW);
         let (body, _) = ui.allocate_exact_size(vec2(inner, height), Sense::hover());
@@ -58,25 +58,21 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser, last: 
     })
 }
 
-fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
+fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser>)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.2 * ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
     if icons::closing_cross(ui, cross, "close the list of files") {
-        ask(FileListEvent::Close);
+        ask(Box::new(|_| vec![CLOSE]));
     }
     let star = cross.translate(vec2(-ROW - 4.0, 0.0));
     let marks = ui.interact(star, ui.scope_id().with("mark"), Sense::click());
     let is_favourite = files.is_favourite();
-    let color = match (is_favourite, marks.hovered()) {
-        (true, _) => style::ACCENT,
-        (false, true) => style::TEXT,
-        (false, false) => style::DIM,
-    };
+    let color = style::lit(is_favourite, marks.hovered(), style::DIM);
     icons::draw(ui.painter(), Icon::Star, star, 14.0, color);
     let name = "keep this folder among the shortcuts (Ctrl+D)";
     marks.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, is_favourite, name));
     if marks.clicked() {
-        ask(FileListEvent::Mark);
+        ask(Box::new(FileBrowser::mark));
     }
     let up = Rect::from_min_size(place.min - vec2(0.0, 2.0), vec2(ROW, ROW));
     let rises = ui.interact(up, ui.scope_id().with("up"), Sense::click());
@@ -84,7 +80,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     icons::draw(ui.painter(), Icon::Up, up, 14.0, color);
     rises.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "the folder above (Backspace)"));
     if rises.clicked() {
-        ask(FileListEvent::Up);
+        ask(on(FileBrowser::enter_parent));
     }
     let folder = files.folder.display().to_string().replace(char::is_control, " ");
     let (words, color) = match files.query() {
@@ -98,7 +94,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     marks.on_hover_text(name);
 }
 
-fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut impl FnMut(FileListEvent)) {
+fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut impl FnMut(On<FileBrowser>)) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     let moved = std::mem::replace(last, files.selected_place) != files.selected_place;
     ScrollArea::vertical().id_salt("places").auto_shrink([false, false]).show(ui, |ui| {
@@ -115,7 +111,7 @@ fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut 
                 response.scroll_to_me(None);
             }
             if response.clicked() {
-                ask(FileListEvent::EnterPlace(index));
+                ask(on(move |files: &mut FileBrowser| files.enter_place(index)));
             }
             response.on_hover_text(place.path.display().to_string());
         }
@@ -154,7 +150,7 @@ fn rows(
     height: f32,
     files: &FileBrowser,
     last: &mut Option<usize>,
-    ask: &mut impl FnMut(FileListEvent),
+    ask: &mut impl FnMut(On<FileBrowser>),
 ) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     if let Some(trouble) = files.trouble() {
@@ -169,7 +165,8 @@ fn rows(
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {
         let width = (ui.available_width() - LANE).max(0.0);
-        ask(FileListEvent::Drawn(places.clone()));
+        let drawn = places.clone();
+        ask(on(move |files: &mut FileBrowser| files.record_drawn(drawn)));
         for place in places {
             let Some(entry) = files.entry(place) else { break };
             row(ui, width, files, place, entry, ask);
@@ -183,7 +180,7 @@ fn row(
     files: &FileBrowser,
     place: usize,
     entry: &FileEntry,
-    ask: &mut impl FnMut(FileListEvent),
+    ask: &mut impl FnMut(On<FileBrowser>),
 ) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click());
     let button =
@@ -204,25 +201,22 @@ fn row(
         assisted::text(ui.ctx(), "selected entry", &name, true);
     }
     let append = ui.input(|input| input.modifiers.shift);
-    let mut clicked = response.clicked().then_some(FileListEvent::Open { place, append });
-    let mut part = |part: &egui::Response, icon, words: String, event| {
+    let open = |append: bool| -> On<FileBrowser> { Box::new(move |files| files.open(place, append)) };
+    let mut clicked = response.clicked().then(|| open(append));
+    let mut part = |part: &egui::Response, icon, words: String, act: On<FileBrowser>| {
         let color = if part.hovered() { style::TEXT } else { style::ACCENT };
         if is_selected || over {
             icons::draw(&painter, icon, part.rect, 12.0, color);
         }
         part.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &words));
         if part.clicked() {
-            clicked = Some(event);
+            clicked = Some(act);
         }
     };
     if has_adding {
-        part(
-            &adds,
-            Icon::Plus,
-            format!("add {} to the tracks", entry.name),
-            FileListEvent::Open { place, append: true },
-        );
-        part(&plays, Icon::Play, format!("play {}", entry.name), FileListEvent::Play(place));
+        part(&adds, Icon::Plus, format!("add {} to the tracks", entry.name), open(true));
+        let play = Box::new(move |files: &mut FileBrowser| files.play(place));
+        part(&plays, Icon::Play, format!("play {}", entry.name), play);
         adds.on_hover_text("add to the tracks (Shift+Enter)");
         plays.on_hover_text("play");
     }
@@ -295,17 +289,17 @@ fn spoken(entry: &FileEntry, tags: Option<&TrackTags>) -> String {
     name
 }
 
-fn footing(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
+fn footing(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser>)) {
     let is_known = !files.folder.as_os_str().is_empty();
     ui.horizontal(|ui| {
         let play = words::button(ui, "play this folder", is_known);
         if play.clicked() {
-            ask(FileListEvent::OpenFolder { append: false });
+            ask(Box::new(|files| files.open_folder(false)));
         }
         play.on_hover_text("Ctrl+Enter");
         let add = words::button(ui, "add this folder to the tracks", is_known);
         if add.clicked() {
-            ask(FileListEvent::OpenFolder { append: true });
+            ask(Box::new(|files| files.open_folder(true)));
         }
         add.on_hover_text("Ctrl+Shift+Enter");
     });

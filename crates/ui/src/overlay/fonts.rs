@@ -3,8 +3,8 @@
 //! character, and wakes the show when it has found fonts.
 
 use std::collections::BTreeSet;
+use std::io;
 use std::mem;
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use egui::Context;
@@ -12,18 +12,16 @@ use egui::epaint::text::{FallbackRequest, FontInsert, FontProvider};
 
 use crate::limits;
 use mariana_render::system_fonts::SystemFonts;
-use mariana_work::lock;
+use mariana_work::{Worker, in_order, lock};
 
-struct Start {
-    fonts: SystemFonts,
-    wake: Box<dyn Fn() + Send>,
-}
+/// Starts the thread.
+type Start = Box<dyn FnOnce() -> io::Result<Worker<BTreeSet<char>>> + Send>;
 
 pub(super) struct Fallback {
     missed: Arc<Missed>,
-    /// The data for the thread, present until the thread starts.
+    /// Present until the thread starts.
     start: Option<Start>,
-    wanted: Option<Sender<BTreeSet<char>>>,
+    thread: Worker<BTreeSet<char>>,
     found: Arc<Mutex<Vec<FontInsert>>>,
 }
 
@@ -52,11 +50,16 @@ impl FontProvider for Missed {
 impl Fallback {
     /// Records the characters that `context` lacks and searches `fonts` for them. The thread calls `wake` when
     /// [`Self::add_found`] has fonts to add.
-    pub(super) fn new(context: &Context, fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
-        let missed = Arc::new(Missed::default());
+    pub(super) fn new(context: &Context, mut fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
+        let (missed, found) = (Arc::new(Missed::default()), Arc::<Mutex<Vec<FontInsert>>>::default());
         context.add_font_provider(missed.clone());
-        let start = Some(Start { fonts, wake: Box::new(wake) });
-        Self { missed, start, wanted: None, found: Arc::default() }
+        let of_thread = found.clone();
+        let search = move |letters| {
+            let fonts = fonts.with_letters(&letters);
+            (!fonts.is_empty()).then(|| lock(&of_thread).extend(fonts))
+        };
+        let start = move || in_order("fonts", wake, || search);
+        Self { missed, start: Some(Box::new(start)), thread: Worker::default(), found }
     }
 
     pub(super) fn has_found(&self) -> bool {
@@ -86,29 +89,12 @@ impl Fallback {
             return;
         }
         if let Some(start) = self.start.take() {
-            let (wanted, requests) = channel();
-            let found = self.found.clone();
-            let thread = std::thread::Builder::new().name("fonts".into());
-            match thread.spawn(move || search(start, &requests, &found)) {
-                Ok(_) => self.wanted = Some(wanted),
-                Err(error) => tracing::warn!(
-                    "cannot start the font search, so missing letters appear as boxes: {error}"
-                ),
-            }
+            let thread = start().inspect_err(|error| {
+                tracing::warn!("cannot start the font search, so missing letters appear as boxes: {error}");
+            });
+            self.thread = thread.unwrap_or_default();
         }
-        if let Some(wanted) = &self.wanted {
-            // If the thread could not start, the boxes stay.
-            let _ = wanted.send(new);
-        }
-    }
-}
-
-fn search(mut start: Start, requests: &Receiver<BTreeSet<char>>, found: &Mutex<Vec<FontInsert>>) {
-    for letters in requests {
-        let fonts = start.fonts.with_letters(&letters);
-        if !fonts.is_empty() {
-            lock(found).extend(fonts);
-            (start.wake)();
-        }
+        // If the thread could not start, the boxes stay.
+        self.thread.send(new);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::text::LayoutJob;
 use egui::{CornerRadius, Galley, Id, Order, Painter, Rect, ScrollArea, Sense, Ui, pos2, vec2};
 
-use super::events::{Pass, UiEvent};
+use super::acts::{Acts, PanelAct, Pass};
 use super::{assisted, style, words};
 use crate::help_panel::HelpPanel;
 use mariana_commands::{Binding, Command, Group};
@@ -29,7 +29,7 @@ pub(super) struct Seen {
 }
 
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mut Option<Seen>) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
     let room = (space.width() - 2.0 * style::PADDING.x - LANE).max(1.0);
     let table = Table::new(&painter, help, room);
@@ -39,7 +39,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mu
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let hint = "type to search · Enter or a click does it · Esc closes";
         if words::heading(ui, LINE, "Keys", hint, help.query(), "close the table of keys") {
-            events.push(UiEvent::Command(Command::ToggleHelp));
+            acts.commands.push(Command::ToggleHelp);
         }
         let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(ROW);
         let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
@@ -50,7 +50,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mu
             let offset = before.offset.min(top - HEADING).max(bottom + ROW - height);
             scroll = scroll.vertical_scroll_offset(offset.max(0.0));
         }
-        let shown = scroll.show(ui, |ui| table.draw(ui, selected, events));
+        let shown = scroll.show(ui, |ui| table.draw(ui, selected, acts));
         *seen = Some(Seen { selected, offset: shown.state.clamped_offset().y });
     })
 }
@@ -146,7 +146,7 @@ impl Table {
         None
     }
 
-    fn draw(&self, ui: &mut Ui, selected: usize, events: &mut Vec<UiEvent>) {
+    fn draw(&self, ui: &mut Ui, selected: usize, acts: &mut Acts) {
         let height = |column: &Vec<Block>| column.iter().map(Block::height).sum::<f32>();
         let height = self.columns.iter().map(height).fold(0.0, f32::max).max(ROW);
         let (all, _) = ui.allocate_exact_size(vec2(self.width(), height), Sense::hover());
@@ -161,7 +161,7 @@ impl Table {
                 for row in &block.rows {
                     let rect = Rect::from_min_size(at, vec2(self.column_width, row.height()));
                     let is_selected = row.place == selected;
-                    self.draw_row(ui, row, rect, is_selected, events);
+                    self.draw_row(ui, row, rect, is_selected, acts);
                     at.y += row.height();
                 }
             }
@@ -173,7 +173,7 @@ impl Table {
         }
     }
 
-    fn draw_row(&self, ui: &Ui, row: &Row, rect: Rect, is_selected: bool, events: &mut Vec<UiEvent>) {
+    fn draw_row(&self, ui: &Ui, row: &Row, rect: Rect, is_selected: bool, acts: &mut Acts) {
         let response = ui.interact(rect, ui.scope_id().with(row.binding.written), Sense::click());
         let painter = ui.painter();
         style::light(painter, rect.expand2(vec2(4.0, 0.0)), is_selected || response.hovered());
@@ -195,7 +195,8 @@ impl Table {
             format_args!("{}, key {}", row.binding.help, row.binding.written),
         );
         if response.clicked() {
-            events.push(UiEvent::Help(row.place));
+            let place = row.place;
+            acts.on_panels.push(PanelAct::Help(Box::new(move |help| help.pick(place))));
         }
     }
 }

@@ -3,8 +3,8 @@
 use egui::{Painter, Rect, Sense, Ui, pos2, vec2};
 use mariana_music::SongStructure;
 
+use super::acts::Acts;
 use super::bar::Bar;
-use super::events::UiEvent;
 use super::{assisted, style};
 use mariana_commands::{Command, Edge, Mark, Panel};
 
@@ -26,7 +26,7 @@ pub fn near_border(time: f64, song: Option<&SongStructure>, duration: f64, reach
 
 /// Draws the marks over the seek bar, and moves the dragged one. While the panel of videos is open, there are always
 /// marks to drag.
-pub(super) fn show(ui: &Ui, place: Rect, bar: &Bar<'_>, duration: f64, events: &mut Vec<UiEvent>) {
+pub(super) fn show(ui: &Ui, place: Rect, bar: &Bar<'_>, duration: f64, acts: &mut Acts) {
     let whole = (bar.panels.open == Some(Panel::Video)).then_some([0.0, duration]);
     let Some(marks) = bar.marks.or(whole) else { return };
     let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
@@ -51,7 +51,7 @@ pub(super) fn show(ui: &Ui, place: Rect, bar: &Bar<'_>, duration: f64, events: &
             near_border(time, bar.song, duration, f64::from(REACH) * per_point)
         });
         if let Some(time) = asked.or(dragged).filter(|time| *time != at) {
-            events.push(UiEvent::Command(Command::Mark(Mark { edge, at: Some(time) })));
+            acts.commands.push(Command::Mark(Mark { edge, at: Some(time) }));
         }
         let words = "drag to mark the part of the song for a video; the keys < and > mark the present moment";
         response.on_hover_text(words);

@@ -6,6 +6,7 @@
 //! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape
 //! returns the focus to the show. A click that begins on a panel belongs to the overlay.
 
+mod acts;
 mod assisted;
 mod bar;
 mod binding;
@@ -18,7 +19,6 @@ mod corners;
 mod cues;
 mod decks;
 mod editor;
-mod events;
 mod files;
 mod fonts;
 mod help;
@@ -53,12 +53,12 @@ use egui::accesskit::TreeUpdate;
 use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, RawInput, Rect, Vec2};
 use egui_glow::Painter;
 
+pub use acts::{Acts, On, PanelAct};
 pub use assisted::Assistance;
 pub use bar::Bar;
 pub use content::{
     CueRow, CueSheet, Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList,
 };
-pub use events::{FileListEvent, SceneListEvent, SettingEvent, TrackListEvent, UiEvent};
 pub use marks::near_border;
 pub use now_playing::{NowPlaying, clock_time};
 use panels::{LaidOut, Panels, pressed};
@@ -104,12 +104,12 @@ struct Shown {
 }
 
 /// The result of [`Overlay::paint`].
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Default)]
 pub struct Painted {
     /// True if the user moved a slider, which changed [`OverlayContent::params`].
     pub params_changed: bool,
-    /// Events of the panels, in order.
-    pub events: Vec<UiEvent>,
+    /// What the user's input does.
+    pub acts: Acts,
     /// The tree of controls for assistive technology.
     pub controls: Option<TreeUpdate>,
     /// The new cursor icon, if it has changed.
@@ -288,8 +288,8 @@ impl Overlay {
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
         let (cursor, typed_at) = (self.changed_cursor(cursor), self.changed_place_of_letters(typed_at));
-        let LaidOut { params_changed, events, .. } = laid_out;
-        Ok(Painted { params_changed, events, controls, cursor, typed_at })
+        let LaidOut { params_changed, acts, .. } = laid_out;
+        Ok(Painted { params_changed, acts, controls, cursor, typed_at })
     }
 
     fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {

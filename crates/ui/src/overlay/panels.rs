@@ -7,9 +7,9 @@ use egui::{
     vec2,
 };
 
+use super::acts::{Acts, Pass};
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent, Problem};
-use super::events::{Pass, UiEvent};
 use super::fonts::Fallback;
 use super::picture::KeptPicture;
 use super::rooms::Rooms;
@@ -62,7 +62,7 @@ pub(super) struct LaidOut {
     /// Panels that take clicks, in points.
     pub panels: Vec<Rect>,
     pub params_changed: bool,
-    pub events: Vec<UiEvent>,
+    pub acts: Acts,
     /// Time until egui needs another layout without input. It is very long if egui needs no layout.
     pub repaint_after: Duration,
 }
@@ -96,20 +96,20 @@ impl Panels {
             input.events.extend(pressed(Key::Tab, Modifiers::NONE));
         }
         self.had_controls = content.bar.is_some() || content.is_interactive();
-        let (mut panels, mut params_changed, mut events) = (Vec::new(), false, Vec::new());
+        let (mut panels, mut params_changed, mut acts) = (Vec::new(), false, Acts::default());
         self.fallback.add_found(&self.context);
         // egui may request another pass after it has learned sizes.
         let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
-            events.clear();
-            let mut pass = Pass { context, events: &mut events };
+            acts = Acts::default();
+            let mut pass = Pass { context, acts: &mut acts };
             params_changed |= show(&mut pass, content, now, &mut panels, kept);
         });
         self.fallback.request_missing();
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        LaidOut { output, panels, params_changed, events, repaint_after }
+        LaidOut { output, panels, params_changed, acts, repaint_after }
     }
 }
 
@@ -353,9 +353,7 @@ fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> R
     style::ground(painter, rect);
     painter.galley(pos2(rect.center().x - 0.5 * galley.size().x, rect.top() + 7.0), galley, style::TEXT);
     let rail = Rect::from_min_size(pos2(rect.left() + 16.0, rect.bottom() - 12.0), vec2(width, 4.0));
-    painter.rect_filled(rail, 2.0, style::RAIL);
-    let filled = Rect::from_min_size(rail.min, vec2(fraction.clamp(0.0, 1.0) * width, 4.0));
-    painter.rect_filled(filled, 2.0, style::ACCENT);
+    style::fraction(painter, rail, fraction);
     rect
 }
 

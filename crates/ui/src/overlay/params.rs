@@ -1,10 +1,10 @@
 //! The sliders of the scene's parameters. egui's sliders would take the keyboard focus from the show.
 
-use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Id, Order, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::acts::{Acts, Pass};
 use super::binding::{self, OpenBinding};
 use super::content::SnapshotRow;
-use super::events::{Pass, UiEvent};
 use super::{assisted, snapshots, style};
 use mariana_commands::Command;
 use mariana_control::Slider;
@@ -12,7 +12,7 @@ use mariana_control::Slider;
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
 const LANE: f32 = 10.0;
-const RAIL_HEIGHT: f32 = 3.0;
+pub(super) const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
 /// Height of a slider's clickable area, in points. It is larger than the drawn slider.
 const HOLD_HEIGHT: f32 = 18.0;
@@ -40,7 +40,7 @@ pub(super) fn show(
     Shown { sliders, learning, snapshots }: Shown<'_>,
     open: &mut OpenBinding,
 ) -> (Rect, bool) {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
@@ -66,15 +66,15 @@ pub(super) fn show(
                         let changed = rows.fold(false, |changed, (i, slider)| {
                             let is_learning = learning == Some(&*slider.name);
                             let of_row = |ui: &mut Ui| {
-                                let moved = row(ui, slider, is_learning, open, events);
+                                let moved = row(ui, slider, is_learning, open, acts);
                                 if open.is_of(&slider.name) {
-                                    binding::show(ui, slider, open, events);
+                                    binding::show(ui, slider, open, acts);
                                 }
                                 moved
                             };
                             ui.push_id(i, of_row).inner || changed
                         });
-                        snapshots::show(ui, snapshots, events);
+                        snapshots::show(ui, snapshots, acts);
                         changed
                     })
                     .inner
@@ -86,13 +86,7 @@ pub(super) fn show(
 
 /// Draws a parameter's name, value and slider. Returns true if the value changed. After a click on the name, the next
 /// moved control is mapped to the parameter.
-fn row(
-    ui: &mut Ui,
-    slider: &mut Slider,
-    is_learning: bool,
-    open: &mut OpenBinding,
-    events: &mut Vec<UiEvent>,
-) -> bool {
+fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, open: &mut OpenBinding, acts: &mut Acts) -> bool {
     let before = slider.value;
     slider.value = slider.param().clamped(slider.value);
     let full = ui.available_width();
@@ -133,7 +127,7 @@ fn row(
     painter.galley_with_override_text_color(at, words, if is_learning { style::ACCENT } else { style::DIM });
     assisted::selected(&label, egui::Role::Button, is_learning, format_args!("learn {}", slider.name));
     if label.clicked() {
-        events.push(UiEvent::Command(Command::LearnParameter(slider.name.clone())));
+        acts.commands.push(Command::LearnParameter(slider.name.clone()));
     }
     binding::button(ui, wave, slider, open);
     if changed_by_user && bound.is_none() {
@@ -172,26 +166,20 @@ pub(super) fn rail(ui: &mut Ui, slider: &mut Slider) {
     if let Some(wanted) = assisted::rail(ui, &response, &slider.name, slider.value.into(), range, step) {
         slider.value = slider.param().clamped(wanted as f32);
     }
-    draw_rail(ui, slider, rail, &response);
+    let x_of = |value: f32| rail.left() + slider.param().fraction_of(value) * rail.width();
+    let held = response.hovered() || response.is_pointer_button_down_on();
+    draw_rail(ui.painter(), rail, rail.left(), x_of(slider.default), x_of(slider.value), held);
 }
 
-fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
-    let painter = ui.painter();
-    let x_of = |value: f32| rail.left() + slider.param().fraction_of(value) * rail.width();
-    let (knob, default) = (x_of(slider.value), x_of(slider.default));
-    let held = response.hovered() || response.is_pointer_button_down_on();
-    painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);
-    let mark = Rect::from_center_size(pos2(default, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
+/// Draws a rail that is filled from `base` to its `knob`, with a `mark` at the usual value.
+pub(super) fn draw_rail(painter: &Painter, rail: Rect, base: f32, mark: f32, knob: f32, held: bool) {
+    let radius = RAIL_HEIGHT / 2.0;
+    painter.rect_filled(rail, radius, style::RAIL);
+    let mark = Rect::from_center_size(pos2(mark, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
     painter.rect_filled(mark, 0.0, style::RAIL);
-    painter.rect_filled(
-        Rect::from_min_max(rail.min, pos2(knob, rail.bottom())),
-        RAIL_HEIGHT / 2.0,
-        style::ACCENT,
-    );
-    let color = if held { style::TEXT } else { style::ACCENT };
-    painter.circle_filled(
-        pos2(knob, rail.center().y),
-        if held { KNOB_RADIUS + 0.5 } else { KNOB_RADIUS },
-        color,
-    );
+    let filled = Rect::from_x_y_ranges(base.min(knob)..=base.max(knob), rail.y_range());
+    painter.rect_filled(filled, radius, style::ACCENT);
+    let (knob_radius, color) =
+        if held { (KNOB_RADIUS + 0.5, style::TEXT) } else { (KNOB_RADIUS, style::ACCENT) };
+    painter.circle_filled(pos2(knob, rail.center().y), knob_radius, color);
 }

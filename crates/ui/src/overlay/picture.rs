@@ -19,7 +19,7 @@ impl Hash for Cover<'_> {
 }
 
 /// The texture of a picture, replaced when the picture changes.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct KeptPicture(Option<(Arc<RgbaImage>, TextureHandle)>);
 
 impl KeptPicture {
@@ -50,7 +50,7 @@ impl KeptPicture {
     }
 }
 
-fn pixels(image: &RgbaImage) -> ColorImage {
+pub(super) fn pixels(image: &RgbaImage) -> ColorImage {
     let size = [image.width() as usize, image.height() as usize];
     ColorImage::from_rgba_unmultiplied(size, image.as_raw())
 }

@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::events::{Pass, SettingEvent, UiEvent};
-use super::{assisted, style, words};
+use super::acts::{On, PanelAct, Pass};
+use super::{assisted, params, style, words};
 use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
+use mariana_commands::{Command, Panel};
 use mariana_settings::{Setting, SettingRow, Values};
 
 const WIDTH_MAX: f32 = 640.0;
@@ -43,7 +44,7 @@ pub(super) fn show(
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
 ) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let width = space.width().min(WIDTH_MAX);
     let gives_way = gives_way(context, settings, last_seen.as_ref());
     let area = style::area(Id::unique("settings"), Order::Foreground)
@@ -58,14 +59,14 @@ pub(super) fn show(
             // Without this, egui limits the height of a new panel.
             ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
             ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let mut ask = |request| events.push(UiEvent::Settings(request));
             ui.scope(|ui| {
                 fade(ui, gives_way);
                 let hint = "change with the arrows and Enter, or a click · saved automatically";
                 if words::heading(ui, ROW, "Settings", hint, "", "close the settings") {
-                    ask(SettingEvent::Close);
+                    acts.commands.push(Command::TogglePanel(Panel::Settings));
                 }
             });
+            let mut ask = |act| acts.on_panels.push(PanelAct::Settings(act));
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
             let pointed = rows(ui, height, gives_way, settings, last_seen, &mut ask);
@@ -118,7 +119,7 @@ fn rows(
     gives_way: bool,
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
-    ask: &mut impl FnMut(SettingEvent),
+    ask: &mut impl FnMut(On<SettingsPanel>),
 ) -> Option<usize> {
     let selected = settings.selected;
     let width = ui.available_width() - LANE;
@@ -179,7 +180,7 @@ fn draw_row(
     place: usize,
     is_selected: bool,
     held: &mut bool,
-    ask: &mut impl FnMut(SettingEvent),
+    ask: &mut impl FnMut(On<SettingsPanel>),
 ) -> Response {
     let width = ui.available_width();
     let start = start_of_values(width);
@@ -190,30 +191,33 @@ fn draw_row(
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
     style::light(ui.painter(), rect, is_selected || response.hovered() && is_button);
     let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
+    let pick = |value: usize| -> On<SettingsPanel> {
+        Box::new(move |panel| Vec::from_iter(panel.pick(place, value)))
+    };
     let name_width = if is_button { width } else { start } - 12.0;
     draw_name(ui, row, rect, name_width, is_selected);
     match &row.values {
         Values::OneOfRows { chosen, .. } => {
             response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, *chosen, &row.name));
             if response.clicked() {
-                ask(SettingEvent::Pick { row: place, value: 0 });
+                ask(pick(0));
             }
         }
         Values::Fold { open } => {
             response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, *open, &row.name));
             if response.clicked() {
-                ask(SettingEvent::Pick { row: place, value: 0 });
+                ask(pick(0));
             }
         }
         Values::Names { options, chosen } => {
             if let Some(value) = draw_names(ui, values, row, options, *chosen) {
-                ask(SettingEvent::Pick { row: place, value });
+                ask(pick(value));
             }
         }
         Values::Delay(number) | Values::Percent { percent: number, .. } => {
             let scale = if matches!(row.values, Values::Delay(_)) { &SHIFT } else { &PERCENT };
             if let Some((number, settled)) = draw_number(ui, values, &row.name, *number, scale, held) {
-                ask(SettingEvent::Change { row: place, number, settled });
+                ask(Box::new(move |panel| Vec::from_iter(panel.change_number(place, number, settled))));
             }
         }
     }
@@ -284,15 +288,8 @@ fn draw_names(
         let ground = Rect::from_min_size(at, vec2(width, ROW)).shrink2(vec2(2.0, 3.0));
         at.x += width;
         let response = ui.interact(ground, ui.scope_id().with(("value", place)), Sense::click());
-        let (fill, color) = match (place == chosen, response.hovered()) {
-            (true, _) => (Some(style::ACCENT), style::ON_ACCENT),
-            (false, true) => (Some(style::RAIL), style::TEXT),
-            (false, false) => (None, style::BUTTON),
-        };
         let painter = ui.painter();
-        if let Some(fill) = fill {
-            painter.rect_filled(ground, 4.0, fill);
-        }
+        let color = style::value_ground(painter, ground, place == chosen, response.hovered());
         let galley = style::line(painter, name, style::TEXT_SIZE, color, width);
         painter.galley_with_override_text_color(ground.center() - 0.5 * galley.size(), galley, color);
         assisted::selected(
@@ -355,7 +352,8 @@ fn draw_number(
     painter.galley(place, number, style::TEXT);
     let hold =
         Rect::from_min_max(rect.min, pos2((rect.right() - 84.0).max(rect.left() + 1.0), rect.bottom()));
-    let rail = Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), 3.0));
+    let rail =
+        Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), params::RAIL_HEIGHT));
     let x_of = |shift: f64| {
         let fraction = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
         rail.left() + fraction as f32 * rail.width()
@@ -363,15 +361,8 @@ fn draw_number(
     let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
     *is_held |= response.is_pointer_button_down_on();
     let held = response.hovered() || response.is_pointer_button_down_on();
-    painter.rect_filled(rail, 1.5, style::RAIL);
     let base = if scale.from < 0.0 { 0.0 } else { scale.from };
-    let zero = Rect::from_center_size(pos2(x_of(base), rail.center().y), vec2(1.5, 9.0));
-    painter.rect_filled(zero, 0.0, style::RAIL);
-    let (least, most) = (x_of(shift.min(base)), x_of(shift.max(base)));
-    let filled = Rect::from_min_max(pos2(least, rail.top()), pos2(most, rail.bottom()));
-    painter.rect_filled(filled, 1.5, style::ACCENT);
-    let color = if held { style::TEXT } else { style::ACCENT };
-    painter.circle_filled(pos2(x_of(shift), rail.center().y), if held { 6.0 } else { 5.5 }, color);
+    params::draw_rail(painter, rail, x_of(base), x_of(base), x_of(shift), held);
     let name = format!("{name} in {}", scale.unit);
     if let Some(wanted) = assisted::rail(ui, &response, &name, shift, scale.from..=scale.to, scale.step) {
         return Some(((scale.rounded)(wanted), true));

@@ -2,41 +2,38 @@
 
 use egui::Ui;
 
+use super::acts::Acts;
 use super::binding::caption;
 use super::chips::{self, Chip};
 use super::content::SnapshotRow;
-use super::events::UiEvent;
 use mariana_commands::{Command, Switch};
 
 /// The lengths of morphs to choose from, in beats.
 const BEATS: [u16; 5] = [1, 2, 4, 8, 16];
 
-pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
+pub(super) fn show(ui: &mut Ui, row: SnapshotRow, acts: &mut Acts) {
     ui.add_space(4.0);
     caption(ui, "snapshots of the sliders", "");
-    let numbers: Vec<String> = (1..=row.taken.len()).map(|number| number.to_string()).collect();
-    let chips: Vec<Chip<'_>> = numbers
-        .iter()
+    let chips: Vec<Chip<'_>> = (1..)
         .zip(row.taken)
-        .map(|(number, is_taken)| {
+        .map(|(number, is_taken): (usize, bool)| {
             let act = if is_taken && !row.keys.takes { "recall" } else { "take" };
             let name = format!("{act} snapshot {number} (Shift+{number})");
-            Chip { is_dim: !is_taken, ..Chip::new(number, name, false) }
+            Chip { is_dim: !is_taken, ..Chip::new(number.to_string(), name, false) }
         })
         .collect();
     if let Some(place) = chips::row(ui, "snapshots", &chips) {
-        events.push(UiEvent::Command(Command::Snapshot(place + 1)));
+        acts.commands.push(Command::Snapshot(place + 1));
     }
     caption(ui, "time to recall one, in beats", "");
-    let texts = BEATS.map(|beats| beats.to_string());
     let mut lengths = vec![Chip::new("at once", "recall snapshots at once".to_owned(), !row.keys.morphs)];
-    lengths.extend(BEATS.iter().zip(&texts).map(|(beats, text)| {
-        let is_chosen = row.keys.morphs && row.keys.beats == *beats;
-        Chip::new(text, format!("recall snapshots over {text} beats"), is_chosen)
+    lengths.extend(BEATS.map(|beats| {
+        let is_chosen = row.keys.morphs && row.keys.beats == beats;
+        Chip::new(beats.to_string(), format!("recall snapshots over {beats} beats"), is_chosen)
     }));
     if let Some(place) = chips::row(ui, "lengths of morphs", &lengths) {
         let beats = place.checked_sub(1).and_then(|place| BEATS.get(place)).copied().unwrap_or_default();
-        events.push(UiEvent::Command(Command::MorphBeats(beats.into())));
+        acts.commands.push(Command::MorphBeats(beats.into()));
     }
     let again = "let the next snapshot be taken again instead of recalled (F2)";
     let mut ways = vec![Chip::new("take again", again.to_owned(), row.keys.takes)];
@@ -49,5 +46,5 @@ pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
         Some(_) => Command::WriteSnapshots,
         None => return,
     };
-    events.push(UiEvent::Command(command));
+    acts.commands.push(command);
 }

@@ -2,8 +2,8 @@
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, pos2, vec2};
 
+use super::acts::Pass;
 use super::content::SourceList;
-use super::events::{Pass, UiEvent};
 use super::{assisted, style};
 use mariana_commands::Command;
 
@@ -14,7 +14,7 @@ const WIDTH_MAX: f32 = 0.6;
 
 /// Draws the panel at the upper left of `space` and returns the panel's area. A click chooses a source.
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, list: &SourceList) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let row_height = ROW * style::TEXT_SIZE;
     let area = style::area(Id::unique("sources"), Order::Foreground).fixed_pos(space.min);
     let shown = area.show(context, |ui| {
@@ -47,7 +47,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, list: &SourceList) -> Rect 
                     let is_present = list.present == Some(index);
                     assisted::selected(&response, egui::Role::RadioButton, is_present, name);
                     if response.clicked() {
-                        events.push(UiEvent::Command(Command::Listen(index)));
+                        acts.commands.push(Command::Listen(index));
                     } else if is_present && response.rect.is_positive() && !ui.is_rect_visible(place) {
                         response.scroll_to_me(None);
                     }

@@ -121,6 +121,29 @@ pub(super) fn panel(
     shown.response.rect
 }
 
+/// Shows a panel in the middle of the lower edge of `space`. A panel that is not seen exists for screen readers only.
+/// Returns its area.
+pub(super) fn strip(
+    context: &egui::Context,
+    id: Id,
+    space: Rect,
+    width_max: f32,
+    is_seen: bool,
+    content: impl FnOnce(&mut Ui),
+) -> Rect {
+    let area = area(id, Order::Middle).pivot(egui::Align2::CENTER_BOTTOM).fixed_pos(space.center_bottom());
+    let shown = area.show(context, |ui| {
+        if !is_seen {
+            ui.set_opacity(0.0);
+        }
+        frame().show(ui, |ui| {
+            ui.set_width((space.width().min(width_max) - 2.0 * PADDING.x).max(0.0));
+            content(ui);
+        });
+    });
+    shown.response.rect
+}
+
 /// The middle of `space`, at most `width_max` points wide.
 pub(super) fn middle(space: Rect, width_max: f32) -> Rect {
     Rect::from_center_size(space.center(), vec2(space.width().min(width_max), space.height()))
@@ -144,6 +167,34 @@ pub(super) fn light(painter: &Painter, rect: Rect, is_lit: bool) {
     if is_lit {
         painter.rect_filled(rect, 4.0, RAIL);
     }
+}
+
+/// The colour of a control: accented while it is on, and brighter than `plain` under the pointer.
+pub(super) fn lit(is_on: bool, is_pointed: bool, plain: Color32) -> Color32 {
+    match (is_on, is_pointed) {
+        (true, _) => ACCENT,
+        (false, true) => TEXT,
+        (false, false) => plain,
+    }
+}
+
+/// Fills the ground of a value that can be chosen. Returns the colour of its text.
+pub(super) fn value_ground(painter: &Painter, rect: Rect, is_chosen: bool, is_pointed: bool) -> Color32 {
+    let (fill, color) = match (is_chosen, is_pointed) {
+        (true, _) => (ACCENT, ON_ACCENT),
+        (false, true) => (RAIL, TEXT),
+        (false, false) => return BUTTON,
+    };
+    painter.rect_filled(rect, 4.0, fill);
+    color
+}
+
+/// Draws a rail that is filled up to a fraction, 0..1.
+pub(super) fn fraction(painter: &Painter, rail: Rect, fraction: f32) {
+    let radius = 0.5 * rail.height();
+    painter.rect_filled(rail, radius, RAIL);
+    let filled = vec2(fraction.clamp(0.0, 1.0) * rail.width(), rail.height());
+    painter.rect_filled(Rect::from_min_size(rail.min, filled), radius, ACCENT);
 }
 
 /// Draws the caret of a search.

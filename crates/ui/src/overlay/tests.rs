@@ -10,14 +10,14 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, PanelSwitches, Problem, SettingEvent, SourceList, Tracks,
-    UiEvent, style,
+    Acts, Bar, Notice, NowPlaying, OverlayContent, PanelAct, PanelSwitches, Problem, SourceList, Tracks,
+    style,
 };
 use crate::editor::Editor;
 use crate::help_panel::HelpPanel;
 use crate::settings_panel::SettingsPanel;
 use crate::track_panel::TrackPanel;
-use mariana_commands::{Command, Panel, Switch};
+use mariana_commands::{Command, Delay, Panel, Switch};
 use mariana_control::{ChangedBy, Slider};
 use mariana_files::Folders;
 use mariana_player::tags::TagLibrary;
@@ -36,6 +36,8 @@ mod help;
 mod lists;
 mod video;
 mod wrapping;
+
+type Content = OverlayContent<'static>;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -69,19 +71,24 @@ impl Stage {
     }
 
     fn click(&mut self, place: Pos2, sliders: &mut [Slider]) -> bool {
-        let button = |pressed| Event::PointerButton {
-            pos: place,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
         let mut moved = false;
-        for events in [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)]] {
+        for events in click_at(place) {
             let content = OverlayContent { params: Some(sliders), ..Default::default() };
             moved |= self.frame(events, content).params_changed;
         }
         moved
     }
+}
+
+/// The events of the frames of a click.
+fn click_at(place: Pos2) -> [Vec<Event>; 4] {
+    let button = |pressed| Event::PointerButton {
+        pos: place,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)], vec![]]
 }
 
 fn sliders(count: usize) -> Vec<Slider> {
@@ -200,7 +207,6 @@ fn playing() -> NowPlaying {
 }
 
 fn bar(now: &NowPlaying) -> Bar<'_> {
-    let scene = "city, 2 of 17";
     Bar {
         now,
         cover: None,
@@ -208,7 +214,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         song: None,
         marks: None,
         level: 0.5,
-        scene,
+        scene: "city, 2 of 17",
         panels: PanelSwitches::default(),
         fullscreen: false,
         follows: true,
@@ -217,27 +223,20 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
     }
 }
 
-fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<UiEvent> {
-    let button = |pressed| Event::PointerButton {
-        pos: place,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    let mut all = Vec::new();
-    for events in [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)], vec![]] {
-        all.extend(stage.frame(events, content()).events);
+/// What a click does.
+fn acts(stage: &mut Stage, place: Pos2, mut content: impl FnMut() -> Content) -> Acts {
+    let mut all = Acts::default();
+    for events in click_at(place) {
+        let Acts { on_panels, commands } = stage.frame(events, content()).acts;
+        all.on_panels.extend(on_panels);
+        all.commands.extend(commands);
     }
     all
 }
 
-/// The commands of a click, without other events.
-fn commands(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<Command> {
-    let is_command = |event| match event {
-        UiEvent::Command(command) => Some(command),
-        _ => None,
-    };
-    asked(stage, place, content).into_iter().filter_map(is_command).collect()
+/// The commands of a click.
+fn commands(stage: &mut Stage, place: Pos2, content: impl FnMut() -> Content) -> Vec<Command> {
+    acts(stage, place, content).commands
 }
 
 #[test]
@@ -259,10 +258,8 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
         let words = place_of(&texts, "a title · an artist · 3 of 7");
         let inner = rect.shrink2(style::PADDING);
         let place = Pos2::new(inner.left() + 0.25 * inner.width(), words.bottom() + 18.0);
-        let events = asked(&mut stage, place, content);
-        let [UiEvent::Command(Command::SeekTo(seconds))] = events[..] else {
-            panic!("{screen:?}: {events:?}")
-        };
+        let events = commands(&mut stage, place, content);
+        let [Command::SeekTo(seconds)] = events[..] else { panic!("{screen:?}: {events:?}") };
         assert!((seconds - 25.0).abs() < 1.0, "{screen:?}: {seconds} s");
     }
 }
@@ -278,38 +275,36 @@ fn every_button_of_the_bar_has_a_tooltip_and_its_own_command() {
     let y = rect.bottom() - style::PADDING.y - 15.0;
     let mut x = rect.left() + style::PADDING.x + 15.0;
     while x < rect.right() - style::PADDING.x {
-        for request in asked(&mut stage, Pos2::new(x, y), content) {
-            if !met.contains(&request) && !matches!(request, UiEvent::Command(Command::Volume(_))) {
+        for request in commands(&mut stage, Pos2::new(x, y), content) {
+            if !met.contains(&request) && !matches!(request, Command::Volume(_)) {
                 met.push(request);
             }
         }
         x += 8.0;
         stage.seconds += 1.0;
     }
-    let act = UiEvent::Command;
     let expected = [
-        act(Command::PreviousTrack),
-        act(Command::Pause(Switch::Toggle)),
-        act(Command::NextTrack),
-        act(Command::Shuffle(Switch::Toggle)),
-        act(Command::NextRepeat),
-        act(Command::Mute(Switch::Toggle)),
-        act(Command::TogglePanel(Panel::Video)),
-        act(Command::TogglePanel(Panel::Files)),
-        act(Command::TogglePanel(Panel::Tracks)),
-        act(Command::TogglePanel(Panel::Sources)),
-        act(Command::Follow(Switch::Toggle)),
-        act(Command::Decks(Switch::Toggle)),
-        act(Command::TogglePanel(Panel::Scenes)),
-        act(Command::TogglePanel(Panel::Editor)),
-        act(Command::ToggleSliders),
-        act(Command::TogglePanel(Panel::Settings)),
-        act(Command::ToggleHelp),
-        act(Command::Fullscreen(Switch::Toggle)),
+        Command::PreviousTrack,
+        Command::Pause(Switch::Toggle),
+        Command::NextTrack,
+        Command::Shuffle(Switch::Toggle),
+        Command::NextRepeat,
+        Command::Mute(Switch::Toggle),
+        Command::TogglePanel(Panel::Video),
+        Command::TogglePanel(Panel::Files),
+        Command::TogglePanel(Panel::Tracks),
+        Command::TogglePanel(Panel::Sources),
+        Command::Follow(Switch::Toggle),
+        Command::Decks(Switch::Toggle),
+        Command::TogglePanel(Panel::Scenes),
+        Command::TogglePanel(Panel::Editor),
+        Command::ToggleSliders,
+        Command::TogglePanel(Panel::Settings),
+        Command::ToggleHelp,
+        Command::Fullscreen(Switch::Toggle),
     ];
     assert_eq!(met, expected);
-    for request in expected {
-        let UiEvent::Command(command) = request else { continue };
+    for command in expected {
         assert!(!super::bar::words_of(&command).is_empty(), "{command:?} has no words");
     }
 }
@@ -341,6 +336,15 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
     let rows: &'static SettingsPanel = Box::leak(Box::new(panel(&choices, Some("tv"))));
     let content = || OverlayContent { settings: Some(rows), ..Default::default() };
     let place = |wanted: &str| rows.rows.iter().position(|row| row.name == wanted).unwrap();
+    let set = |acts: Acts| {
+        let mut own = panel(&choices, Some("tv"));
+        let act = |act| match act {
+            PanelAct::Settings(act) => act(&mut own),
+            _ => panic!("an act on another panel"),
+        };
+        let commands: Vec<Command> = acts.on_panels.into_iter().flat_map(act).collect();
+        (own, commands)
+    };
     for screen in [SCREEN, Vec2::new(560.0, 315.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
         let mut stage = Stage::new(screen);
         stage.frame(Vec::new(), content());
@@ -360,15 +364,16 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
         ] {
             let is_seen = |(text, at): &&(String, Rect)| text == name && at.height() > 12.0;
             let Some((_, at)) = texts.iter().find(is_seen) else { continue };
-            let pick = UiEvent::Settings(SettingEvent::Pick { row: place(row), value });
-            assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
+            let mut expected = panel(&choices, Some("tv"));
+            let picked = Vec::from_iter(expected.pick(place(row), value));
+            let (own, commands) = set(acts(&mut stage, at.center(), content));
+            assert_eq!((own.rows, own.selected), (expected.rows, place(row)), "{screen:?}: {name}");
+            assert_eq!(commands, picked, "{screen:?}: {name}");
         }
         let rail = Pos2::new(place_of(&texts, "+35 ms").left() - 40.0, place_of(&texts, "+35 ms").center().y);
-        let events = asked(&mut stage, rail, content);
-        let Some(UiEvent::Settings(SettingEvent::Change { number: shift, settled: true, .. })) =
-            events.last()
-        else {
-            panic!("{screen:?}: {events:?}")
+        let (_, commands) = set(acts(&mut stage, rail, content));
+        let Some(Command::Delay(Delay { milliseconds: shift, settled: true })) = commands.last() else {
+            panic!("{screen:?}: {commands:?}")
         };
         assert!(*shift > 300.0, "{screen:?}: {shift}");
     }
@@ -487,20 +492,8 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
     let (mut sliders, help) = (sliders(3), HelpPanel::default());
-    let bar = Bar {
-        cover: None,
-        shape: None,
-        song: None,
-        marks: None,
-        now: &playing(),
-        level: 0.5,
-        scene: "speakers, 1 of 17",
-        panels: PanelSwitches { help: true, sliders: true, ..Default::default() },
-        fullscreen: false,
-        follows: false,
-        decks: false,
-        seen: true,
-    };
+    let (now, panels) = (playing(), PanelSwitches { help: true, sliders: true, ..Default::default() });
+    let bar = Bar { scene: "speakers, 1 of 17", panels, follows: false, ..bar(&now) };
     let content = OverlayContent {
         corner: Some("speakers · 60 fps · 1280x720 · compiled"),
         params: Some(&mut sliders),

@@ -3,7 +3,7 @@
 use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
 
-use super::events::{Pass, TrackListEvent, UiEvent};
+use super::acts::{Acts, PanelAct, Pass};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
 use super::{assisted, style, words};
@@ -31,14 +31,14 @@ pub struct Tracks<'a> {
 }
 
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, tracks: &Tracks<'_>, last: &mut Option<usize>) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     let place = style::right_part(space, (PART * space.width()).clamp(WIDTH.0, WIDTH.1));
     style::panel(context, "tracks", Order::Middle, place, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-        heading(ui, tracks, events);
+        heading(ui, tracks, acts);
         let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
-        rows(ui, height, tracks, last, events);
-        buttons(ui, tracks, events);
+        rows(ui, height, tracks, last, acts);
+        buttons(ui, tracks, acts);
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let keys = if tracks.panel.is_searching() {
             "type to search · Enter plays · Esc shows all tracks"
@@ -49,11 +49,11 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, tracks: &Tracks<'_>, last: 
     })
 }
 
-fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
+fn heading(ui: &mut Ui, tracks: &Tracks<'_>, acts: &mut Acts) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
     if icons::closing_cross(ui, cross, "close the list of tracks") {
-        events.push(UiEvent::Command(Command::TogglePanel(mariana_commands::Panel::Tracks)));
+        acts.commands.push(Command::TogglePanel(mariana_commands::Panel::Tracks));
     }
     let (words, color) = match tracks.panel.query() {
         None => (tracks.panel.totals(clock_time), style::TEXT),
@@ -65,7 +65,7 @@ fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
     assisted::text(ui.ctx(), "length of the list", &words, tracks.panel.is_searching());
 }
 
-fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>, events: &mut Vec<UiEvent>) {
+fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>, acts: &mut Acts) {
     let (panel, count) = (tracks.panel, tracks.panel.rows());
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     if count == 0 {
@@ -86,12 +86,13 @@ fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>,
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let width = (ui.available_width() - LANE).max(0.0);
-        events.push(UiEvent::Tracks(TrackListEvent::Drawn(rows.clone())));
-        rows.for_each(|at| row(ui, width, tracks, at, events));
+        let drawn = rows.clone();
+        acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.record_drawn(drawn))));
+        rows.for_each(|at| row(ui, width, tracks, at, acts));
         scroll_during_drag(ui);
     });
     // A track that is dropped below the last row becomes the last track.
-    drop_below(ui, shown.inner_rect, shown.content_size.y, count, events);
+    drop_below(ui, shown.inner_rect, shown.content_size.y, count, acts);
 }
 
 /// Scrolls while a track is dragged near the ends of the visible part.
@@ -112,23 +113,23 @@ fn scroll_during_drag(ui: &mut Ui) {
     ui.ctx().request_repaint();
 }
 
-fn drop_below(ui: &Ui, visible: Rect, content: f32, count: usize, events: &mut Vec<UiEvent>) {
+fn drop_below(ui: &Ui, visible: Rect, content: f32, count: usize, acts: &mut Acts) {
     let is_released = ui.input(|input| input.pointer.any_released());
     let Some(pointer) = ui.ctx().pointer_interact_pos().filter(|_| is_released) else { return };
     let is_below = visible.contains(pointer) && pointer.y > visible.top() + content;
     if let Some(from) = is_below.then(|| egui::DragAndDrop::take_payload::<usize>(ui.ctx())).flatten()
         && *from + 1 < count
     {
-        move_track(*from, count - 1, events);
+        move_track(*from, count - 1, acts);
     }
 }
 
-fn move_track(from: usize, to: usize, events: &mut Vec<UiEvent>) {
-    events.push(UiEvent::Command(Command::MoveTrack((from, to))));
-    events.push(UiEvent::Tracks(TrackListEvent::Select(to)));
+fn move_track(from: usize, to: usize, acts: &mut Acts) {
+    acts.commands.push(Command::MoveTrack((from, to)));
+    acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.select(to))));
 }
 
-fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, events: &mut Vec<UiEvent>) {
+fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, acts: &mut Acts) {
     let panel = tracks.panel;
     let Some(index) = panel.track_in(at) else { return };
     let (place, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click_and_drag());
@@ -151,13 +152,13 @@ fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, events: &mut Vec
     }
     crossed.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("remove {}", words.title)));
     if crossed.clicked() {
-        events.push(UiEvent::Command(Command::RemoveTrack(index)));
+        acts.commands.push(Command::RemoveTrack(index));
     } else if response.clicked() {
-        events.push(UiEvent::Command(Command::PlayTrack(index)));
-        events.push(UiEvent::Tracks(TrackListEvent::Select(at)));
+        acts.commands.push(Command::PlayTrack(index));
+        acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.select(at))));
     }
     if !panel.is_filtered() {
-        drag(&painter, place, &response, index, &words, events);
+        drag(&painter, place, &response, index, &words, acts);
     }
 }
 
@@ -168,7 +169,7 @@ fn drag(
     response: &egui::Response,
     index: usize,
     words: &Words,
-    events: &mut Vec<UiEvent>,
+    acts: &mut Acts,
 ) {
     response.dnd_set_drag_payload(index);
     let pointer = response.ctx.pointer_interact_pos();
@@ -190,7 +191,7 @@ fn drag(
         let gap = index + usize::from(below);
         let to = if gap > *from { gap - 1 } else { gap };
         if to != *from {
-            move_track(*from, to, events);
+            move_track(*from, to, acts);
         }
     }
 }
@@ -258,22 +259,22 @@ impl Words {
     }
 }
 
-fn buttons(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
+fn buttons(ui: &mut Ui, tracks: &Tracks<'_>, acts: &mut Acts) {
     let list = &tracks.panel.list;
     ui.horizontal(|ui| {
         if words::button(ui, "add music", true).on_hover_text("O, or drop files onto the window").clicked() {
-            events.push(UiEvent::Command(TrackPanel::ADD));
+            acts.commands.push(TrackPanel::ADD);
         }
         if words::button(ui, "search", !list.entries.is_empty()).on_hover_text("/ or Ctrl+F").clicked() {
-            events.push(UiEvent::Tracks(TrackListEvent::Search));
+            acts.on_panels.push(PanelAct::Tracks(Box::new(TrackPanel::toggle_search)));
         }
         if words::button(ui, "clear", !list.entries.is_empty()).on_hover_text("remove all tracks").clicked() {
-            events.push(UiEvent::Command(Command::ClearTracks));
+            acts.commands.push(Command::ClearTracks);
         }
         let undo = list.undo.as_deref();
         let words = undo.map_or_else(|| "undo".to_owned(), |edit| format!("undo: {edit}"));
         if words::button(ui, &words, undo.is_some()).on_hover_text("Ctrl+Z").clicked() {
-            events.push(UiEvent::Command(Command::UndoTracks));
+            acts.commands.push(Command::UndoTracks);
         }
     });
 }

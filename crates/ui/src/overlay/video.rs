@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use egui::{Galley, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::acts::Pass;
 use super::chips::{self, Chip};
-use super::events::{Pass, UiEvent};
 use super::{assisted, style, words};
 use crate::video_panel::{VideoPanel, VideoRow, choose, job};
 use mariana_commands::{Command, Panel, VideoEdit};
@@ -27,10 +27,10 @@ const MAKE: &str = "make the video";
 pub(super) type Seen = Option<(usize, usize)>;
 
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &mut Seen) -> Rect {
-    let Pass { context, events } = pass;
+    let Pass { context, acts } = pass;
     style::panel(context, "videos", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-        let mut ask = |command| events.push(UiEvent::Command(command));
+        let mut ask = |command| acts.commands.push(command);
         let hint = "Enter makes it · choose with the arrows or a click";
         if words::heading(ui, LINE, "Make a video", hint, "", "close the videos") {
             ask(Command::TogglePanel(Panel::Video));
@@ -129,10 +129,7 @@ fn draw_job(
         }
         if let Some(fraction) = fraction {
             let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), RAIL_HEIGHT), Sense::hover());
-            let rail = place.shrink2(vec2(INDENT, 0.0));
-            ui.painter().rect_filled(rail, 2.0, style::RAIL);
-            let filled = vec2(fraction.clamp(0.0, 1.0) * rail.width(), RAIL_HEIGHT);
-            ui.painter().rect_filled(Rect::from_min_size(rail.min, filled), 2.0, style::ACCENT);
+            style::fraction(ui.painter(), place.shrink2(vec2(INDENT, 0.0)), *fraction);
         }
         ui.add_space(3.0);
         ui.horizontal(|ui| {
@@ -141,7 +138,7 @@ fn draw_job(
                 .iter()
                 .enumerate()
                 .map(|(index, (_, words))| {
-                    Chip::new(words, format!("{words}, {name}"), selected == Some(Some(index)))
+                    Chip::new(*words, format!("{words}, {name}"), selected == Some(Some(index)))
                 })
                 .collect();
             if let Some((action, _)) = chips::row(ui, "actions", &chips).and_then(|at| actions.get(at)) {

@@ -42,19 +42,19 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     probe(&mut setup, [0.5, 0.5]);
     assert_eq!((line_of_cursor(&setup), setup.editor.probed_line()), (1, Some(2)), "the cursor stays");
     setup.editor.set_focus(false);
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     assert_eq!((line_of_cursor(&setup), setup.editor.has_focus()), (3, true));
     let surface = setup.editor.picture.probed.as_ref().unwrap().surface.clone().unwrap();
     assert_eq!((surface.object.as_str(), surface.material.as_str()), ("near", "red"));
     probe(&mut setup, [0.5, 0.9]);
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     assert_eq!(line_of_cursor(&setup), 6);
     // The user has added a line above the object since the scene was loaded.
     let scenery = scenery_of(setup.source());
     setup.go_to("object near");
     setup.type_text("# far\n");
     setup.editor.show_probe_answer(Answer::Point(probe_of(&scenery, [0.5, 0.5])));
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     assert_eq!(line_of_cursor(&setup), 4);
     let surface = setup.editor.picture.probed.as_ref().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
@@ -65,7 +65,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     );
     // No line of the text draws the sky. Esc closes the card and leaves the editor open.
     probe(&mut setup, [0.5, 0.1]);
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     assert_eq!(
         (line_of_cursor(&setup), setup.editor.picture.probed.as_ref().unwrap().surface.as_ref()),
         (4, None)
@@ -86,14 +86,14 @@ fn a_point_drawn_by_an_included_text_leads_there() {
     assert!(setup.load());
     probe(&mut setup, [0.5, 0.5]);
     assert_eq!(setup.editor.probed_line(), None, "it is in another text");
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     setup.wait("the included text", |editor| {
         editor.document().is_some_and(|document| document.disk.is_some() && document.name() == "part.scene")
     });
     assert_eq!(line_of_cursor(&setup), 2);
     setup.editor.show_text(0);
     probe(&mut setup, [0.5, 0.5]);
-    setup.editor.obey(EditorEvent::GoToProbed);
+    setup.editor.jump_to_probed();
     assert_eq!((setup.editor.document().unwrap().name().as_str(), line_of_cursor(&setup)), ("part.scene", 2));
 }
 
@@ -138,7 +138,7 @@ fn the_most_expensive_object_comes_first() {
     assert!(objects[0].run >= objects[1].run, "{objects:?}");
     assert_eq!(ray_statistics.run(), ray_statistics.sky.1 + objects[0].run + objects[1].run);
     let (text, byte) = objects.iter().find(|object| object.name == "floor").unwrap().place.unwrap();
-    setup.editor.obey(EditorEvent::GoTo { text, byte });
+    setup.editor.jump_to(text, byte);
     assert_eq!(line_of_cursor(&setup), 6);
 }
 
@@ -183,24 +183,24 @@ fn turned(setup: &mut TestEditor) -> (usize, Vec<Vec<f32>>) {
 fn picking_a_colour_does_not_parse_the_text_and_is_one_undo_step() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
-    setup.editor.obey(EditorEvent::PickColor(SCENE.find("vec3(0.9").unwrap()));
+    setup.editor.pick_color(SCENE.find("vec3(0.9").unwrap());
     assert_eq!(setup.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
     assert_eq!(turned(&mut setup), (0, vec![]));
-    setup.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
+    setup.editor.set_color([0.8, 0.3, 0.1]);
     assert_eq!(turned(&mut setup), (1, vec![vec![0.8, 0.3, 0.1]]), "one load makes it three inputs");
     assert!(setup.load());
     assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers.len(), 3);
     for step in 1..=20 {
-        setup.editor.obey(EditorEvent::SetColor([0.8, 0.02 * f64::from(step), 0.0]));
+        setup.editor.set_color([0.8, 0.02 * f64::from(step), 0.0]);
     }
     let (reads, values) = turned(&mut setup);
     assert_eq!((reads, values.len(), &values[19][..]), (0, 20, &[0.8, 0.4, 0.0][..]));
-    setup.editor.obey(EditorEvent::LetGo);
+    setup.editor.let_go();
     assert_eq!(turned(&mut setup), (1, vec![]), "the text defines the colour again");
     assert_eq!(setup.text(), SCENE.replace("vec3(0.9, 0.3, 0.1)", "vec3(0.8, 0.4, 0)"));
     assert!(setup.load());
-    setup.editor.obey(EditorEvent::PickColor(setup.text().find("vec3(2").unwrap()));
-    setup.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
+    setup.editor.pick_color(setup.text().find("vec3(2").unwrap());
+    setup.editor.set_color([2.0, 1.5, 0.25]);
     setup.named(NamedKey::Escape);
     assert!(setup.picked_color().is_none());
     assert!(setup.text().contains("emission = vec3(2, 1.5, 0.25)"), "{}", setup.text());
@@ -215,16 +215,16 @@ fn moving_a_position_across_zero_does_not_parse_the_text() {
     assert!(setup.load());
     setup.go_to("0, 0, 5), 1)");
     assert_eq!(setup.place(), Some([0.0, 0.0, 5.0]));
-    setup.editor.obey(EditorEvent::MovePlace([0.25, 0.0, 0.0]));
+    setup.editor.move_place([0.25, 0.0, 0.0]);
     assert_eq!(turned(&mut setup).0, 1);
     assert!(setup.load());
     for _ in 0..10 {
-        setup.editor.obey(EditorEvent::MovePlace([-0.1, 0.05, 0.0]));
+        setup.editor.move_place([-0.1, 0.05, 0.0]);
     }
     let (reads, values) = turned(&mut setup);
     assert_eq!((reads, values.len()), (0, 10));
     assert_eq!(setup.place(), Some([-0.75, 0.5, 5.0]));
-    setup.editor.obey(EditorEvent::LetGo);
+    setup.editor.let_go();
     assert_eq!(setup.text(), SCENE.replace("p - vec3(0, 0, 5)", "p - vec3(-0.75, 0.5, 5)"));
     assert!(setup.load());
     setup.ctrl("z");
@@ -234,7 +234,7 @@ fn moving_a_position_across_zero_does_not_parse_the_text() {
     let mut setup = TestEditor::new(text.as_bytes());
     setup.go_to("vec3(1, 2");
     assert_eq!(setup.place(), Some([-1.0, -2.0, 5.0]));
-    setup.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
+    setup.editor.move_place([1.0, 0.0, 0.0]);
     assert!(setup.text().contains("p + vec3(0, 2, -5)"), "{}", setup.text());
     setup.go_to("0.9, 0.3");
     assert_eq!(setup.place(), None);
@@ -246,8 +246,8 @@ fn colours_of_a_shipped_scene_cannot_be_picked() {
     let orb = SceneSource::Shipped("first_steps".into());
     setup.editor.show_scene(&orb);
     let text = setup.text();
-    setup.editor.obey(EditorEvent::PickColor(text.find("vec3(0.9, 0.25").unwrap()));
-    setup.editor.obey(EditorEvent::SetColor([0.0; 3]));
+    setup.editor.pick_color(text.find("vec3(0.9, 0.25").unwrap());
+    setup.editor.set_color([0.0; 3]);
     assert!(setup.picked_color().is_none() && setup.text() == text);
     assert!(setup.said().contains("Ctrl+S"), "{}", setup.said());
 }
@@ -277,8 +277,8 @@ fn a_proposed_shape_has_a_preview() {
     assert_eq!(setup.editor.proposals.shown().unwrap().list[0].name, "torus");
     setup.wait("its preview", |editor| editor.proposals.object_preview().is_some());
     let picture = setup.editor.proposals.object_preview().unwrap();
-    assert_eq!(picture.len(), super::super::PREVIEW_SIDE * super::super::PREVIEW_SIDE);
-    let covered = picture.iter().filter(|pixel| pixel[3] == 255).count();
+    assert_eq!(picture.dimensions(), (48, 48));
+    let covered = picture.pixels().filter(|pixel| pixel[3] == 255).count();
     assert!((200..2000).contains(&covered), "{covered}");
     let mut setup = TestEditor::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
     setup.go_to(" }");
@@ -291,7 +291,7 @@ fn a_proposed_shape_has_a_preview() {
 #[test]
 fn composed_letters_are_not_in_the_text_before_they_are_typed() {
     let mut setup = TestEditor::new(b"# ");
-    setup.editor.obey(EditorEvent::Press { at: 2, clicks: 1, select: false });
+    setup.editor.press(2, 1, false);
     setup.editor.set_preedit("\u{304b}\n");
     assert_eq!((setup.editor.preedit(), setup.text().as_str()), ("\u{304b}", "# "));
     setup.editor.type_text("\u{5bb6}");

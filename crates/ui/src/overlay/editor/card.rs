@@ -3,7 +3,8 @@
 use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
 use super::light::on_screen;
-use crate::editor::{Editor, EditorEvent};
+use crate::editor::Editor;
+use crate::overlay::acts::On;
 use crate::overlay::{assisted, icons, style};
 use mariana_scenes::probing::Surface;
 
@@ -18,7 +19,7 @@ pub(super) fn show(
     screen: Rect,
     space: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) -> Option<Rect> {
     let probed = editor.picture.probed.as_ref()?;
     let point = on_screen(editor.picture.map()?, screen, probed.at)?;
@@ -46,7 +47,7 @@ pub(super) fn show(
         style::ground(painter, rect);
         let cross = Rect::from_min_size(pos2(rect.right() - ROW - 6.0, rect.top() + 5.0), vec2(ROW, ROW));
         if icons::closing_cross(ui, cross, "close (Esc in the text)") {
-            ask(EditorEvent::CloseProbed);
+            ask(Box::new(|editor| _ = editor.close_probed()));
         }
         let (left, width) = (rect.left() + 10.0, rect.width() - 20.0);
         let mut y = rect.top() + 6.0;
@@ -78,7 +79,7 @@ pub(super) fn show(
         add(&heading, style::proportional(style::SMALL_SIZE), style::DIM);
         add(words, style::monospace(12.0), style::TEXT);
         if response.clicked() {
-            ask(EditorEvent::GoToProbed);
+            ask(Box::new(Editor::jump_to_probed));
         }
     });
     Some(rect)

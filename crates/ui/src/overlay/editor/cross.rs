@@ -5,7 +5,8 @@ use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, 
 use glam::DVec3;
 
 use super::light::on_screen;
-use crate::editor::{Editor, EditorEvent};
+use crate::editor::Editor;
+use crate::overlay::acts::On;
 use crate::overlay::style;
 use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
@@ -34,7 +35,7 @@ pub(super) fn show(
     screen: Rect,
     hidden: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) -> Vec<Rect> {
     let parts =
         editor.document().and_then(|document| editor.held_numbers.place(document)).zip(editor.picture.view());
@@ -73,7 +74,7 @@ fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos
     on_screen(map, screen, [0.5 + 0.5 * x, 0.5 - 0.5 * y])
 }
 
-fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -> Rect {
+fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(On<Editor, ()>)) -> Rect {
     let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
     let id = Id::unique(("cross handle", handle.name));
     let area = style::area(id, Order::Background).fixed_pos(rect.min);
@@ -88,7 +89,8 @@ fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -
             return;
         }
         let fine = if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 };
-        ask(EditorEvent::MovePlace((fine * way_of(&handle.ways, moved)).to_array()));
+        let way = (fine * way_of(&handle.ways, moved)).to_array();
+        ask(Box::new(move |editor| editor.move_place(way)));
     });
     rect
 }

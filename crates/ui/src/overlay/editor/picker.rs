@@ -4,7 +4,8 @@ use egui::color_picker::{Alpha, color_picker_hsva_2d};
 use egui::ecolor::Hsva;
 use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
 
-use crate::editor::{Editor, EditorEvent};
+use crate::editor::Editor;
+use crate::overlay::acts::On;
 use crate::overlay::{icons, style};
 
 /// Width of the colour field. The next constant is the approximate height of the whole picker.
@@ -35,7 +36,7 @@ pub(super) fn show(
     context: &Context,
     at: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) -> Option<Rect> {
     let (place, values) = editor.held_numbers.picked_color(editor.document()?)?;
     let id = Id::unique("picked color");
@@ -78,12 +79,12 @@ pub(super) fn show(
     let closes = style::area(Id::unique("picker cross"), Order::Foreground).fixed_pos(cross.min);
     closes.show(context, |ui| {
         if icons::closing_cross(ui, cross, "close (Esc)") {
-            ask(EditorEvent::ClosePicker);
+            ask(Box::new(Editor::close_picker));
         }
     });
     if shown.inner.inner {
         let color = picked.color.to_rgb().map(|part| f64::from(part) * picked.bright);
-        ask(EditorEvent::SetColor(color));
+        ask(Box::new(move |editor| editor.set_color(color)));
     }
     context.data_mut(|data| data.insert_temp(id, picked));
     Some(rect)

@@ -1,13 +1,10 @@
 //! Draws the completion list: names, and documentation of the selected name.
 
-use std::sync::Arc;
+use egui::{Color32, Id, LayerId, Order, Pos2, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use egui::{
-    Color32, ColorImage, Context, Id, LayerId, Order, Pos2, Rect, Sense, TextureHandle, TextureId,
-    TextureOptions, Ui, WidgetInfo, pos2, vec2,
-};
-
-use crate::editor::{EditorEvent, ObjectPreview, PREVIEW_SIDE, Proposing};
+use crate::editor::{Editor, ObjectPreview, Proposing};
+use crate::overlay::acts::On;
+use crate::overlay::picture::KeptPicture;
 use crate::overlay::{assisted, style};
 
 const ROWS: usize = 8;
@@ -24,7 +21,7 @@ pub(super) fn show(
     line: f32,
     proposing: &Proposing,
     object_preview: Option<&ObjectPreview>,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
     let count = proposing.list.len().min(ROWS);
@@ -51,7 +48,7 @@ pub(super) fn show(
         painter.galley(pos2(place.left() + 4.0, place.center().y - 0.5 * galley.size().y), galley, color);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &one.name));
         if response.clicked() {
-            ask(EditorEvent::Take(number));
+            ask(Box::new(move |editor| editor.accept_proposal(number)));
         }
     }
     let Some(one) = proposing.list.get(proposing.selected) else { return };
@@ -77,7 +74,10 @@ pub(super) fn show(
         let place = Rect::from_min_size(pos2(about.left() + 8.0, y + 1.0), vec2(PICTURE, PICTURE));
         painter.rect_filled(place, 4.0, style::RAIL);
         let (uv, white) = (Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        painter.image(texture(ui.ctx(), object_preview), place, uv, white);
+        let id = Id::unique("portrait of a proposal");
+        let mut kept: KeptPicture = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        painter.image(kept.of(ui.ctx(), object_preview), place, uv, white);
+        ui.data_mut(|data| data.insert_temp(id, kept));
         y += picture;
     }
     for part in parts {
@@ -85,28 +85,4 @@ pub(super) fn show(
         painter.galley(pos2(about.left() + 8.0, y), part, style::TEXT);
         y += height + 3.0;
     }
-}
-
-#[derive(Clone)]
-struct Uploaded {
-    of: ObjectPreview,
-    texture: TextureHandle,
-}
-
-/// The texture of a preview. It is kept until a different preview is shown.
-fn texture(context: &Context, object_preview: &ObjectPreview) -> TextureId {
-    let id = Id::unique("portrait of a proposal");
-    let known = context.data(|data| data.get_temp::<Uploaded>(id));
-    let uploaded = known.filter(|known| Arc::ptr_eq(&known.of, object_preview)).unwrap_or_else(|| {
-        let colors = |[r, g, b, covers]: &[u8; 4]| Color32::from_rgba_unmultiplied(*r, *g, *b, *covers);
-        let mut image = ColorImage::filled([PREVIEW_SIDE, PREVIEW_SIDE], Color32::TRANSPARENT);
-        for (pixel, drawn) in image.pixels.iter_mut().zip(object_preview.iter()) {
-            *pixel = colors(drawn);
-        }
-        let texture = context.load_texture("portrait", image, TextureOptions::LINEAR);
-        Uploaded { of: object_preview.clone(), texture }
-    });
-    let texture = uploaded.texture.id();
-    context.data_mut(|data| data.insert_temp(id, uploaded));
-    texture
 }

@@ -13,7 +13,8 @@ use mariana_field::lang::WordKind;
 
 use super::page::Page;
 use super::{picker, popup};
-use crate::editor::{Document, Editor, EditorEvent, Wrapping};
+use crate::editor::{Document, Editor, Wrapping};
+use crate::overlay::acts::On;
 use crate::overlay::{assisted, style};
 
 const SIZE: f32 = 13.0;
@@ -74,7 +75,7 @@ pub(super) fn show(
     space: Rect,
     editor: &Editor,
     document: &Document,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) -> Option<Rect> {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
@@ -85,7 +86,7 @@ pub(super) fn show(
     let wrapping = Wrapping::new(columns);
     let page = Page::new(rect, cell, wrapping, buffer, document.view);
     let rows = (rect.height() / cell.y).max(1.0);
-    ask(EditorEvent::Drawn { rows: rows as usize, columns });
+    ask(Box::new(move |editor| editor.record_drawn(rows as usize, columns)));
 
     let whole = Rect::from_min_max(space.min, rect.max);
     let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
@@ -328,7 +329,7 @@ fn point(
     editor: &Editor,
     document: &Document,
     response: &Response,
-    ask: &mut impl FnMut(EditorEvent),
+    ask: &mut impl FnMut(On<Editor, ()>),
 ) {
     let buffer = document.editing.buffer();
     let (modifiers, pressed, down, moved, scrolled) = ui.input(|input| {
@@ -345,7 +346,7 @@ fn point(
     if editor.held_numbers.turns_three() {
         // The user is changing the numbers with the picker or the cross, so the text ignores the pointer.
         if !down {
-            ask(EditorEvent::LetGo);
+            ask(Box::new(Editor::let_go));
         }
         return;
     }
@@ -358,15 +359,16 @@ fn point(
         draw_grip(painter, grip_of(page.rect_of(buffer, &turned)), true);
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
         if !down {
-            ask(EditorEvent::LetGo);
+            ask(Box::new(Editor::let_go));
         } else if moved != 0.0 {
-            ask(EditorEvent::Turn { points: moved, speed });
+            ask(Box::new(move |editor| editor.turn_number(moved, speed)));
         }
         return;
     }
     let Some(at) = response.hover_pos().or_else(|| response.interact_pointer_pos()) else { return };
     if scrolled != Vec2::ZERO {
-        ask(EditorEvent::Scroll { rows: -scrolled.y / page.cell.y });
+        let rows = -scrolled.y / page.cell.y;
+        ask(Box::new(move |editor| editor.scroll(rows)));
     }
     let offset = page.offset(buffer, at);
     let number = document.is_open().then(|| number_at(page, document, at)).flatten();
@@ -381,18 +383,19 @@ fn point(
         (false, false) => CursorIcon::Text,
     });
     if let Some(rect) = grips.filter(|_| pressed) {
-        return ask(EditorEvent::Grab(page.offset(buffer, rect.center())));
+        let at = page.offset(buffer, rect.center());
+        return ask(Box::new(move |editor| editor.grab(at)));
     }
     if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
-        ask(EditorEvent::PickColor(color));
+        ask(Box::new(move |editor| editor.pick_color(color)));
     } else if pressed && response.contains_pointer() {
-        ask(EditorEvent::Press { at: offset, clicks: 1, select: modifiers.shift });
+        ask(Box::new(move |editor| editor.press(offset, 1, modifiers.shift)));
     } else if response.triple_clicked() {
-        ask(EditorEvent::Press { at: offset, clicks: 3, select: false });
+        ask(Box::new(move |editor| editor.press(offset, 3, false)));
     } else if response.double_clicked() {
-        ask(EditorEvent::Press { at: offset, clicks: 2, select: false });
+        ask(Box::new(move |editor| editor.press(offset, 2, false)));
     } else if response.dragged() && down && moved_enough(ui) {
-        ask(EditorEvent::DragTo(offset));
+        ask(Box::new(move |editor| editor.drag_to(offset)));
     } else if grips.is_none() {
         hover_help(response, document, page, offset, at);
     }
@@ -475,7 +478,7 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     });
 }
 
-fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
+fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(On<Editor, ()>)) {
     let count = document.editing.buffer().line_count() as f32;
     let lane = Rect::from_min_max(pos2(space.right() - LANE + 3.0, space.top()), space.max);
     let response = ui.interact(lane, Id::unique("editor lane"), Sense::click_and_drag());
@@ -493,7 +496,8 @@ fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnM
     }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
         let wanted = (at.y - lane.top()) / lane.height().max(1.0) * whole - 0.5 * rows;
-        ask(EditorEvent::Scroll { rows: wanted - document.view.0 });
+        let rows = wanted - document.view.0;
+        ask(Box::new(move |editor| editor.scroll(rows)));
     }
 }
 

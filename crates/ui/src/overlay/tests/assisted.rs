@@ -140,25 +140,19 @@ fn tab_did_not_reach_the_bar() {
     // The first control is the seek bar, so arrow keys seek.
     assert!(focused(&stage).is_some());
     stage.frame(vec![], content());
-    assert_eq!(
-        stage.frame(press(Key::ArrowRight), content()).events,
-        [UiEvent::Command(Command::SeekTo(55.0))]
-    );
-    assert_eq!(
-        stage.frame(press(Key::ArrowLeft), content()).events,
-        [UiEvent::Command(Command::SeekTo(45.0))]
-    );
+    assert_eq!(stage.frame(press(Key::ArrowRight), content()).acts.commands, [Command::SeekTo(55.0)]);
+    assert_eq!(stage.frame(press(Key::ArrowLeft), content()).acts.commands, [Command::SeekTo(45.0)]);
     let mut asked = Vec::new();
     for _ in 0..20 {
         stage.frame(press(Key::Tab), content());
-        asked.extend(stage.frame(press(Key::Enter), content()).events);
+        asked.extend(stage.frame(press(Key::Enter), content()).acts.commands);
     }
     for command in [
         Command::Pause(Switch::Toggle),
         Command::Shuffle(Switch::Toggle),
         Command::TogglePanel(Panel::Scenes),
     ] {
-        assert!(asked.contains(&UiEvent::Command(command.clone())), "no way to {command:?} in {asked:?}");
+        assert!(asked.contains(&command.clone()), "no way to {command:?} in {asked:?}");
     }
     stage.frame(press(Key::Escape), content());
     assert_eq!(focused(&stage), None, "keys belong to the show again");

@@ -35,25 +35,18 @@ impl Desk {
     }
 
     /// Clicks the control with this name for screen readers.
-    fn click(&mut self, name: &str) -> Vec<UiEvent> {
+    fn click(&mut self, name: &str) -> Vec<Command> {
         self.frame(Vec::new());
         let update = self.frame(Vec::new()).output.platform_output.accesskit_update.unwrap();
         let at = place(&update, name).unwrap_or_else(|| panic!("no control '{name}'"));
         assert!(self.stage.screen.contains(at), "'{name}' is outside the window");
-        let button = |pressed| Event::PointerButton {
-            pos: at,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
         self.stage.seconds += 2.0;
-        let events = [vec![Event::PointerMoved(at)], vec![button(true)], vec![button(false)]];
-        events.into_iter().flat_map(|events| self.frame(events).events).collect()
+        click_at(at).into_iter().flat_map(|events| self.frame(events).acts.commands).collect()
     }
 }
 
-fn bind(binding: Option<SoundBinding>) -> Vec<UiEvent> {
-    vec![UiEvent::Command(Command::Bind(Bind { name: "knob 1".to_owned(), binding }))]
+fn bind(binding: Option<SoundBinding>) -> Vec<Command> {
+    vec![Command::Bind(Bind { name: "knob 1".to_owned(), binding })]
 }
 
 #[test]
@@ -81,7 +74,7 @@ fn two_clicks_bind_a_slider_and_more_clicks_shape_the_binding() {
         let envelope = SoundBinding { release: Some(1.0), ..binding.clone() };
         assert_eq!(desk.click("knob 1 falls: 1 s"), bind(Some(envelope)));
         assert_eq!(desk.click("knob 1 falls: at once"), bind(Some(binding.clone())));
-        let write = [UiEvent::Command(Command::WriteBinding("knob 1".to_owned()))];
+        let write = [Command::WriteBinding("knob 1".to_owned())];
         assert_eq!(desk.click("write the binding of knob 1 into the scene"), write);
         // The middle of the rail.
         let low = SoundBinding { low: 2.0, ..binding.clone() };
@@ -95,8 +88,7 @@ fn the_list_of_sounds_has_all_sounds_on_request() {
     let mut desk = Desk::new(SCREEN);
     desk.click("bind knob 0 to a sound");
     assert_eq!(desk.click("more sounds for knob 0"), []);
-    let UiEvent::Command(Command::Bind(Bind { binding: Some(binding), .. })) =
-        desk.click("bind knob 0 to loudness").remove(0)
+    let Command::Bind(Bind { binding: Some(binding), .. }) = desk.click("bind knob 0 to loudness").remove(0)
     else {
         panic!("no binding")
     };
@@ -107,8 +99,8 @@ fn the_list_of_sounds_has_all_sounds_on_request() {
 fn a_wave_has_a_shape_and_a_length() {
     let mut desk = Desk::new(SCREEN);
     desk.click("bind knob 0 to a sound");
-    let bound = |events: Vec<UiEvent>| match events.as_slice() {
-        [UiEvent::Command(Command::Bind(Bind { binding: Some(binding), .. }))] => binding.clone(),
+    let bound = |events: Vec<Command>| match events.as_slice() {
+        [Command::Bind(Bind { binding: Some(binding), .. })] => binding.clone(),
         other => panic!("no binding: {other:?}"),
     };
     let binding = bound(desk.click("move knob 0 in a wave: triangle"));
@@ -124,7 +116,7 @@ fn a_wave_has_a_shape_and_a_length() {
 #[test]
 fn the_row_of_snapshots_takes_and_recalls() {
     let mut desk = Desk::new(Vec2::new(640.0, 360.0));
-    let command = |command| vec![UiEvent::Command(command)];
+    let command = |command| vec![command];
     assert_eq!(desk.click("take snapshot 8 (Shift+8)"), command(Command::Snapshot(8)));
     desk.snapshots.taken[1] = true;
     assert_eq!(desk.click("recall snapshot 2 (Shift+2)"), command(Command::Snapshot(2)));

@@ -7,21 +7,6 @@ use crate::controllers_panel::{ControllersPanel, ControllersState};
 use mariana_control::midi::{Mapping, MidiState, Source, Target};
 use mariana_settings::KnobEdit;
 
-fn clicked(
-    stage: &mut Stage,
-    place: Pos2,
-    mut content: impl FnMut() -> OverlayContent<'static>,
-) -> Vec<UiEvent> {
-    let button = |pressed| Event::PointerButton {
-        pos: place,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    let events = [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)]];
-    events.into_iter().flat_map(|events| stage.frame(events, content()).events).collect()
-}
-
 fn size() -> Target {
     Target::Param { scene: "orb".to_owned(), name: "size".to_owned() }
 }
@@ -82,9 +67,9 @@ fn a_click_on_the_name_of_a_slider_learns_a_control_and_the_last_controller_is_s
         let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
         let laid_out = stage.frame(events, content);
         assert!(!laid_out.params_changed);
-        done.extend(laid_out.events);
+        done.extend(laid_out.acts.commands);
     }
-    assert_eq!(done, [UiEvent::Command(Command::LearnParameter("knob 1".to_owned()))]);
+    assert_eq!(done, [Command::LearnParameter("knob 1".to_owned())]);
 }
 
 #[test]
@@ -108,7 +93,7 @@ fn the_pointer_learns_changes_and_removes_mappings() {
         ("MIDI clock sets the tempo", Command::EditMappings(KnobEdit::Clock(false))),
     ] {
         let place = place_of(&texts, words).center();
-        assert_eq!(clicked(&mut stage, place, content), [UiEvent::Command(wanted)], "{words}");
+        assert_eq!(commands(&mut stage, place, content), [wanted], "{words}");
         stage.seconds += 2.0;
     }
 }

@@ -51,5 +51,9 @@ fn a_click_on_a_row_does_what_the_row_says() {
     let mut stage = Stage::new(SCREEN);
     let (_, texts) = drawn(&shown(&mut stage, help));
     let at = place_of(&texts, PAUSE).center();
-    assert_eq!(asked(&mut stage, at, content), [UiEvent::Help(0)]);
+    let mut on_panels = acts(&mut stage, at, content).on_panels;
+    let Some(PanelAct::Help(act)) = on_panels.pop() else { panic!("no act on the table") };
+    let mut own = HelpPanel::default();
+    let paused = own.pick(0);
+    assert!(on_panels.is_empty() && act(&mut HelpPanel::default()) == paused);
 }

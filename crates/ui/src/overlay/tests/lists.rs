@@ -2,10 +2,11 @@
 
 use image::RgbaImage;
 
-use super::super::{Cover, FileListEvent, TrackListEvent, Welcome};
+use super::super::{Cover, Welcome};
 use super::*;
 use crate::file_browser::tests::open;
 use crate::file_browser::{FileBrowser, RememberedFolders};
+use mariana_commands::Files;
 use mariana_commands::input::{Key, Modifiers as Held, NamedKey};
 use mariana_testing::wave::write_tagged_wav;
 
@@ -38,6 +39,14 @@ fn texts(stage: &mut Stage, content: &dyn Fn() -> OverlayContent<'static>) -> (L
     (laid_out, texts)
 }
 
+fn on_files(acts: Acts, files: &mut FileBrowser) -> Vec<Command> {
+    let act = |act| match act {
+        PanelAct::Files(act) => act(files),
+        _ => panic!("an act on another panel"),
+    };
+    acts.on_panels.into_iter().flat_map(act).chain(acts.commands).collect()
+}
+
 fn shows(texts: &[(String, Rect)], wanted: &str) -> bool {
     texts.iter().any(|(text, rect)| text.contains(wanted) && rect.area() > 20.0)
 }
@@ -47,7 +56,7 @@ fn the_file_list_shows_tags_and_fits_into_every_window() {
     let folder = tempfile::tempdir().unwrap();
     let path = song(folder.path(), "01 long name of a file.wav", "Ebb 夜 🎵", "The Tide");
     fs::create_dir(folder.path().join("album")).unwrap();
-    let tags = library(&[path]);
+    let tags = library(std::slice::from_ref(&path));
     let here = Some(folder.path().to_owned());
     let mut browser = FileBrowser::start(here, RememberedFolders::default(), tags, || {});
     crate::file_browser::tests::read(&mut browser);
@@ -68,8 +77,11 @@ fn the_file_list_shows_tags_and_fits_into_every_window() {
             assert!(shows(&texts, wanted), "{screen:?}: no {wanted} in {texts:?}");
         }
         assert_eq!(shows(&texts, "01 long"), screen.x > 700.0, "{screen:?}");
-        let drawn = UiEvent::Files(FileListEvent::Drawn(0..2));
-        assert!(laid_out.events.contains(&drawn), "{:?}", laid_out.events);
+        // The visible files are read first.
+        let mut own = open(folder.path());
+        own.tags = TagLibrary::start(None, || {}).unwrap();
+        assert_eq!(on_files(laid_out.acts, &mut own), []);
+        wait_until("the visible tags are read", || own.tags.get(&path).is_some());
     }
 }
 
@@ -82,26 +94,30 @@ fn the_pointer_opens_adds_and_plays_entries_of_the_file_list() {
     let content = || OverlayContent { files: Some(browser), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
     let (laid_out, texts) = texts(&mut stage, &content);
-    let mut pressed = |place: Pos2| -> Vec<FileListEvent> {
-        let is_ours = |event| match event {
-            UiEvent::Files(event) if !matches!(event, FileListEvent::Drawn(_)) => Some(event),
-            _ => None,
-        };
+    let mut pressed = |place: Pos2| -> (Vec<Command>, std::path::PathBuf) {
         stage.seconds += 2.0;
-        asked(&mut stage, place, content).into_iter().filter_map(is_ours).collect()
+        let mut own = open(folder.path());
+        let commands = on_files(acts(&mut stage, place, content), &mut own);
+        (commands, own.folder)
     };
     let (album, right) = (place_of(&texts, "album").center(), laid_out.panels[0].right() - style::PADDING.x);
-    assert_eq!(pressed(album), [FileListEvent::Open { place: 0, append: false }]);
+    let here = || folder.path().to_owned();
+    let plays = |path: std::path::PathBuf, append: bool| {
+        let open = Command::Open(Files { files: vec![path], append });
+        let close = (!append).then_some(Command::TogglePanel(Panel::Files));
+        (std::iter::once(open).chain(close).collect(), here())
+    };
+    assert_eq!(pressed(album), (vec![], here().join("album")));
     let song = place_of(&texts, "x.ogg").center();
-    assert_eq!(pressed(song), [FileListEvent::Open { place: 1, append: false }]);
-    assert_eq!(pressed(Pos2::new(right - 22.0, song.y)), [FileListEvent::Open { place: 1, append: true }]);
-    assert_eq!(pressed(Pos2::new(right - 46.0, album.y)), [FileListEvent::Play(0)]);
+    assert_eq!(pressed(song), plays(here().join("x.ogg"), false));
+    assert_eq!(pressed(Pos2::new(right - 22.0, song.y)), plays(here().join("x.ogg"), true));
+    assert_eq!(pressed(Pos2::new(right - 46.0, album.y)), plays(here().join("album"), false));
     let play = place_of(&texts, "play this folder").center();
-    assert_eq!(pressed(play), [FileListEvent::OpenFolder { append: false }]);
+    assert_eq!(pressed(play), plays(here(), false));
     let add = place_of(&texts, "add this folder to the tracks").center();
-    assert_eq!(pressed(add), [FileListEvent::OpenFolder { append: true }]);
+    assert_eq!(pressed(add), plays(here(), true));
     let home = place_of(&texts, "Home").center();
-    assert!(matches!(pressed(home)[..], [FileListEvent::EnterPlace(_)]));
+    assert_ne!(pressed(home).1, here());
 }
 
 fn tracks(files: &[std::path::PathBuf], tags: TagLibrary) -> TrackPanel {
@@ -136,7 +152,14 @@ fn the_track_list_shows_titles_artists_and_the_total_length() {
         for wanted in all {
             assert!(shows(&texts, wanted), "{screen:?}: no {wanted} in {texts:?}");
         }
-        assert!(laid_out.events.contains(&UiEvent::Tracks(TrackListEvent::Drawn(0..2))));
+        // The visible files are read first.
+        let tags = TagLibrary::start(None, || {}).unwrap();
+        let mut own = tracks(&files, tags.clone());
+        for act in laid_out.acts.on_panels {
+            let PanelAct::Tracks(act) = act else { panic!("an act on another panel") };
+            act(&mut own);
+        }
+        wait_until("the visible tags are read", || files.iter().all(|file| tags.get(file).is_some()));
         let clear = place_of(&texts, "clear").center();
         assert_eq!(commands(&mut stage, clear, content), [Command::ClearTracks], "{screen:?} {clear:?}");
         let undo = place_of(&texts, "undo: remove x.wav").center();
@@ -172,11 +195,9 @@ fn a_dragged_track_moves_to_where_it_is_dropped_even_below_the_last() {
         ];
         let mut all = Vec::new();
         for events in frames {
-            all.extend(stage.frame(events, content()).events);
+            all.extend(stage.frame(events, content()).acts.commands);
         }
-        all.into_iter()
-            .filter_map(|event| if let UiEvent::Command(it) = event { Some(it) } else { None })
-            .collect()
+        all
     };
     let (first, third, last) = (row("0.wav"), row("2.wav"), row("3.wav"));
     assert_eq!(dragged(first, third + Vec2::new(0.0, 6.0)), [Command::MoveTrack((0, 2))]);

@@ -14,11 +14,11 @@ fn panel(jobs: u64) -> VideoPanel {
     panel
 }
 
-fn clicked(stage: &mut Stage, panel: &'static VideoPanel, words: &str) -> Vec<UiEvent> {
+fn clicked(stage: &mut Stage, panel: &'static VideoPanel, words: &str) -> Vec<Command> {
     let content = || OverlayContent { video: Some(panel), ..Default::default() };
     (0..3).for_each(|_| drop(stage.frame(vec![], content())));
     let (_, texts) = drawn(&stage.frame(vec![], content()));
-    asked(stage, place_of(&texts, words).center(), content)
+    commands(stage, place_of(&texts, words).center(), content)
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn every_button_of_the_panel_sends_its_command() {
             ("make the video", VideoEdit::Make),
         ] {
             let sent = clicked(&mut Stage::new(screen), panel, words);
-            assert_eq!(sent, [UiEvent::Command(Command::Video(edit))], "{words} in {screen:?}");
+            assert_eq!(sent, [Command::Video(edit)], "{words} in {screen:?}");
         }
     }
 }
@@ -91,12 +91,11 @@ fn a_mark_is_dragged_to_a_border_and_the_song_does_not_move() {
         vec![Event::PointerMoved(at(0.3))],
         vec![button(0.3, false)],
     ] {
-        sent.extend(stage.frame(events, content(None)).events);
+        sent.extend(stage.frame(events, content(None)).acts.commands);
     }
-    let Some(UiEvent::Command(Command::Mark(Mark { edge: Edge::Start, at: Some(time) }))) = sent.last()
-    else {
+    let Some(Command::Mark(Mark { edge: Edge::Start, at: Some(time) })) = sent.last() else {
         panic!("{sent:?}");
     };
     assert!((time - 30.0).abs() < 1.0, "{time}");
-    assert!(sent.iter().all(|event| matches!(event, UiEvent::Command(Command::Mark(_)))), "{sent:?}");
+    assert!(sent.iter().all(|event| matches!(event, Command::Mark(_))), "{sent:?}");
 }

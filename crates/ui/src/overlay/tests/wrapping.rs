@@ -1,7 +1,6 @@
 //! Tests of long lines in the editor.
 
 use super::*;
-use crate::editor::EditorEvent;
 use mariana_commands::input::Modifiers as Held;
 use mariana_commands::input::{Key, KeyPress, NamedKey};
 use tempfile::TempDir;
@@ -31,11 +30,10 @@ impl Writing {
 
     fn frame(&mut self, events: Vec<Event>) -> LaidOut {
         let content = OverlayContent { editor: Some(&self.editor), ..Default::default() };
-        let laid_out = self.stage.frame(events, content);
-        for event in &laid_out.events {
-            if let UiEvent::Editor(event) = event {
-                self.editor.obey(*event);
-            }
+        let mut laid_out = self.stage.frame(events, content);
+        for act in std::mem::take(&mut laid_out.acts.on_panels) {
+            let PanelAct::Editor(act) = act else { panic!("an act on another panel") };
+            act(&mut self.editor);
         }
         laid_out
     }
@@ -109,17 +107,11 @@ fn a_click_in_a_lower_row_goes_to_the_letter_under_the_pointer() {
     let (last, _) = writing.caret();
     let rows = ((last.top() - first.top()) / first.height()).round();
     assert!(rows >= 3.0, "{first:?} {last:?}");
-    let click = |at: Pos2, pressed| Event::PointerButton {
-        pos: at,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
     let mut before = 0;
     for row in 0..=rows as usize {
         let at = Pos2::new(first.left() + 1.0, first.center().y + row as f32 * first.height());
         writing.stage.seconds += 2.0;
-        for events in [vec![Event::PointerMoved(at)], vec![click(at, true)], vec![click(at, false)]] {
+        for events in click_at(at) {
             writing.frame(events);
         }
         let (caret, _) = writing.caret();
@@ -130,8 +122,8 @@ fn a_click_in_a_lower_row_goes_to_the_letter_under_the_pointer() {
         before = writing.cursor();
     }
     // A selection over two rows has a part in each.
-    writing.editor.obey(EditorEvent::Press { at: before - 12, clicks: 1, select: false });
-    writing.editor.obey(EditorEvent::DragTo(before + 12));
+    writing.editor.press(before - 12, 1, false);
+    writing.editor.drag_to(before + 12);
     let laid_out = writing.frame(vec![]);
     let selected = laid_out.output.shapes.iter().filter_map(|clipped| match &clipped.shape {
         Shape::Rect(rect) if (rect.rect.height() - first.height()).abs() < 0.5 => Some(rect.rect),
