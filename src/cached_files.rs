@@ -77,14 +77,9 @@ impl CachedFiles {
     /// Saves a file. After an error, the next run finds no file.
     pub fn save(&self, key: FileKey, contents: &[u8]) {
         let Some(path) = self.path(key).filter(|_| contents.len() <= self.bytes_max) else { return };
-        let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
-        let written = written.and_then(|()| {
-            let written = AtomicFile::create(&path).and_then(|file| file.write(&sealed(contents)));
-            written.map_err(|error| error.to_string())
-        });
-        match written {
+        match AtomicFile::create_with_folder(&path).and_then(|file| file.write(&sealed(contents))) {
             Ok(()) => self.forget_oldest(),
-            Err(reason) => tracing::debug!("a file of the cache cannot be saved: {reason}"),
+            Err(error) => tracing::debug!("a file of the cache cannot be saved: {error}"),
         }
     }
 

@@ -248,11 +248,9 @@ impl PathStore {
 
     fn save(&mut self, kept: &dyn Fn() -> KeptPaths) -> Result<(), Unwritable> {
         let Some(piece) = &self.piece else { return Ok(()) };
-        let unwritable = |error: std::io::Error| Unwritable::new(&self.folder, &error);
-        let saved = std::fs::create_dir_all(&self.folder).map_err(unwritable).and_then(|()| {
-            let path = self.file(self.next.saturating_sub(1));
-            AtomicFile::create(&path)?.write(&sealed(piece, &kept().bytes()))
-        });
+        let path = self.file(self.next.saturating_sub(1));
+        let saved = AtomicFile::create_with_folder(&path)
+            .and_then(|file| file.write(&sealed(piece, &kept().bytes())));
         self.saved = Instant::now();
         saved
     }

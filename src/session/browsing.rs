@@ -12,13 +12,14 @@ use crate::commands::{Files, Panel};
 use crate::scenes::{ImportedShader, SceneSource, import_shader, is_scene_file, is_shader_file};
 use crate::ui::file_browser::{FileBrowser, RememberedFolders};
 use crate::ui::track_panel::TrackPanel;
+use mariana_player::Edit;
 
 impl Session {
     /// Takes back the last change of the track list.
     pub(super) fn undo_tracks(&mut self) {
         let undone = self.playback.listening.with_song(|player| {
             let edit = player.playlist().undo.clone();
-            player.undo_edit();
+            player.edit(Edit::Undo);
             edit
         });
         let words = match undone {

@@ -6,6 +6,7 @@ use crate::config::Setting;
 use crate::placement::Corners;
 use crate::session::screen::Screen;
 use mariana_control::midi::Target;
+use mariana_player::Edit;
 
 impl Session {
     /// Carries out a command. Does nothing if a switch already has the requested state.
@@ -54,9 +55,11 @@ impl Session {
                 self.playback.reports.answer_any(self.playback.listening.set_repeat(Some(repeat)));
             }
             Command::PlayTrack(entry) => self.playback.with_song(|player| player.play_entry(entry)),
-            Command::RemoveTrack(entry) => self.playback.with_song(|player| player.remove_entry(entry)),
-            Command::MoveTrack((from, to)) => self.playback.with_song(|player| player.move_entry(from, to)),
-            Command::ClearTracks => self.playback.with_song(|player| player.clear()),
+            Command::RemoveTrack(entry) => self.playback.with_song(|player| player.edit(Edit::Remove(entry))),
+            Command::MoveTrack((from, to)) => {
+                self.playback.with_song(|player| player.edit(Edit::Move { from, to }));
+            }
+            Command::ClearTracks => self.playback.with_song(|player| player.edit(Edit::Clear)),
             Command::UndoTracks => self.undo_tracks(),
             Command::MarkFolders(folders) => self.playback.listening.sound.remember(move |settings| {
                 settings.favourite_folders.clone_from(&folders);

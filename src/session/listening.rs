@@ -21,7 +21,7 @@ use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::track::{Repeat, TrackInfo};
-use mariana_player::{Moment, Player, PlayerStatus};
+use mariana_player::{Edit, Moment, Player, PlayerStatus};
 
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
 
@@ -139,7 +139,7 @@ impl Listening {
         if append {
             return Some(match self.sound.song() {
                 Some(player) => {
-                    player.append_files(files);
+                    player.edit(Edit::Append(files));
                     "added to the list of tracks".to_owned()
                 }
                 None => NO_SONG.to_owned(),

@@ -44,7 +44,7 @@ use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use crate::videos::Videos;
 use mariana_player::playlist::Opened;
-use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
+use mariana_player::{Player, PlayerOptions, Position, Target};
 
 /// Frame rate limit if the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
@@ -232,10 +232,9 @@ fn start_scene(
 /// Starts the player. It waits for the first frame, so that nothing of the song is missed.
 fn start_player(tracks: Opened, settings: &PlaySettings) -> Result<Player, SessionError> {
     let options = PlayerOptions {
-        target: output_of(settings),
+        output: output_of(settings),
         volume: settings.volume,
         paused: true,
-        output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
         gain: settings.choices.gain,
         repeat: tracks.repeat,
         shuffled: tracks.shuffled,
@@ -260,7 +259,7 @@ fn start_sound(
         memory,
         listen: settings.listen,
         device: settings.device.clone(),
-        output: (!settings.silent).then(|| output_of(settings)),
+        output: output_of(settings),
         latency: settings.latency,
         gain: settings.choices.gain,
     })?;
@@ -273,14 +272,14 @@ fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, 
         .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
-fn output_of(settings: &PlaySettings) -> Target {
-    match (settings.device.as_deref(), &settings.choices.output) {
+fn output_of(settings: &PlaySettings) -> Option<Target> {
+    (!settings.silent).then(|| match (settings.device.as_deref(), &settings.choices.output) {
         // While an input plays, `device` names the input, not an output.
         (Some(DEFAULT_DEVICE), _) => Target::Default,
         (Some(name), _) if settings.listen.is_none() => Target::Named(name.to_owned()),
         (_, Some(id)) => Target::Preferred(id.clone()),
         (_, None) => Target::Default,
-    }
+    })
 }
 
 fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, SessionError> {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use mariana_work::{Awaited, once};
 
 use super::waker::Waker;
-use crate::atomic_file::{AtomicFile, Unwritable};
+use crate::atomic_file::AtomicFile;
 use crate::clock;
 use crate::export::still::png;
 use crate::file_names::plain_name;
@@ -134,10 +134,8 @@ fn read(gl: &Gl, renderer: &mut Renderer, size: (u32, u32)) -> Result<Option<Pic
 /// Returns a message about the written picture.
 fn write(rgba: &[u8], size: (u32, u32), file: &std::path::Path) -> String {
     let written = png(rgba, size).map_err(|error| error.to_string()).and_then(|bytes| {
-        let folder = file.parent().unwrap_or(file);
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Unwritable::new(folder, &error))
-            .and_then(|()| AtomicFile::create(file)?.write_beside(&bytes))
+        AtomicFile::create_with_folder(file)
+            .and_then(|file| file.write_beside(&bytes))
             .map_err(|error| format!("{error}; {}", error.remedy()))
     });
     match written {

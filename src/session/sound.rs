@@ -16,7 +16,7 @@ use crate::ui::overlay::SourceList;
 use crate::ui::settings_panel;
 use mariana_music::{self, Gain, Recent};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
-use mariana_player::input::{Live, LiveOptions, LiveStatus};
+use mariana_player::input::{Live, LiveStatus};
 use mariana_player::limits as player_limits;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
@@ -83,7 +83,7 @@ impl Sound {
         }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.kept.settings());
-            sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);
+            sound.live = Some(Live::start(target, start.gain)?);
         }
         Ok(sound)
     }
@@ -341,7 +341,7 @@ impl Sound {
                 }
                 match &mut self.live {
                     Some(live) => live.choose(target.clone()),
-                    None => match Live::start(LiveOptions { target: target.clone(), gain: self.gain }) {
+                    None => match Live::start(target.clone(), self.gain) {
                         Ok(mut live) => {
                             live.set_paused(self.paused);
                             self.live = Some(live);

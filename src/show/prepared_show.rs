@@ -10,7 +10,7 @@ use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits as show_limits;
 use mariana_show::{
-    Clip, CueListError, Moment, Refusal, SceneFacts, Show, TimedTransition, Timeline, TransitionKind,
+    Clip, CueListError, Moment, Refusal, SceneCard, Show, TimedTransition, Timeline, TransitionKind,
 };
 
 const DEMO_NAME: &str = "demo.show";
@@ -178,15 +178,16 @@ impl PreparedShow {
     ) -> Result<Self, ShowError> {
         let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
         for source in scenes {
+            let name = name_of(source);
             match source.checked() {
-                Ok(facts) => {
-                    known.insert(name_of(source), SceneFacts::from(facts));
-                    sources.insert(name_of(source), source.clone());
+                Ok(scene) => {
+                    known.insert(name.clone(), SceneCard::of(&name, scene));
+                    sources.insert(name, source.clone());
                 }
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let show = Show::directed(song, &known, recent).ok_or(ShowError::NoScenes)?;
+        let show = Show::directed(song, known.into_values().collect(), recent).ok_or(ShowError::NoScenes)?;
         Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
     }
 
@@ -204,9 +205,9 @@ impl PreparedShow {
         let mut scenes = BTreeMap::new();
         let (show, reported) = Show::of_text(name, text, song, |scene| {
             let source = source_of(scene, folder).map_err(refusal)?;
-            let facts = SceneFacts::from(source.checked().map_err(refusal)?);
+            let card = SceneCard::of(scene, source.checked().map_err(refusal)?);
             scenes.insert(scene.to_owned(), source);
-            Ok(facts)
+            Ok(card)
         })?;
         Ok((Self { show, scenes, chosen_by: ChosenBy::User }, reported))
     }

@@ -15,12 +15,12 @@ use mariana_player::decode::Decoder;
 use mariana_player::playlist::Playlist;
 use mariana_player::song::Song;
 use mariana_player::track::Repeat;
-use mariana_player::{OutputChoice, Player, PlayerOptions};
+use mariana_player::{Player, PlayerOptions};
 use mariana_testing::process::wait_until;
 
 fn play(paths: &[PathBuf], repeat: Repeat) -> Player {
     let opened = Playlist::open(paths, repeat, false).unwrap();
-    let options = PlayerOptions { repeat, output: OutputChoice::Silent, ..PlayerOptions::default() };
+    let options = PlayerOptions { repeat, output: None, ..PlayerOptions::default() };
     Player::start(opened.first, Box::new(opened.list), options).unwrap()
 }
 

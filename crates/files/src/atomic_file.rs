@@ -198,11 +198,9 @@ fn remove_abandoned(folder: &Path) {
     }
 }
 
-fn folder_of(place: &Path) -> &Path {
-    match place.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
+/// The folder of a file; the working directory for a bare name.
+pub fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A file that is being written under a temporary name.
@@ -241,6 +239,17 @@ impl AtomicFile {
         let unfinished =
             Unfinished::create(folder, &suffix).map_err(|error| Unwritable::new(path, &error))?;
         Ok(Self { path: path.to_owned(), place, unfinished })
+    }
+
+    /// Creates the folder of `path` if it is missing, and opens a temporary file as [`Self::create`] does.
+    ///
+    /// # Errors
+    /// [`Unwritable`], as [`Self::create`], or if the folder cannot be created.
+    pub fn create_with_folder(path: &Path) -> Result<Self, Unwritable> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| Unwritable::new(folder, &error))?;
+        }
+        Self::create(path)
     }
 
     /// Returns the path of the temporary file, for programs that write files by name.

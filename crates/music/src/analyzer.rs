@@ -15,7 +15,7 @@ use super::smoothing::Follower;
 use super::sounds::Sounds;
 use super::spectrum::{SlowWindow, Spectrum};
 use super::stereo::StereoImage;
-use super::volume::{Volumes, stretch_length};
+use super::volume::{stretch_length, volumes};
 use crate::limits;
 
 /// The maximum position, in frames (190 000 years at 768 kHz), so that the frame count never overflows.
@@ -303,16 +303,11 @@ impl Analyzer {
         // In steady state, the leaky integral is its input times its time constant.
         self.followers.drive.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
 
-        let volumes = Volumes::of(&history[self.volume_stretch.clone()]);
+        let volumes = volumes(&history[self.volume_stretch.clone()]);
         let scale = amplitude(gain_db);
         let [left, right] = &mut features.volume;
-        let followed = [
-            (left, volumes.left),
-            (right, volumes.right),
-            (&mut features.volume_mid, volumes.mid),
-            (&mut features.volume_side, volumes.side),
-        ];
-        for (value, target) in followed {
+        let followed = [left, right, &mut features.volume_mid, &mut features.volume_side];
+        for (value, target) in followed.into_iter().zip(volumes) {
             self.followers.volume.follow(value, (scale * target).min(SAMPLE_MAX));
         }
 

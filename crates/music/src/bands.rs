@@ -1,7 +1,7 @@
 //! Logarithmic frequency bands: converts the power per bin to band levels and to heights for drawing.
 
 use super::resolution::Resolution;
-use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
+use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, spectrum_hz};
 use super::spectrum::Spectrum;
 
 const HEIGHT_ZERO_DB: f32 = -66.0;
@@ -14,7 +14,7 @@ const HEIGHT_ONE_DB: f32 = -6.0;
 /// Returns the lower edge of band `index` in hertz. For `BAND_COUNT`, returns the upper edge of the last band. The
 /// edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave) at every sample rate.
 pub fn band_edge(index: usize) -> f64 {
-    BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
+    spectrum_hz(index as f64 / BAND_COUNT as f64)
 }
 
 /// The weights of the bins in each band. Bin k covers the range from k - ½ to k + ½. Its weight is the fraction of this
@@ -92,6 +92,7 @@ pub(super) fn height(level_db: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
     use super::*;
 
     #[test]

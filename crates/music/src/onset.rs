@@ -1,6 +1,6 @@
 //! Onset detection: the spectral flux and an adaptive threshold.
 
-use super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
+use super::scale::band_bins;
 use super::whitening::{AMPLITUDE_MIN, Band, Whitening};
 
 /// The number of bin groups, in equal ratios from 30 Hz to 16 kHz.
@@ -100,17 +100,7 @@ pub(super) struct Flux {
 
 impl Flux {
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
-        let hz = |group: usize| {
-            BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group as f64 / GROUPS as f64)
-        };
-        let mut least = 1;
-        let edge = |group: usize| {
-            // Each group has at least one bin, so the edges of the low groups are higher than equal ratios would give.
-            let edge = ((hz(group) / bin_hz).round() as usize).max(least).min(bins);
-            least = edge + 1;
-            edge
-        };
-        let edges: Vec<usize> = (0..=GROUPS).map(edge).collect();
+        let edges = band_bins(GROUPS, bin_hz, bins);
         let weights: Vec<f64> =
             edges.iter().map(|edge| ((*edge).max(1) as f64 * bin_hz).powf(WEIGHT_POWER)).collect();
         Self { groups: Groups::new(edges, |group| weights[group], hop_seconds, SUDDEN_MOST), loudest: 0.0 }
@@ -128,23 +118,21 @@ impl Flux {
 }
 
 /// Measures the rises of low frequencies, in a longer window.
-pub(super) struct LowFlux {
-    groups: Groups,
-}
+pub(super) struct LowFlux(Groups);
 
 impl LowFlux {
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let end = ((LOW_HZ / bin_hz).round() as usize).clamp(2, bins.max(2));
-        Self { groups: Groups::new((1..=end).collect(), |_| 1.0, hop_seconds, LOW_SUDDEN_MOST) }
+        Self(Groups::new((1..=end).collect(), |_| 1.0, hop_seconds, LOW_SUDDEN_MOST))
     }
 
     pub(super) fn restart(&mut self) {
-        self.groups.restart();
+        self.0.restart();
     }
 
     /// Returns the mean rise of the bins, relative to each bin's mean rise. `flux` has processed the same moment.
     pub(super) fn follow(&mut self, power: &[f32], flux: &Flux) -> f32 {
-        self.groups.follow(power, flux.loudest.max(AMPLITUDE_MIN)).sudden
+        self.0.follow(power, flux.loudest.max(AMPLITUDE_MIN)).sudden
     }
 }
 

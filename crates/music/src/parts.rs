@@ -6,7 +6,7 @@
 
 use super::StereoFrame;
 use super::analyzer::{Alignment, Analyzer};
-use super::features::{Features, TimedFeatures};
+use super::features::Features;
 use super::gain::Gain;
 use super::scale::BAND_COUNT;
 use crate::limits;
@@ -38,7 +38,11 @@ pub struct PartTrack {
 }
 
 impl PartTrack {
-    fn push(&mut self, features: &Features) {
+    /// Keeps the numbers of a moment, unless the track has reached `seconds_max`.
+    fn push(&mut self, features: &Features, seconds_max: f64) {
+        if self.seconds() >= seconds_max {
+            return;
+        }
         for kept in &self.kept {
             let value = features.number(kept.name).unwrap_or(kept.least);
             let fraction = (value - kept.least) / (kept.most - kept.least);
@@ -85,9 +89,7 @@ impl PartTrack {
         let value = |band: &u8| f32::from(*band) / f32::from(u8::MAX);
         values.extend(bands.iter().zip(next_bands).map(|(a, b)| between(value(a), value(b))));
     }
-}
 
-impl PartTrack {
     /// Appends the track as bytes, for [`PartTrack::from_bytes`].
     pub fn append_bytes(&self, bytes: &mut Vec<u8>) {
         bytes.extend(self.hop_seconds.to_le_bytes());
@@ -135,22 +137,14 @@ impl PartListener {
     /// Analyses the next frames. Returns false once the part has reached the limit; later frames are ignored.
     pub fn push(&mut self, frames: &[StereoFrame]) -> bool {
         let Self { analyzer, track, seconds_max } = self;
-        analyzer.push(frames, &mut |moment: &TimedFeatures| {
-            if track.seconds() < *seconds_max {
-                track.push(&moment.features);
-            }
-        });
+        analyzer.push(frames, &mut |moment| track.push(&moment.features, *seconds_max));
         self.track.seconds() < self.seconds_max
     }
 
     /// Ends the stream: later sound is silence.
     pub fn finish(&mut self) {
         let Self { analyzer, track, seconds_max } = self;
-        analyzer.finish(&mut |moment: &TimedFeatures| {
-            if track.seconds() < *seconds_max {
-                track.push(&moment.features);
-            }
-        });
+        analyzer.finish(&mut |moment| track.push(&moment.features, *seconds_max));
     }
 
     /// The track so far.
@@ -263,7 +257,7 @@ mod tests {
         };
         [features(0.2, 120.0), features(0.6, 60.0), features(9.0, f32::NAN)]
             .iter()
-            .for_each(|f| track.push(f));
+            .for_each(|f| track.push(f, f64::INFINITY));
         let values = at(&track, 0.005);
         for (value, expected) in values.iter().zip([0.4, 120.0, 0.4, 0.4]) {
             assert!((value - expected).abs() < 0.01, "{values:?}");

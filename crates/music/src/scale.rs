@@ -32,6 +32,19 @@ pub fn spectrum_place(hz: f64) -> f64 {
     octaves.clamp(0.0, 1.0)
 }
 
+/// Returns the edges of `count` bands in equal ratios from 30 Hz to 16 kHz, as bins, at most `bins`. Each band has at
+/// least one bin, so the edges of the low bands are higher than equal ratios would give.
+pub(super) fn band_bins(count: usize, bin_hz: f64, bins: usize) -> Vec<usize> {
+    let mut least = 1;
+    let edge = |band: usize| {
+        let hz = spectrum_hz(band as f64 / count as f64);
+        let edge = ((hz / bin_hz).round() as usize).max(least).min(bins);
+        least = edge + 1;
+        edge
+    };
+    (0..=count).map(edge).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

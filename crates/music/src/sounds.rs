@@ -56,11 +56,7 @@ impl Sounds {
         for (value, part) in [&mut features.tonal, &mut features.percussive].into_iter().zip(parts) {
             self.follower.follow(value, part * level);
         }
-        let harmony = self.notes.follow(long, middle);
-        features.notes = self.notes.levels;
-        (features.chord_root, features.chord_minor) = (harmony.chord_root, harmony.chord_minor);
-        features.chord_certainty = harmony.chord_certainty;
-        (features.melody, features.melody_certainty) = (harmony.melody, harmony.melody_certainty);
+        self.notes.follow(long, middle, features);
         features.loudness_lufs = self.loudness.follow(newest);
     }
 }

@@ -12,30 +12,18 @@ pub(super) fn stretch_length(sample_rate: u32) -> usize {
     2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
 }
 
-/// The volume V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for the left, right, mid and side channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Volumes {
-    pub(super) left: f32,
-    pub(super) right: f32,
-    /// Volume of (left + right) / 2.
-    pub(super) mid: f32,
-    /// Volume of (left - right) / 2.
-    pub(super) side: f32,
-}
-
-impl Volumes {
-    pub(super) fn of(frames: &[StereoFrame]) -> Self {
-        let mut sums = [0.0_f64; 4];
-        for &[left, right] in frames {
-            let values = [left, right, 0.5 * (left + right), 0.5 * (left - right)];
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += f64::from(value.abs());
-            }
+/// Returns the volume V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1) of the left, right, mid and side channel. The mid
+/// channel is (left + right) / 2, the side channel (left - right) / 2.
+pub(super) fn volumes(frames: &[StereoFrame]) -> [f32; 4] {
+    let mut sums = [0.0_f64; 4];
+    for &[left, right] in frames {
+        let values = [left, right, 0.5 * (left + right), 0.5 * (left - right)];
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += f64::from(value.abs());
         }
-        let count = frames.len().max(1) as f64;
-        let [left, right, mid, side] = sums.map(|sum| (sum / count) as f32);
-        Self { left, right, mid, side }
     }
+    let count = frames.len().max(1) as f64;
+    sums.map(|sum| (sum / count) as f32)
 }
 
 #[cfg(test)]
@@ -44,10 +32,6 @@ mod tests {
 
     #[test]
     fn equation_1_of_known_signals() {
-        let volumes = |frames: &[StereoFrame]| {
-            let Volumes { left, right, mid, side } = Volumes::of(frames);
-            [left, right, mid, side]
-        };
         assert_eq!(
             volumes(&[[0.5, -0.25], [-0.5, -0.25], [0.5, 0.75], [-0.5, -0.75]]),
             [0.5, 0.5, 0.4375, 0.1875]

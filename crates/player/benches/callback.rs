@@ -31,7 +31,9 @@ fn callback(criterion: &mut Criterion) {
         group.bench_function(format!("f32 {name}"), |bencher| {
             bencher.iter_batched_ref(
                 || playing(0.8),
-                |(output_callback, _)| output_callback.serve(black_box(&mut data), channels, latency),
+                |(output_callback, _)| {
+                    output_callback.fill(black_box(&mut data), channels, Instant::now(), latency)
+                },
                 BatchSize::SmallInput,
             );
         });
@@ -40,7 +42,7 @@ fn callback(criterion: &mut Criterion) {
     group.bench_function("i16 stereo", |bencher| {
         bencher.iter_batched_ref(
             || playing(0.8),
-            |(output_callback, _)| output_callback.serve(black_box(&mut data), 2, latency),
+            |(output_callback, _)| output_callback.fill(black_box(&mut data), 2, Instant::now(), latency),
             BatchSize::SmallInput,
         );
     });

@@ -66,7 +66,8 @@ pub struct SongPlace {
 #[derive(Default)]
 pub struct AudibleSegments {
     segments: VecDeque<SegmentNotes>,
-    next: Option<Arc<TrackInfo>>,
+    /// The track that follows the track being decoded; `None` if the following track is unknown or the same.
+    pub next: Option<Arc<TrackInfo>>,
 }
 
 /// [`AudibleSegments`] for several threads.
@@ -112,36 +113,31 @@ impl AudibleSegments {
         }
     }
 
-    /// Records that the track starts again at `segment_time` (seconds since the segment's start). Anchors before the
-    /// segment time `played`, which has certainly been heard, are dropped.
-    pub fn begin_lap(&mut self, id: u64, segment_time: f64, played: f64) {
-        let Some(segment) = self.find_mut(id) else { return };
-        segment.laps = segment.laps.wrapping_add(1);
-        let lap = segment.laps;
-        let Some(passage) = segment.passages.back_mut() else { return };
-        passage.anchors.push_back(Anchor { segment_time, song_time: 0.0, lap });
-        while passage.anchors.get(1).is_some_and(|second| second.segment_time <= played) {
-            passage.anchors.pop_front();
-        }
-    }
-
-    /// Records that another track begins at `segment_time` as passage `passage`; see [`AudibleSegments::begin_lap`].
-    pub fn begin_track(
+    /// Records that the track starts again at `segment_time` (seconds since the segment's start), or that a passage of
+    /// the track `next` begins there. Passages and anchors before the segment time `played`, which has certainly been
+    /// heard, are dropped.
+    pub fn begin_lap(
         &mut self,
         id: u64,
         segment_time: f64,
         played: f64,
-        passage: u64,
-        track: Arc<TrackInfo>,
+        next: Option<(u64, Arc<TrackInfo>)>,
     ) {
         let Some(segment) = self.find_mut(id) else { return };
         segment.laps = segment.laps.wrapping_add(1);
-        let next = Passage::new(passage, track, segment_time, 0.0, segment.laps);
-        segment.passages.push_back(next);
-        while segment.passages.len() > PASSAGES_KEPT
-            || segment.passages.get(1).is_some_and(|second| second.segment_time <= played)
-        {
-            segment.passages.pop_front();
+        let lap = segment.laps;
+        if let Some((passage, track)) = next {
+            segment.passages.push_back(Passage::new(passage, track, segment_time, 0.0, lap));
+            while segment.passages.len() > PASSAGES_KEPT
+                || segment.passages.get(1).is_some_and(|second| second.segment_time <= played)
+            {
+                segment.passages.pop_front();
+            }
+        } else if let Some(passage) = segment.passages.back_mut() {
+            passage.anchors.push_back(Anchor { segment_time, song_time: 0.0, lap });
+            while passage.anchors.get(1).is_some_and(|second| second.segment_time <= played) {
+                passage.anchors.pop_front();
+            }
         }
     }
 
@@ -163,16 +159,6 @@ impl AudibleSegments {
         if let Some(passage) = self.passage_mut(passage) {
             passage.features.push(moment);
         }
-    }
-
-    /// Sets the track that follows the track being decoded; `None` if the following track is unknown or the same.
-    pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
-        self.next = next;
-    }
-
-    /// Returns the track that [`AudibleSegments::set_next`] has set.
-    pub fn next(&self) -> Option<Arc<TrackInfo>> {
-        self.next.clone()
     }
 
     /// Returns the position `ahead` seconds after `audible`, or the segment's end; `None` if the segment is unknown.
@@ -280,8 +266,8 @@ mod tests {
     fn laps_and_seeks_are_distinguished() {
         let mut audible_segments = AudibleSegments::default();
         begin(&mut audible_segments, 1, 100, 7.0);
-        audible_segments.begin_lap(1, 3.0, 0.0);
-        audible_segments.begin_lap(1, 13.0, 0.0);
+        audible_segments.begin_lap(1, 3.0, 0.0, None);
+        audible_segments.begin_lap(1, 13.0, 0.0, None);
         begin(&mut audible_segments, 2, 200, 2.0);
         assert_eq!(song_time(&audible_segments, 1, 150.0), Some((8.5, 0)));
         assert_eq!(song_time(&audible_segments, 1, 300.0), Some((0.0, 1)));
@@ -317,7 +303,7 @@ mod tests {
     fn past_anchors_are_dropped_and_the_end_is_known() {
         let mut audible_segments = AudibleSegments::default();
         begin(&mut audible_segments, 1, 100, 0.0);
-        (1..1000).for_each(|n| audible_segments.begin_lap(1, f64::from(n), f64::from(n) - 2.0));
+        (1..1000).for_each(|n| audible_segments.begin_lap(1, f64::from(n), f64::from(n) - 2.0, None));
         assert!(audible_segments.segments[0].passages[0].anchors.len() <= 4);
         assert_eq!(song_time(&audible_segments, 1, 99_950.0), Some((0.5, 999)));
         assert!(!audible_segments.is_end(at(1, 99_950.0)));
@@ -330,8 +316,8 @@ mod tests {
     fn tracks_follow_each_other_with_their_own_times_and_features() {
         let mut audible_segments = AudibleSegments::default();
         begin(&mut audible_segments, 1, 100, 8.0);
-        audible_segments.begin_lap(1, 2.0, 0.0);
-        audible_segments.begin_track(1, 12.0, 0.0, 2, Track::silence(2, 9).info);
+        audible_segments.begin_lap(1, 2.0, 0.0, None);
+        audible_segments.begin_lap(1, 12.0, 0.0, Some((2, Track::silence(2, 9).info)));
         let moment = |time: f64, volume| {
             let features = Features { volume: [volume; 2], ..Features::default() };
             TimedFeatures::new(time, (100.0 * time) as u64, features)
@@ -350,10 +336,15 @@ mod tests {
         assert_eq!(reported(&audible_segments, 1150.0), (9.5, 1, 1, 0.5));
         assert_eq!(reported(&audible_segments, 1200.0), (0.0, 2, 2, 0.5));
         for n in 3..1000_u32 {
-            audible_segments.begin_track(1, f64::from(n) * 12.0, 0.0, n.into(), Track::silence(5, 9).info);
+            audible_segments.begin_lap(
+                1,
+                f64::from(n) * 12.0,
+                0.0,
+                Some((n.into(), Track::silence(5, 9).info)),
+            );
         }
         assert_eq!(audible_segments.segments[0].passages.len(), PASSAGES_KEPT);
-        audible_segments.begin_track(1, 12_000.0, 11_990.0, 2000, Track::silence(7, 9).info);
+        audible_segments.begin_lap(1, 12_000.0, 11_990.0, Some((2000, Track::silence(7, 9).info)));
         assert_eq!(audible_segments.segments[0].passages.len(), 2);
         assert_eq!(audible_segments.track(at(1, 1_200_000.0)).unwrap().entry, 7);
     }

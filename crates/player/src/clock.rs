@@ -209,11 +209,13 @@ impl SpanHistory {
         })
     }
 
-    fn nanoseconds(&self, moment: Instant) -> u64 {
+    /// Converts a moment to nanoseconds since the epoch.
+    pub(crate) fn nanoseconds(&self, moment: Instant) -> u64 {
         moment.saturating_duration_since(self.epoch).as_nanos() as u64
     }
 
-    fn duration_ns(&self, frames: usize) -> f64 {
+    /// The duration of `frames`, in nanoseconds.
+    pub(crate) fn duration_ns(&self, frames: usize) -> f64 {
         frames as f64 * NS_PER_SECOND / f64::from(self.rate)
     }
 
@@ -269,7 +271,7 @@ struct Found {
 
 /// The writing end of a [`SpanHistory`]. It is wait-free and never allocates.
 pub struct SpanWriter {
-    history: Arc<SpanHistory>,
+    pub(crate) history: Arc<SpanHistory>,
     /// The time at which the next buffer is audible if the device keeps its pace.
     next_start_ns: Option<f64>,
 }
@@ -286,18 +288,8 @@ impl SpanWriter {
             }
             _ => reported,
         };
-        self.next_start_ns = Some(start + self.duration_ns(frames));
+        self.next_start_ns = Some(start + self.history.duration_ns(frames));
         start as u64
-    }
-
-    /// The duration of `frames`, in nanoseconds.
-    pub fn duration_ns(&self, frames: usize) -> f64 {
-        self.history.duration_ns(frames)
-    }
-
-    /// Converts a moment to nanoseconds since the history's epoch.
-    pub fn nanoseconds(&self, moment: Instant) -> u64 {
-        self.history.nanoseconds(moment)
     }
 
     /// Makes a span readable.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use mariana_files::atomic_file::folder_of;
 use mariana_files::reading::read_at_most;
 
 use super::decode::{Cover, embedded_cover};
@@ -27,8 +28,7 @@ pub fn cover_of(song: &Song) -> Option<Cover> {
 }
 
 fn beside(song: &Path) -> Option<Cover> {
-    let folder = song.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut found: Vec<(usize, PathBuf)> = fs::read_dir(folder)
+    let mut found: Vec<(usize, PathBuf)> = fs::read_dir(folder_of(song))
         .ok()?
         .take(limits::COVER_FOLDER_FILES_MAX)
         .flatten()

@@ -74,12 +74,8 @@ pub(crate) struct Running {
 
 pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
 
-pub(crate) struct Failure {
-    pub(crate) reason: String,
-    pub(crate) kind: ErrorKind,
-}
-
-pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
+/// Takes the reason and the kind of a failure.
+pub(crate) type OnFailure = Arc<dyn Fn(String, ErrorKind) + Send + Sync>;
 
 /// The wait before the device is tried again after an error. A change in the device list ends the wait.
 pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
@@ -109,7 +105,7 @@ pub(crate) fn error_callback(
         // The stream continues.
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
         _ if reported.swap(true, Ordering::Relaxed) => {}
-        kind => on_failure(Failure { reason: sentence(&error), kind }),
+        kind => on_failure(sentence(&error), kind),
     })
 }
 
@@ -269,7 +265,7 @@ mod tests {
         let xruns = Arc::new(AtomicU64::new(0));
         let counted = xruns.clone();
         let on_failure: OnFailure =
-            Arc::new(move |failure| list.lock().expect("no panic").push((failure.reason, failure.kind)));
+            Arc::new(move |reason, kind| list.lock().expect("no panic").push((reason, kind)));
         let mut report = error_callback(on_failure, move || {
             counted.fetch_add(1, Ordering::Relaxed);
         });

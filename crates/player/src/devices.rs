@@ -1,7 +1,7 @@
 //! The list of sound hosts and devices, for `mariana devices`.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use cpal::SupportedBufferSize;
@@ -9,7 +9,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use serde::Serialize;
 
 use super::server_connection::{self, ServerConnection};
-use mariana_work::once;
+use mariana_work::{lock, once};
 
 const HOST_LIMIT: Duration = Duration::from_secs(3);
 
@@ -21,7 +21,7 @@ pub struct DeviceReport {
 }
 
 /// A sound system and its devices.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct HostReport {
     /// The sound system's name.
     pub name: String,
@@ -68,22 +68,14 @@ pub struct FormatReport {
 pub fn list_devices() -> DeviceReport {
     #[cfg(target_os = "linux")]
     let _quiet = super::quiet_stderr::QuietStderr::new();
-    let asked: Vec<_> = hosts_by_preference()
-        .into_iter()
-        .map(|host| {
-            // If a host does not answer, its thread keeps waiting. A late answer is ignored.
-            (host.name(), once("device list", || {}, move || report_host(host)))
-        })
-        .collect();
+    // If a host does not answer, its thread keeps waiting. A late answer is ignored.
+    let ask = |host: cpal::HostId| (host.name(), once("device list", || {}, move || report_host(host)));
+    let asked: Vec<_> = hosts_by_preference().into_iter().map(ask).collect();
     let hosts = asked
         .into_iter()
         .map(|(name, answer)| {
-            let problem = |text: String| HostReport {
-                name: name.into(),
-                problem: Some(text),
-                outputs: Vec::new(),
-                inputs: Vec::new(),
-            };
+            let problem =
+                |text: String| HostReport { name: name.into(), problem: Some(text), ..HostReport::default() };
             match answer.map(|mut answer| answer.within(HOST_LIMIT)) {
                 Err(error) => problem(error.to_string()),
                 Ok(None) => problem(format!("no answer within {} s", HOST_LIMIT.as_secs())),
@@ -97,8 +89,7 @@ pub fn list_devices() -> DeviceReport {
 
 fn report_host(id: cpal::HostId) -> HostReport {
     hush_sound_library();
-    let mut report =
-        HostReport { name: id.name().into(), problem: None, outputs: Vec::new(), inputs: Vec::new() };
+    let mut report = HostReport { name: id.name().into(), ..HostReport::default() };
     let devices = host(id).and_then(|host| {
         let defaults = [host.default_output_device(), host.default_input_device()];
         Ok((defaults.map(|device| device.and_then(|device| device.id().ok())), host.devices()?))
@@ -135,11 +126,22 @@ fn entry(
     let is_default = id.is_some() && id.as_ref() == default;
     let id = id.map(|id| id.to_string());
     let name = device.description().map_or_else(|_| "unnamed".into(), |about| about.name().to_owned());
-    let usual = usual.map(|config| FormatReport {
-        formats: vec![config.sample_format().to_string()],
-        channels: (config.channels(), config.channels()),
-        sample_rate: (config.sample_rate(), config.sample_rate()),
-        buffer_frames: buffer_frames(*config.buffer_size()),
+    let report = |format: cpal::SampleFormat, count, sample_rate, size: &SupportedBufferSize| FormatReport {
+        formats: vec![format.to_string()],
+        channels: (count, count),
+        sample_rate,
+        buffer_frames: match *size {
+            SupportedBufferSize::Range { min, max } => Some((min, max)),
+            SupportedBufferSize::Unknown => None,
+        },
+    };
+    let usual = usual.map(|usual| {
+        let rates = (usual.sample_rate(), usual.sample_rate());
+        report(usual.sample_format(), usual.channels(), rates, usual.buffer_size())
+    });
+    let supported = ranges.into_iter().map(|range| {
+        let rates = (range.min_sample_rate(), range.max_sample_rate());
+        report(range.sample_format(), range.channels(), rates, range.buffer_size())
     });
     Some(DeviceEntry {
         name,
@@ -147,20 +149,8 @@ fn entry(
         monitor_of: id.as_deref().and_then(monitored_output).map(str::to_owned),
         id: id.unwrap_or_default(),
         usual,
-        supported: join(ranges.into_iter().map(|range| FormatReport {
-            formats: vec![range.sample_format().to_string()],
-            channels: (range.channels(), range.channels()),
-            sample_rate: (range.min_sample_rate(), range.max_sample_rate()),
-            buffer_frames: buffer_frames(*range.buffer_size()),
-        })),
+        supported: join(supported),
     })
-}
-
-fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
-    match size {
-        SupportedBufferSize::Range { min, max } => Some((min, max)),
-        SupportedBufferSize::Unknown => None,
-    }
 }
 
 /// Joins formats with the same range of rates, because hosts list hundreds of combinations of formats and channels.
@@ -298,24 +288,18 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
         return Ok(Arc::new(connected(id)?));
     }
     // The lock is not held during the query, so that a hanging server blocks only the caller.
-    let kept = lock().clone();
-    let alive = kept.as_ref().is_some_and(|host| answers(host));
-    if let Some(host) = kept.as_ref().filter(|_| alive) {
+    let kept = lock(&SERVER).clone();
+    if let Some(host) = kept.as_ref().filter(|host| answers(host)) {
         return Ok(host.clone());
     }
-    let mut slot = lock();
-    let renewed = match (&*slot, &kept) {
-        (Some(now), Some(before)) => !Arc::ptr_eq(now, before),
-        (now, _) => now.is_some(),
-    };
-    if let Some(host) = slot.as_ref().filter(|_| renewed) {
+    let mut slot = lock(&SERVER);
+    let is_new = |now: &&Arc<_>| kept.as_ref().is_none_or(|before| !Arc::ptr_eq(now, before));
+    if let Some(host) = slot.as_ref().filter(is_new) {
         // Another thread has inserted the host first.
         return Ok(host.clone());
     }
     *slot = None;
-    let host = Arc::new(connected(id)?);
-    *slot = Some(host.clone());
-    Ok(host)
+    Ok(slot.insert(Arc::new(connected(id)?)).clone())
 }
 
 fn connected(id: cpal::HostId) -> Result<cpal::Host, cpal::Error> {
@@ -338,7 +322,7 @@ impl PlaybackConnection {
 impl Drop for PlaybackConnection {
     fn drop(&mut self) {
         if let Some(connected) = self.0.take() {
-            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(connected);
+            lock(&IDLE).push(connected);
         }
     }
 }
@@ -350,8 +334,7 @@ pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, Playba
     if !is_server(id.host()) {
         return Ok((device, PlaybackConnection(None)));
     }
-    let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-    let alive = std::iter::from_fn(idle).find(|(host, _)| answers(host));
+    let alive = std::iter::from_fn(|| lock(&IDLE).pop()).find(|(host, _)| answers(host));
     let (host, at_server) = match alive {
         Some(connected) => connected,
         None => {
@@ -367,10 +350,6 @@ pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, Playba
 
 fn answers(host: &cpal::Host) -> bool {
     host.default_output_device().is_some() || host.devices().is_ok()
-}
-
-fn lock() -> std::sync::MutexGuard<'static, Option<Arc<cpal::Host>>> {
-    SERVER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 pub(crate) fn monitor_id(output_id: &str) -> String {

@@ -12,59 +12,13 @@ use std::process::Command;
 
 use mariana_files::ending::apart_from_terminal;
 
-/// Demuxers for songs: audio, and video with sound. They open only their own input.
-const SONG_DEMUXERS: [&str; 46] = [
-    "aac",
-    "ac3",
-    "adx",
-    "aiff",
-    "amr",
-    "ape",
-    "asf",
-    "au",
-    "avi",
-    "caf",
-    "dsf",
-    "dts",
-    "dtshd",
-    "eac3",
-    "flac",
-    "flv",
-    "gsm",
-    "iff",
-    "it",
-    "libgme",
-    "libmodplug",
-    "libopenmpt",
-    "matroska",
-    "mlp",
-    "mov",
-    "mp3",
-    "mpc",
-    "mpc8",
-    "mpeg",
-    "mpegts",
-    "mxf",
-    "nut",
-    "ogg",
-    "oma",
-    "rm",
-    "shn",
-    "sox",
-    "tak",
-    "truehd",
-    "tta",
-    "voc",
-    "w64",
-    "wav",
-    "webm",
-    "wv",
-    "xwma",
-];
+/// Demuxers for songs: audio, and video with sound. They open only their own input. ffmpeg takes the list in this form.
+const SONG_DEMUXERS: &str = "aac,ac3,adx,aiff,amr,ape,asf,au,avi,caf,dsf,dts,dtshd,eac3,flac,flv,gsm,iff,it,libgme,\
+    libmodplug,libopenmpt,matroska,mlp,mov,mp3,mpc,mpc8,mpeg,mpegts,mxf,nut,ogg,oma,rm,shn,sox,tak,\
+    truehd,tta,voc,w64,wav,webm,wv,xwma";
 
 /// Demuxers for videos without sound, and for pictures that move. They open only their own input.
-const VIDEO_DEMUXERS: [&str; 12] =
-    ["apng", "asf", "avi", "flv", "gif", "ivf", "matroska", "mov", "mpeg", "mpegts", "ogg", "webm"];
+const VIDEO_DEMUXERS: &str = "apng,asf,avi,flv,gif,ivf,matroska,mov,mpeg,mpegts,ogg,webm";
 
 /// Folders of programs on macOS that are not in the `PATH` of a program that was started from the desktop.
 const BEYOND_PATH: [&str; 3] = ["/opt/homebrew/bin", "/usr/local/bin", "/opt/local/bin"];
@@ -103,12 +57,12 @@ impl Demuxer {
 
     /// Returns the demuxer for songs among the comma-separated names from ffprobe; `None` without such a demuxer.
     pub(crate) fn of_song(reported: &str) -> Option<Self> {
-        Self::among(&SONG_DEMUXERS, reported)
+        Self::among(SONG_DEMUXERS, reported)
     }
 
     /// Returns the demuxer for videos among the comma-separated names from ffprobe; `None` without such a demuxer.
     pub(crate) fn of_video(reported: &str) -> Option<Self> {
-        Self::among(&VIDEO_DEMUXERS, reported)
+        Self::among(VIDEO_DEMUXERS, reported)
     }
 
     /// False for the broadcast formats, in which a seek guesses a place in the file.
@@ -116,9 +70,8 @@ impl Demuxer {
         !matches!(self.0, "mpeg" | "mpegts")
     }
 
-    fn among(known: &[&'static str], reported: &str) -> Option<Self> {
-        let is_reported = |known: &&&str| reported.split(',').any(|name| name == **known);
-        known.iter().find(is_reported).map(|name| Self(name))
+    fn among(known: &'static str, reported: &str) -> Option<Self> {
+        known.split(',').find(|known| reported.split(',').any(|name| name == *known)).map(Self)
     }
 }
 
@@ -195,12 +148,12 @@ impl CommandLine {
         // The whitelist also applies to inputs that a demuxer opens.
         let line = match read_by {
             ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
-            ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),
+            ReadBy::AnySongDemuxer => line.options(["-format_whitelist", SONG_DEMUXERS]),
             ReadBy::List => {
-                let demuxers = format!("concat,{}", VIDEO_DEMUXERS.join(","));
+                let demuxers = format!("concat,{VIDEO_DEMUXERS}");
                 line.options(["-format_whitelist", &demuxers, "-f", "concat"])
             }
-            ReadBy::AnyVideoDemuxer => line.options(["-format_whitelist", &VIDEO_DEMUXERS.join(",")]),
+            ReadBy::AnyVideoDemuxer => line.options(["-format_whitelist", VIDEO_DEMUXERS]),
         };
         line.options(options).options([OsStr::new("-i"), &address])
     }

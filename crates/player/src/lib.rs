@@ -71,9 +71,9 @@ pub mod video;
 
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
-pub use listed::{ListedTrack, ListedTracks};
+pub use listed::{Edit, ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, MissedAudio, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position,
-    SilenceEnd, TrackErrors,
+    LoudnessShape, MissedAudio, Moment, Player, PlayerOptions, PlayerStatus, Position, SilenceEnd,
+    TrackErrors,
 };
 pub use priority::lower_priority;

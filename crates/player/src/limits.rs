@@ -9,7 +9,7 @@ pub const PACKET_FRAMES_MAX: usize = 1 << 20;
 /// Maximum number of tracks of a playlist. Further tracks are left out.
 pub const PLAYLIST_TRACKS_MAX: usize = 20_000;
 /// Maximum size of a playlist file, in bytes.
-pub const PLAYLIST_BYTES_MAX: u64 = 1 << 22;
+pub const PLAYLIST_BYTES_MAX: usize = 1 << 22;
 /// Maximum number of list files that are read for one playlist, including nested lists.
 pub const PLAYLIST_LISTS_MAX: usize = 64;
 /// Maximum depth of nested lists and folders.

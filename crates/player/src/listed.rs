@@ -4,9 +4,10 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::track::TrackInfo;
+use mariana_work::lock;
 
 /// A snapshot of a list of tracks. It is in list order, even if the tracks play in another order.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -48,11 +49,12 @@ pub enum Edit {
     },
     /// Removes the entry at this index.
     Remove(usize),
-    /// Appends the contents of these files, folders and playlists.
+    /// Appends the contents of these files, folders and playlists. If the list had ended, playback continues with them. A
+    /// random order mixes them into the remaining tracks.
     Append(Vec<PathBuf>),
     /// Removes all entries.
     Clear,
-    /// Takes back the last edit, or the last replacement of the list.
+    /// Takes back the last edit, or the last replacement of the list. Does nothing without an edit.
     Undo,
 }
 
@@ -90,7 +92,7 @@ impl SharedListing {
                 track
             })
             .collect();
-        let mut listing = self.lock();
+        let mut listing = lock(&self.0);
         let revision = listing.tracks.revision + 1;
         let before = std::mem::replace(
             &mut *listing,
@@ -110,23 +112,18 @@ impl SharedListing {
             _ => return,
         }
         tracks.revision += 1;
-        self.lock().tracks = Arc::new(tracks);
+        lock(&self.0).tracks = Arc::new(tracks);
     }
 
     /// The current list.
     pub fn tracks(&self) -> Arc<ListedTracks> {
-        self.lock().tracks.clone()
+        lock(&self.0).tracks.clone()
     }
 
     /// The index of entry `id` and the number of entries; `None` if the list has no such entry.
     pub fn place(&self, id: u64) -> Option<(usize, usize)> {
-        let listing = self.lock();
+        let listing = lock(&self.0);
         Some((*listing.places.get(&id)?, listing.tracks.entries.len()))
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Listing> {
-        // The list stays usable if a thread panicked while it held the lock.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

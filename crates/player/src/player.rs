@@ -40,7 +40,6 @@ mod missed_audio;
 mod position;
 mod shape;
 
-pub use super::output::OutputChoice;
 pub use audible::Moment;
 pub use listing::TrackErrors;
 pub use missed_audio::{MissedAudio, SilenceEnd};
@@ -52,8 +51,8 @@ const ANALYSIS_QUEUE: usize = 32;
 /// The settings of a new player.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
-    /// The output to play on.
-    pub target: Target,
+    /// The output to play on; `None` plays on the silent clock.
+    pub output: Option<Target>,
     /// The repeat mode. The list must have the same repeat mode.
     pub repeat: Repeat,
     /// True for a random order. The list must have the same setting.
@@ -62,8 +61,6 @@ pub struct PlayerOptions {
     pub volume: f32,
     /// True to start paused.
     pub paused: bool,
-    /// A device or the silent clock.
-    pub output: OutputChoice,
     /// The gain control, so that quiet and loud songs can move a scene in the same way.
     pub gain: Gain,
 }
@@ -71,12 +68,11 @@ pub struct PlayerOptions {
 impl Default for PlayerOptions {
     fn default() -> Self {
         Self {
-            target: Target::Default,
+            output: Some(Target::Default),
             repeat: Repeat::All,
             shuffled: false,
             volume: 1.0,
             paused: false,
-            output: OutputChoice::Auto,
             gain: Gain::Auto,
         }
     }
@@ -115,10 +111,6 @@ pub struct PlayerStatus {
     pub underruns: u64,
     /// The number of callback calls.
     pub callbacks: u64,
-    /// The longest call relative to the duration of its buffer. A value of 0.1 is a tenth of the duration.
-    pub worst_callback_load: f64,
-    /// The 99.9th percentile of the callback load, in steps of 0.01.
-    pub usual_callback_load: f64,
     /// Errors of tracks.
     pub track_errors: TrackErrors,
     /// Parts of the song that were not heard because of device changes.
@@ -183,8 +175,7 @@ impl Player {
         // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
         let port = OutputPort::new(controls.clone(), counters.clone(), rate, deliver);
-        let target = (options.output == OutputChoice::Auto).then_some(options.target);
-        let supervisor = Supervisor::start(port, target)?;
+        let supervisor = Supervisor::start(port, options.output)?;
         let outputs = supervisor.notes();
         Ok(Self {
             controls,
@@ -266,32 +257,10 @@ impl Player {
         self.threads.send(Command::PlayEntry(entry));
     }
 
-    /// Moves an entry from one index to another without interrupting playback. Indices beyond the list are ignored.
-    /// Edits apply in order: each index refers to the list after all earlier edits.
-    pub fn move_entry(&self, from: usize, to: usize) {
-        self.threads.send(Command::Edit(Edit::Move { from, to }));
-    }
-
-    /// Removes an entry; see [`Player::move_entry`]. If the entry is playing, the next track or silence follows.
-    pub fn remove_entry(&self, entry: usize) {
-        self.threads.send(Command::Edit(Edit::Remove(entry)));
-    }
-
-    /// Appends these files, or the contents of these folders and playlists, to the list. If the list had ended,
-    /// playback continues with these files. A random order mixes them into the remaining tracks.
-    pub fn append_files(&self, files: Vec<PathBuf>) {
-        self.threads.send(Command::Edit(Edit::Append(files)));
-    }
-
-    /// Removes all entries; see [`Player::move_entry`]. Silence follows.
-    pub fn clear(&self) {
-        self.threads.send(Command::Edit(Edit::Clear));
-    }
-
-    /// Takes back the last edit of the list, or its replacement by [`Player::play_files`]. If the playing track is not
-    /// in the earlier list, the track that played before the edit follows. Does nothing without an edit.
-    pub fn undo_edit(&self) {
-        self.threads.send(Command::Edit(Edit::Undo));
+    /// Edits the list without interrupting playback. Edits apply in order. If the playing entry is removed, the next track
+    /// or silence follows. If an undo takes the playing track off the list, the track that played before the edit follows.
+    pub fn edit(&self, edit: Edit) {
+        self.threads.send(Command::Edit(edit));
     }
 
     /// Switches to another output. The current output continues until the new output is open. A player that was started
@@ -345,8 +314,6 @@ impl Player {
             refused: output.refused,
             underruns: self.counters.underruns.load(Ordering::Relaxed),
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
-            worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
-            usual_callback_load: self.counters.load_of(0.999),
             track_errors: self.track_errors.get(),
             missed_audio: place.missed_audio,
         }

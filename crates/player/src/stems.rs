@@ -14,11 +14,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use mariana_files::atomic_file::folder_of;
 use mariana_music::PART_NAMES;
 
 use crate::decode::{DecodeError, Decoder};
 use crate::limits;
-use crate::playlist::AUDIO_EXTENSIONS;
+use crate::playlist::is_audio;
 use crate::song::Song;
 
 /// The parts in the tracks of a stem file, after the track with the mix.
@@ -143,11 +144,6 @@ fn folders(song: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// The folder of a song; the current folder for a bare name.
-fn folder_of(song: &Path) -> &Path {
-    song.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
     let root = of_song.canonicalize()?;
     let is_inside = |path: &&PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(&root));
@@ -157,9 +153,7 @@ fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io:
     let mut stems: Vec<Stem> = Vec::new();
     for (part, name) in PART_NAMES.iter().enumerate() {
         let is_stem = |path: &&PathBuf| {
-            let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
-            path.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case(name))
-                && AUDIO_EXTENSIONS.iter().any(|known| ending.eq_ignore_ascii_case(known))
+            path.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case(name)) && is_audio(path)
         };
         let (inside, outside): (Vec<_>, Vec<_>) = files.iter().filter(is_stem).partition(is_inside);
         let outside = outside.into_iter().cloned();

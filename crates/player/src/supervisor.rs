@@ -17,7 +17,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry};
+use super::device::{OnFailure, Opened, Port, Target, wait_before_retry};
 use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use super::devices::monitor_id;
 use super::error::{DeviceError, Direction};
@@ -41,7 +41,6 @@ pub(crate) struct StreamStatus<N> {
     /// The reason why the chosen device could not be opened, while the previous device continues.
     pub(crate) refused: Option<String>,
     pub(crate) note: N,
-    pub(crate) openings: u64,
 }
 
 enum Event<L> {
@@ -49,7 +48,7 @@ enum Event<L> {
     Choose(Target),
     Opened(Opened<L>),
     Refused(DeviceError, cpal::ErrorKind),
-    Failed(Failure),
+    Failed(String, cpal::ErrorKind),
 }
 
 type Numbered<L> = (u64, Event<L>);
@@ -217,7 +216,7 @@ impl<P: Port> Watch<P> {
         let failures = events.clone();
         let worker = Background::start("sound device", move || {
             let on_failure: OnFailure =
-                Arc::new(move |failure| drop(failures.send((number, Event::Failed(failure)))));
+                Arc::new(move |reason, kind| drop(failures.send((number, Event::Failed(reason, kind)))));
             match opener(target, on_failure) {
                 Ok((stream, opened)) => {
                     if events.send((number, Event::Opened(opened))).is_ok() {
@@ -275,7 +274,7 @@ impl<P: Port> Watch<P> {
                 };
                 self.lose(&error, kind);
             }
-            Event::Failed(Failure { reason, kind }) if is_current => {
+            Event::Failed(reason, kind) if is_current => {
                 self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
             }
             // Events of an abandoned device are ignored. If a device fails while it opens, it stalls later, and that is
@@ -293,19 +292,9 @@ impl<P: Port> Watch<P> {
         self.retry_at = None;
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
-        {
-            let mut status = lock(&self.status);
-            let openings = status.openings + 1;
-            let note = P::describe(&link);
-            *status = StreamStatus {
-                description,
-                device: Some(entry),
-                silent: None,
-                refused: None,
-                note,
-                openings,
-            };
-        }
+        let note = P::describe(&link);
+        *lock(&self.status) =
+            StreamStatus { description, device: Some(entry), silent: None, refused: None, note };
         self.port.ready(link);
         close::<P>(before);
     }

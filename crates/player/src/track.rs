@@ -141,7 +141,7 @@ impl Track {
 
     /// Endless silence as entry `entry` of `count`, for a list without a playable track. The id equals `entry`.
     pub fn silence(entry: usize, count: usize) -> Self {
-        let mut track = Self::alone(Box::new(Silence { position: 0 }));
+        let mut track = Self::alone(Box::new(Silence));
         let info = Arc::make_mut(&mut track.info);
         (info.entry, info.count, info.name) = (entry, count, "nothing to play".into());
         track.with_id(entry as u64)
@@ -161,9 +161,7 @@ pub fn scale(frames: &mut [StereoFrame], gain: f32) {
     }
 }
 
-struct Silence {
-    position: u64,
-}
+struct Silence;
 
 impl FrameSource for Silence {
     fn sample_rate(&self) -> u32 {
@@ -176,13 +174,11 @@ impl FrameSource for Silence {
 
     fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {
         out.extend([[0.0; 2]; SILENCE_BLOCK]);
-        self.position += SILENCE_BLOCK as u64;
         Ok(SILENCE_BLOCK)
     }
 
     fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
-        self.position = (seconds.max(0.0) * f64::from(SILENCE_RATE)).round() as u64;
-        Ok(self.position as f64 / f64::from(SILENCE_RATE))
+        Ok((seconds.max(0.0) * f64::from(SILENCE_RATE)).round() / f64::from(SILENCE_RATE))
     }
 }
 

@@ -72,7 +72,7 @@ fn many_events_allocate_nothing_in_the_callback() {
         assert_no_alloc(|| match size % 3 {
             0 => output_callback.fill(&mut integers[..length], channels, now, latency),
             1 => output_callback.fill(&mut samples[..length], channels, now, latency),
-            _ => output_callback.serve(&mut samples[..length], channels, latency),
+            _ => output_callback.fill(&mut samples[..length], channels, Instant::now(), latency),
         });
         loudest = samples[..length].iter().fold(loudest, |loudest, sample| loudest.max(sample.abs()));
         frames += length / channels;

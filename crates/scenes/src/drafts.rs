@@ -4,9 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use mariana_field::lang::{self, Diagnostic, Sources, Turning};
+use mariana_work::lock;
 
 use super::folder::Folder;
 use super::world::ReadyScene;
@@ -76,17 +77,17 @@ impl Drafts {
 
     /// Returns a snapshot of the texts.
     pub fn texts(&self) -> DraftTexts {
-        self.lock().texts.clone()
+        lock(&self.0).texts.clone()
     }
 
     /// Takes the findings that arrived since the last call: only the latest for each scene.
     pub fn drain_findings(&self) -> Vec<Findings> {
-        std::mem::take(&mut self.lock().findings)
+        std::mem::take(&mut lock(&self.0).findings)
     }
 
     /// Publishes findings, replacing older ones of the same scene.
     pub fn publish(&self, findings: Findings) {
-        let mut shared = self.lock();
+        let mut shared = lock(&self.0);
         shared.findings.retain(|other| other.source != findings.source);
         if shared.findings.len() >= FINDINGS_MAX {
             shared.findings.remove(0);
@@ -95,15 +96,11 @@ impl Drafts {
     }
 
     fn change<T>(&self, change: impl FnOnce(&mut DraftTexts) -> T) -> u64 {
-        let mut shared = self.lock();
+        let mut shared = lock(&self.0);
         shared.texts.version += 1;
         let version = shared.texts.version;
         let _old = change(&mut shared.texts);
         version
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Shared> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -112,12 +109,6 @@ impl Findings {
     pub fn of(source: &SceneSource, drafts: &DraftTexts, result: &Result<ReadyScene, SceneError>) -> Self {
         let mut texts: Vec<PathBuf> = source.file().map(Path::to_owned).into_iter().collect();
         let (mut numbers, mut warnings) = (Vec::new(), Vec::new());
-        let whole = |error: &SceneError| Mistake {
-            text: 0,
-            range: 0..0,
-            message: error.to_string(),
-            hint: String::new(),
-        };
         let mistakes = match result {
             Ok(ready) => {
                 let scene = &ready.world.scene;
@@ -133,15 +124,17 @@ impl Findings {
                 texts.extend(included(source, others));
                 found.diagnostics.iter().filter_map(|one| placed(one, &found.sources)).collect()
             }
-            Err(SceneError::NotText { position, .. }) => {
-                vec![Mistake {
-                    text: 0,
-                    range: *position..position + 1,
-                    message: "this byte is not UTF-8".to_owned(),
-                    hint: "delete it, or save the text as UTF-8 with another editor".to_owned(),
-                }]
+            Err(error) => {
+                let (range, message, hint) = match error {
+                    SceneError::NotText { position, .. } => (
+                        *position..position + 1,
+                        "this byte is not UTF-8".to_owned(),
+                        "delete it, or save the text as UTF-8 with another editor",
+                    ),
+                    other => (0..0, other.to_string(), ""),
+                };
+                vec![Mistake { text: 0, range, message, hint: hint.to_owned() }]
             }
-            Err(other) => vec![whole(other)],
         };
         Self { source: source.clone(), version: drafts.version, mistakes, warnings, texts, numbers }
     }

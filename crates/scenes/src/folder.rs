@@ -93,6 +93,11 @@ impl Folder {
     }
 }
 
+/// True if the name has one of these endings, in any case.
+pub(super) fn ends_with_one_of(name: &str, endings: &[&str]) -> bool {
+    name.rsplit_once('.').is_some_and(|(_, end)| endings.iter().any(|known| end.eq_ignore_ascii_case(known)))
+}
+
 fn refused(error: io::Error) -> Refusal {
     Refusal::Unreadable(error.to_string())
 }

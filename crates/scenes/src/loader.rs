@@ -15,13 +15,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError, TryLockError};
-use std::thread::Builder;
+use std::sync::{Arc, Mutex, TryLockError};
 use std::time::{Duration, Instant, SystemTime};
 use std::{fs, io};
 
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::reading::read_at_most;
+use mariana_work::{Background, lock};
 
 use super::SceneSource;
 use super::watch::{Changes, Kind, Tell, Waits, Watch};
@@ -84,7 +84,7 @@ impl<T: Send + 'static> Loader<T> {
         let (requests, inbox) = channel();
         let shared = Arc::new(Shared { newest: Mutex::new(None), ended: AtomicBool::new(false) });
         let (changes, results) = (requests.clone(), Arc::clone(&shared));
-        Builder::new().name("scene loader".into()).spawn(move || {
+        Background::start("scene loader", move || {
             let watch = watch(Box::new(move |file, kind| {
                 // The receiver may be gone at exit.
                 let _ = changes.send(Message::Changed(file, kind));
@@ -92,10 +92,7 @@ impl<T: Send + 'static> Loader<T> {
             let publish = move |loaded| {
                 if !results.ended.load(Ordering::Acquire) {
                     // Drop the old value outside the lock, because it may be large.
-                    let old = {
-                        let mut newest = results.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                        newest.replace(loaded)
-                    };
+                    let old = lock(&results.newest).replace(loaded);
                     drop(old);
                     wake();
                 }

@@ -4,7 +4,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
-use super::folder::Folder;
+use super::folder::{Folder, ends_with_one_of};
 use mariana_field::lang::{MovingTexture, Scene, TextureRef};
 use mariana_field::world::World;
 
@@ -81,8 +81,7 @@ fn is_camera_device(path: &str) -> bool {
 
 /// True if the name has the ending of a video.
 pub(super) fn is_video(name: &str) -> bool {
-    name.rsplit_once('.')
-        .is_some_and(|(_, end)| VIDEO_ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
+    ends_with_one_of(name, &VIDEO_ENDINGS)
 }
 
 /// Notes the files of moving textures, which are in `folder`.

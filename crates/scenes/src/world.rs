@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Cursor;
+use std::mem::take;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,13 +12,13 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImage};
 use mariana_assets::TEXTURES;
 use mariana_field::graph::FrameInputs;
-use mariana_field::lang::{Compiled, Diagnostic, Scene, Span, TextureRef, nearest, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, Span, TextureRef, nearest, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
 
-use super::folder::{Folder, Refusal};
-use super::shapes::{ShapeCache, ShapeFiles};
-use super::sources::{TextureSource, find_videos, is_video};
+use super::folder::{Folder, Refusal, ends_with_one_of};
+use super::shapes::ShapeCache;
+use super::sources::{TextureSource, VIDEO_ENDINGS, find_videos, is_video};
 use super::{DraftTexts, FoundMistakes, NumberEdits, SceneError, SceneSource};
 use crate::limits::{self, TEXTURE_PIXELS_MAX, TEXTURE_SIDE_MAX};
 
@@ -108,29 +109,20 @@ impl SceneSource {
     /// # Errors
     /// Fails like [`SceneSource::ready`].
     pub fn checked(&self) -> Result<Scene, SceneError> {
-        let mut compiled = self.compile()?;
-        match compiled.scene.take() {
-            Some(scene) => Ok(scene),
-            None => {
-                let diagnostics = std::mem::take(&mut compiled.diagnostics);
-                Err(self.mistakes(diagnostics, compiled))
-            }
-        }
+        self.scene_of(&mut self.compile()?)
+    }
+
+    fn scene_of(&self, compiled: &mut Compiled) -> Result<Scene, SceneError> {
+        let Compiled { scene, diagnostics, sources, .. } = compiled;
+        scene.take().ok_or_else(|| self.mistakes(take(diagnostics), take(sources)))
     }
 
     fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
-        let Some(mut scene) = compiled.scene.take() else {
-            let diagnostics = std::mem::take(&mut compiled.diagnostics);
-            return Err(self.mistakes(diagnostics, compiled));
-        };
+        let mut scene = self.scene_of(&mut compiled)?;
         self.find_videos(&mut scene);
-        let pictures = match textures.load(self, &scene) {
-            Ok(pictures) => pictures,
-            Err(wrong) => return Err(self.mistakes(wrong, compiled)),
-        };
-        if let Err(wrong) = textures.load_shapes(self, &mut scene) {
-            return Err(self.mistakes(wrong, compiled));
-        }
+        let mut mistakes = |wrong| self.mistakes(wrong, take(&mut compiled.sources));
+        let pictures = textures.load(self, &scene).map_err(&mut mistakes)?;
+        textures.load_shapes(self, &mut scene).map_err(mistakes)?;
         let world = World::new(&self.name(), scene, pictures)?;
         let mut diagnostics = compiled.warnings;
         diagnostics.extend(world.warning().into_iter().chain(world.feedback_warning()));
@@ -138,10 +130,10 @@ impl SceneSource {
         Ok(ReadyScene { warnings, ..ReadyScene::of(world)? })
     }
 
-    fn mistakes(&self, diagnostics: Vec<Diagnostic>, compiled: Compiled) -> SceneError {
-        let render = |color| render_all(&diagnostics, &compiled.sources, color);
+    fn mistakes(&self, diagnostics: Vec<Diagnostic>, sources: Sources) -> SceneError {
+        let render = |color| render_all(&diagnostics, &sources, color);
         let (plain, colored) = (render(false), render(true));
-        let found = Box::new(FoundMistakes { diagnostics, sources: compiled.sources });
+        let found = Box::new(FoundMistakes { diagnostics, sources });
         SceneError::Mistakes { name: self.name(), plain, colored, found }
     }
 
@@ -308,71 +300,48 @@ impl TextureCache {
             // The renderer replaces it by its own texture.
             return Ok(Arc::new(RgbaImage::new(NEUTRAL_SIDE, NEUTRAL_SIDE)));
         }
-        if let Some(of) = TextureSource::of(texture) {
+        let bytes = if let Some(of) = TextureSource::of(texture) {
             if of.is_file() {
                 let file = source.file().ok_or(Refusal::Missing);
                 let found = file.and_then(|file| Folder::of(file).file(&texture.name));
-                found.map_err(|refusal| refused(source, texture, &refusal))?;
+                found.map_err(|refusal| refused(source, &texture.name, texture.span, &refusal))?;
             }
             // Each source has its own image, because textures of equal images are shared.
             of.hash(&mut hasher);
-            let made = || Arc::new(RgbaImage::from_pixel(NEUTRAL_SIDE, NEUTRAL_SIDE, NEUTRAL));
-            let key = hasher.finish();
-            let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
-            return Ok(kept.entry(key).or_insert_with(|| known.unwrap_or_else(made)).clone());
-        }
-        let bytes = match (own_bytes(source, &texture.name), shipped(&texture.name)) {
-            (Some(Ok(bytes)), _) => {
-                bytes.hash(&mut hasher);
-                Cow::Owned(bytes)
-            }
-            (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
+            None
+        } else {
+            let bytes = image_bytes(source, &texture.name, texture.span)?;
+            match &bytes {
+                Cow::Owned(bytes) => bytes.hash(&mut hasher),
                 // Shipped images never change, so hash only the name.
-                texture.name.hash(&mut hasher);
-                Cow::Borrowed(bytes)
+                Cow::Borrowed(_) => texture.name.hash(&mut hasher),
             }
-            (None, None) => return Err(Box::new(missing(source, texture))),
-            (Some(Err(refusal)), _) => return Err(Box::new(refused(source, texture, &refusal))),
+            Some(bytes)
         };
         let key = hasher.finish();
-        let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
-        let picture = match known {
-            Some(picture) => picture,
-            None => Arc::new(decode(texture, &bytes)?),
+        let picture = match (kept.get(&key).or_else(|| self.pictures.get(&key)), bytes) {
+            (Some(picture), _) => picture.clone(),
+            (None, Some(bytes)) => Arc::new(decode(&texture.name, texture.span, &bytes)?),
+            (None, None) => Arc::new(RgbaImage::from_pixel(NEUTRAL_SIDE, NEUTRAL_SIDE, NEUTRAL)),
         };
         kept.insert(key, Arc::clone(&picture));
         Ok(picture)
     }
 }
 
-impl ShapeFiles for SceneSource {
-    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
-        Some(Folder::of(self.file()?).bytes(name, limits::FONT_BYTES_MAX))
+/// Reads an image from the scene's folder. Without it, returns the shipped image, which is borrowed.
+pub(super) fn image_bytes(
+    source: &SceneSource,
+    name: &str,
+    span: Span,
+) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+    let own = source.file().map(|file| Folder::of(file).bytes(name, limits::TEXTURE_BYTES_MAX));
+    match (own, shipped(name)) {
+        (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
+        (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
+        (None, None) => Err(Box::new(missing(source, name, span))),
+        (Some(Err(refusal)), _) => Err(Box::new(refused(source, name, span, &refusal))),
     }
-
-    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
-        if is_video(name) {
-            let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
-            let wrong = Diagnostic::unsupported(span, message);
-            return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
-        }
-        let texture = TextureRef { name: name.to_owned(), span, moves: None };
-        match (own_bytes(self, name), shipped(name)) {
-            (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
-            (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
-            (None, None) => Err(Box::new(missing(self, &texture))),
-            (Some(Err(refusal)), _) => Err(Box::new(refused(self, &texture, &refusal))),
-        }
-    }
-
-    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
-        decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes)
-    }
-}
-
-/// Reads a file from the scene's folder; `None` if the scene has no folder.
-fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
-    Some(Folder::of(source.file()?).bytes(name, limits::TEXTURE_BYTES_MAX))
 }
 
 fn shipped(name: &str) -> Option<&'static [u8]> {
@@ -386,16 +355,21 @@ fn shipped_names() -> Vec<String> {
     names
 }
 
-fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
-    let name = &texture.name;
+fn missing(source: &SceneSource, name: &str, span: Span) -> Diagnostic {
     if let SceneSource::Blend(blend) = source {
-        return missing(&blend.to.source, texture);
+        return missing(&blend.to.source, name, span);
     }
-    if is_video(name) {
-        return missing_video(source, texture);
-    }
-    let shipped = shipped_names();
+    let is_video = is_video(name);
+    let (shipped, endings) =
+        if is_video { (Vec::new(), &VIDEO_ENDINGS[..]) } else { (shipped_names(), &ENDINGS[..]) };
     let (message, advice) = match source {
+        SceneSource::File(_) if is_video => {
+            (format!("there is no video `{name}` in the scene's folder"), "put the video there".to_owned())
+        }
+        _ if is_video => (
+            format!("`{name}` is a video, and only a scene in a file can use videos"),
+            "save the scene as a file next to the video".to_owned(),
+        ),
         SceneSource::File(_) => (
             format!("there is no image `{name}` in the scene's folder"),
             format!("put it there, or use a shipped image: {}", shipped.join(", ")),
@@ -406,59 +380,34 @@ fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
         ),
     };
     let mut names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
-    names.retain(|name| {
-        name.rsplit_once('.')
-            .is_some_and(|(_, end)| ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
-    });
+    names.retain(|name| ends_with_one_of(name, endings));
     names.sort();
     let similar = nearest(name, names.iter().chain(&shipped).map(String::as_str));
-    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
+    Diagnostic::new(span, message).hint(advice).did_you_mean(similar)
 }
 
-fn missing_video(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
-    let name = &texture.name;
-    let names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
-    let similar = nearest(name, names.iter().map(String::as_str).filter(|name| is_video(name)));
-    let (message, advice) = match source {
-        SceneSource::File(_) => {
-            (format!("there is no video `{name}` in the scene's folder"), "put the video there")
-        }
-        _ => (
-            format!("`{name}` is a video, and only a scene in a file can use videos"),
-            "save the scene as a file next to the video",
-        ),
-    };
-    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
-}
-
-fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Diagnostic {
-    if *refusal == Refusal::Missing {
-        return missing(source, texture);
-    }
-    let is_video = is_video(&texture.name);
+fn refused(source: &SceneSource, name: &str, span: Span, refusal: &Refusal) -> Diagnostic {
+    let is_video = is_video(name);
     let what = if is_video { "video" } else { "image" };
-    let message = format!("the {what} `{}` cannot be read: {refusal}", texture.name);
-    let (over_limit, hint) = match refusal {
-        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing if is_video => {
-            (false, "copy the video into the scene's folder")
-        }
-        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing => {
-            (false, "copy the image into the scene's folder")
-        }
-        Refusal::NoFile if is_video => (false, "name a video file"),
-        Refusal::NoFile => (false, "name a PNG or JPEG file"),
-        Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check the file's permissions"),
-        Refusal::TooLarge(_) => (true, "scale it down, or save it with stronger compression"),
+    let message = format!("the {what} `{name}` cannot be read: {refusal}");
+    let hint = match refusal {
+        Refusal::Missing => return missing(source, name, span),
+        Refusal::Leaves | Refusal::LinkOut if is_video => "copy the video into the scene's folder",
+        Refusal::Leaves | Refusal::LinkOut => "copy the image into the scene's folder",
+        Refusal::NoFile if is_video => "name a video file",
+        Refusal::NoFile => "name a PNG or JPEG file",
+        Refusal::Unreadable(_) | Refusal::NotText(_) => "check the file's permissions",
+        Refusal::TooLarge(_) => "scale it down, or save it with stronger compression",
     };
+    let over_limit = matches!(refusal, Refusal::TooLarge(_));
     let kind = if over_limit { Diagnostic::over_limit } else { Diagnostic::new };
-    kind(texture.span, message).hint(hint)
+    kind(span, message).hint(hint)
 }
 
 /// Decodes a PNG or JPEG after checking the size in its header.
-fn decode(texture: &TextureRef, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
-    let TextureRef { name, span, .. } = texture;
+pub(super) fn decode(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
     let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
-        Box::new(kind(*span, message).hint(hint))
+        Box::new(kind(span, message).hint(hint))
     };
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,

@@ -1,7 +1,6 @@
 //! Recorded performances, written as show files in the user's folder by a writer thread, because disks may be slow.
 
 use std::collections::HashMap;
-use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -82,9 +81,7 @@ fn first_path(folder: &Path, title: &str) -> PathBuf {
 }
 
 fn write(path: &Path, text: &str) -> Kept {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    create_dir_all(folder).map_err(|error| Unwritable::new(folder, &error))?;
-    AtomicFile::create(path)?.write(text.as_bytes())?;
+    AtomicFile::create_with_folder(path)?.write(text.as_bytes())?;
     Ok(path.to_owned())
 }
 

@@ -1,7 +1,6 @@
 //! What the crate's files share: writing them, errors of the system, and names for damaged files.
 
 use std::fmt::Display;
-use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
 use mariana_files::atomic_file::AtomicFile;
@@ -27,8 +26,7 @@ impl SystemError {
 /// Writes a file, and makes its folder if there is none.
 pub(super) fn write(what: &'static str, path: &Path, text: &str) -> Result<(), SystemError> {
     let failed = |reason: &dyn Display| SystemError::new(what, path, "written", reason);
-    create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(|error| failed(&error))?;
-    let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
+    let written = AtomicFile::create_with_folder(path).and_then(|file| file.write(text.as_bytes()));
     written.map_err(|error| failed(&error.reason))
 }
 

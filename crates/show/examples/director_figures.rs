@@ -15,7 +15,7 @@ use std::path::Path;
 
 use mariana_field::lang::{compile, no_includes};
 use mariana_music::SongStructure;
-use mariana_show::{SceneFacts, Show};
+use mariana_show::{SceneCard, Show};
 
 /// A word for a song, the moods that fit it, and the moods that are against it.
 struct Word(&'static str, &'static [&'static str], &'static [&'static str]);
@@ -41,7 +41,7 @@ fn counts(moods: &[String], words: &[&str]) -> [f64; 2] {
     [fitting.count() as f64, against.count() as f64]
 }
 
-fn scenes_in(folder: &Path) -> Result<BTreeMap<String, SceneFacts>, Box<dyn Error>> {
+fn scenes_in(folder: &Path) -> Result<BTreeMap<String, SceneCard>, Box<dyn Error>> {
     let mut scenes = BTreeMap::new();
     for file in std::fs::read_dir(folder)? {
         let path = file?.path();
@@ -49,7 +49,7 @@ fn scenes_in(folder: &Path) -> Result<BTreeMap<String, SceneFacts>, Box<dyn Erro
         if path.extension().is_some_and(|extension| extension == "scene") {
             let compiled = compile(name, &std::fs::read_to_string(&path)?, &mut no_includes);
             let scene = compiled.scene.ok_or_else(|| format!("the scene {name} has mistakes"))?;
-            scenes.insert(name.to_owned(), SceneFacts::from(scene));
+            scenes.insert(name.to_owned(), SceneCard::of(name, scene));
         }
     }
     Ok(scenes)
@@ -69,7 +69,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let text = std::fs::read_to_string(Path::new(songs).join(format!("{name}.json")))?;
         let song: SongStructure = serde_json::from_str(&text)?;
         let recent = seen.entry(set.to_owned()).or_default();
-        let show = Show::directed(&song, &scenes, recent).ok_or("there is no scene")?;
+        let cards = scenes.values().cloned().collect();
+        let show = Show::directed(&song, cards, recent).ok_or("there is no scene")?;
         let clips = show.clips();
         recent.extend(clips.iter().map(|clip| clip.scene.clone()));
         recent.dedup();
@@ -88,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let (mut fitting, mut against, mut fitted) = (0.0, 0.0, 0.0);
         for (scene, seconds) in &seconds_of {
-            let moods = scenes.get(*scene).map_or(&[][..], |facts| &facts.about.moods);
+            let moods = scenes.get(*scene).map_or(&[][..], |card| &card.about.moods);
             let [fit, not] = counts(moods, &words);
             fitting += seconds * fit;
             against += seconds * not;

@@ -21,25 +21,12 @@ use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Entry, Length, Transition, TransitionKind, When};
-use super::scene_facts::Rise;
+use super::scene_facts::SceneCard;
 use changes::{Change, Reason, changes};
 use character::Character;
-use mariana_field::lang::{About, TransitionStyle};
+use mariana_field::lang::TransitionStyle;
 use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
-
-/// Facts about a scene from which the director chooses.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SceneCard {
-    /// The name or file of the scene.
-    pub scene: String,
-    /// The scene's `about` block.
-    pub about: About,
-    /// The names of the scene's cameras.
-    pub cameras: Vec<String>,
-    /// The parameter that rises during a build, if the scene has one.
-    pub rise: Option<Rise>,
-}
 
 /// Music is calm below this energy, and loud from [`LOUD`] on.
 const CALM: f32 = 0.45;

@@ -14,18 +14,18 @@
 //! ```
 //! use mariana_field::lang::About;
 //! use mariana_music::SongStructure;
-//! use mariana_show::{SceneFacts, Show};
+//! use mariana_show::{SceneCard, Show};
 //!
 //! // Without beats, bars take two seconds.
 //! let song = SongStructure { seconds: 60.0, ..SongStructure::default() };
 //! let text = "at start orb\n\
 //!             at bar 9 city melt over 2 bars\n\
 //!             set height = 1 -> 3 over 4 bars";
-//! let facts = |_: &str| {
-//!     let (about, params) = (About::default(), vec!["height".to_owned()]);
-//!     Ok(SceneFacts { about, cameras: Vec::new(), params, rise: None })
+//! let find = |name: &str| {
+//!     let (scene, params) = (name.to_owned(), vec!["height".to_owned()]);
+//!     Ok(SceneCard { scene, about: About::default(), cameras: Vec::new(), params, rise: None })
 //! };
-//! let (show, left_out) = Show::of_text("my.show", text, &song, facts)?;
+//! let (show, left_out) = Show::of_text("my.show", text, &song, find)?;
 //! assert_eq!(left_out, None);
 //!
 //! // Bar 9 begins at 16 s, and the melt takes four seconds.
@@ -61,13 +61,13 @@ pub use cue_list::{
     Anchor, CAMERA_TURNS, CueList, Entry, FADER, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step,
     Transition, TransitionKind, UNTURNED, When,
 };
-pub use director::{SceneCard, direct};
+pub use director::direct;
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, OtherDeck, Performance, Turned};
 pub use picture::{Held, Picture};
 pub use resolve::resolve;
-pub use scene_facts::{Refusal, Rise, SceneFacts};
+pub use scene_facts::{Refusal, Rise, SceneCard};
 pub use show::{Cue, CueListError, Show, seed_of};
 pub use snapshots::snapshot_cues;
 pub use text::print;

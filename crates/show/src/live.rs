@@ -3,7 +3,8 @@
 //! When a scene appears, the director chooses the next scene at once, so that the next scene can be prepared. The
 //! next scene appears at a drop, on a beat after a new section has begun, or after a long time.
 
-use super::director::{SceneCard, next_scene};
+use super::director::next_scene;
+use super::scene_facts::SceneCard;
 use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::TransitionStyle;
 
@@ -151,6 +152,7 @@ mod tests {
             scene: format!("scene {index}"),
             about: About { energy, ..About::default() },
             cameras: Vec::new(),
+            params: Vec::new(),
             rise: None,
         };
         LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())

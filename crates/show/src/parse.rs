@@ -121,8 +121,8 @@ impl<'a> Reader<'a> {
             "set" if first.kind == Kind::Name => {
                 let setting = self.setting()?;
                 let Some(entry) = cue_list.entries.last_mut() else {
-                    let early = Diagnostic::new(first.span, "`set` needs an entry above it");
-                    return Err(Box::new(early.hint("write `at start` and a scene above it")));
+                    let hint = "write `at start` and a scene above it";
+                    return Err(wrong(first.span, "`set` needs an entry above it", hint));
                 };
                 if entry.settings.len() >= limits::SETTINGS_MAX {
                     let max = limits::SETTINGS_MAX;
@@ -135,30 +135,25 @@ impl<'a> Reader<'a> {
                 self.at -= 1;
                 let moving = cue_list.entries.last_mut().and_then(|entry| entry.settings.last_mut());
                 let Some(Setting { param, steps, .. }) = moving else {
-                    let early = Diagnostic::new(first.span, "there is no `set` line above to continue");
-                    return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
+                    let hint = "write `set`, a parameter and its value above it";
+                    return Err(wrong(first.span, "there is no `set` line above to continue", hint));
                 };
                 self.steps(steps, is_fraction(param), first.span)?;
             }
             _ => {
-                let unknown =
-                    Diagnostic::new(first.span, format!("a line cannot begin with {}", first.shown()));
-                let near = nearest(first.text, ["at", "set"]);
-                return Err(Box::new(match near {
-                    Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint("begin the line with `at`, as in `at bar 17 tunnel`, or with `set`"),
-                }));
+                let unknown = format!("a line cannot begin with {}", first.shown());
+                let hint = "begin the line with `at`, as in `at bar 17 tunnel`, or with `set`";
+                return Err(near(wrong(first.span, unknown, hint), nearest(first.text, ["at", "set"])));
             }
         }
         match self.next() {
             None => Ok(()),
-            Some(word) => {
-                let more = Diagnostic::new(word.span, format!("{} is not expected here", word.shown()));
-                Err(Box::new(more.hint(
-                    "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` \
-                     with `over` and a length, or with `by fader`",
-                )))
-            }
+            Some(word) => Err(wrong(
+                word.span,
+                format!("{} is not expected here", word.shown()),
+                "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` \
+                 with `over` and a length, or with `by fader`",
+            )),
         }
     }
 
@@ -193,24 +188,16 @@ impl<'a> Reader<'a> {
                 let is_letter =
                     letter.kind == Kind::Name && letter.text.bytes().all(|b| b.is_ascii_alphabetic());
                 if !is_letter {
-                    let wrong = format!("a section's name is a letter, not {}", letter.shown());
-                    return Err(Box::new(
-                        Diagnostic::new(letter.span, wrong).hint("write `section B` or `section B 2`"),
-                    ));
+                    let what = format!("a section's name is a letter, not {}", letter.shown());
+                    return Err(wrong(letter.span, what, "write `section B` or `section B 2`"));
                 }
                 Anchor::Section(letter.text.to_ascii_uppercase(), self.count_or_first()?)
             }
             _ => {
-                let unknown =
-                    Diagnostic::new(word.span, format!("{} is not a moment of a song", word.shown()));
-                let near = nearest(word.text, ANCHORS);
-                return Err(Box::new(match near {
-                    Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint(
-                        "a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, \
-                         `build 1`, `cue` or `previous + 4 bars`",
-                    ),
-                }));
+                let unknown = format!("{} is not a moment of a song", word.shown());
+                let hint = "a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, \
+                            `build 1`, `cue` or `previous + 4 bars`";
+                return Err(near(wrong(word.span, unknown, hint), nearest(word.text, ANCHORS)));
             }
         };
         let sign = if self.eat("+") {
@@ -237,8 +224,8 @@ impl<'a> Reader<'a> {
             let number = self.value(rest)?;
             span = span.to(rest.span);
             if number >= 60.0 || rest.kind != Kind::Number {
-                let wrong = Diagnostic::new(rest.span, "the seconds after the colon must be below 60");
-                return Err(Box::new(wrong.hint("write `1:23.5` for a minute and 23.5 seconds")));
+                let hint = "write `1:23.5` for a minute and 23.5 seconds";
+                return Err(wrong(rest.span, "the seconds after the colon must be below 60", hint));
             }
             // Round to the `f64` nearest to the written time.
             let all = 60.0 * seconds + number;
@@ -258,12 +245,9 @@ impl<'a> Reader<'a> {
         let Some(word) = self.peek() else { return Ok(None) };
         let Some(style) = TransitionStyle::named(word.text).filter(|_| word.kind == Kind::Name) else {
             let styles = TransitionStyle::ALL.map(TransitionStyle::name);
-            let near = nearest(word.text, styles.into_iter().chain(["camera"]));
-            let unknown = Diagnostic::new(word.span, format!("{} is not a transition", word.shown()));
-            return Err(Box::new(match near {
-                Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(format!("the transitions are {}", quoted(styles.into_iter()))),
-            }));
+            let hint = format!("the transitions are {}", quoted(styles.into_iter()));
+            let unknown = wrong(word.span, format!("{} is not a transition", word.shown()), hint);
+            return Err(near(unknown, nearest(word.text, styles.into_iter().chain(["camera"]))));
         };
         self.at += 1;
         if style == TransitionStyle::Cut {
@@ -276,8 +260,8 @@ impl<'a> Reader<'a> {
         if self.eat("by") {
             let what = self.named("`fader`")?;
             if what.text != "fader" {
-                let wrong = Diagnostic::new(what.span, format!("{} cannot move a transition", what.shown()));
-                return Err(Box::new(wrong.hint("write `by fader`, or `over` and a length")));
+                let unable = format!("{} cannot move a transition", what.shown());
+                return Err(wrong(what.span, unable, "write `by fader`, or `over` and a length"));
             }
             return Ok(Some(Transition { kind, by_fader: true, ..Transition::CUT }));
         }
@@ -351,7 +335,7 @@ impl<'a> Reader<'a> {
         }
         if is_fraction && !(0.0..=1.0).contains(&number) {
             let beyond = format!("{number} is not between 0 and 1");
-            return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
+            return Err(wrong(word.span, beyond, "write a number from 0 to 1"));
         }
         Ok(number)
     }
@@ -362,15 +346,12 @@ impl<'a> Reader<'a> {
         let unit = self.expect("`bars`, `beats` or `s`", "as in `2 bars`")?;
         let known = Length::UNITS.iter().find(|known| known.names.contains(&unit.text));
         let Some(known) = known else {
-            let wrong = Diagnostic::new(unit.span, format!("{} is not a unit of time", unit.shown()));
-            return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
+            let unknown = format!("{} is not a unit of time", unit.shown());
+            return Err(wrong(unit.span, unknown, "the units are `bars`, `beats` and `s`"));
         };
         if number > limits::SECONDS_MAX {
-            let long = Diagnostic::over_limit(
-                word.span,
-                format!("a length must not exceed {:.0}", limits::SECONDS_MAX),
-            );
-            return Err(Box::new(long));
+            let long = format!("a length must not exceed {:.0}", limits::SECONDS_MAX);
+            return Err(Box::new(Diagnostic::over_limit(word.span, long)));
         }
         Ok((known.of)(number))
     }
@@ -379,11 +360,8 @@ impl<'a> Reader<'a> {
         let word = self.expect(what, "counted from 1")?;
         let number = self.value(word)?;
         if number.fract() != 0.0 || !(1.0..=1e6).contains(&number) {
-            let wrong = Diagnostic::new(
-                word.span,
-                format!("{} is not a whole number from 1 to 1000000", word.shown()),
-            );
-            return Err(Box::new(wrong.hint("count from 1")));
+            let what = format!("{} is not a whole number from 1 to 1000000", word.shown());
+            return Err(wrong(word.span, what, "count from 1"));
         }
         Ok(number as u32)
     }
@@ -404,12 +382,11 @@ impl<'a> Reader<'a> {
     }
 
     fn named(&mut self, what: &str) -> Read<Word<'a>> {
-        let word = self.expect(what, "put names with spaces or slashes in quotes")?;
+        let hint = "put names with spaces or slashes in quotes";
+        let word = self.expect(what, hint)?;
         if !matches!(word.kind, Kind::Name | Kind::Quoted) || word.text.is_empty() {
-            let wrong = format!("{what} is expected here, not {}", word.shown());
-            return Err(Box::new(
-                Diagnostic::new(word.span, wrong).hint("put names with spaces or slashes in quotes"),
-            ));
+            let what = format!("{what} is expected here, not {}", word.shown());
+            return Err(wrong(word.span, what, hint));
         }
         Ok(word)
     }
@@ -443,8 +420,18 @@ impl<'a> Reader<'a> {
                 (Span::new(end, end), "the end of the line".to_owned())
             }
         };
-        Box::new(Diagnostic::new(span, format!("expected {what}, found {found}")).hint(hint))
+        wrong(span, format!("expected {what}, found {found}"), hint)
     }
+}
+
+fn wrong(span: Span, what: impl Into<String>, hint: impl Into<String>) -> Box<Diagnostic> {
+    Box::new(Diagnostic::new(span, what).hint(hint))
+}
+
+/// Replaces the hint by a similar word, if there is one.
+fn near(mut unknown: Box<Diagnostic>, similar: Option<&str>) -> Box<Diagnostic> {
+    *unknown = unknown.did_you_mean(similar);
+    unknown
 }
 
 /// True if the values of `param` are in 0..1.
@@ -453,12 +440,11 @@ fn is_fraction(param: &str) -> bool {
 }
 
 fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
-    let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
-    let unknown = Diagnostic::new(word.span, format!("{} is not a portal shape", word.shown()));
-    Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over", "by"])) {
-        near @ Some(_) => unknown.did_you_mean(near),
-        None => unknown.hint(format!("the shapes are {}", quoted(shapes().map(|(_, name, _)| name)))),
-    })
+    let is_portal = |kind: &BlendKind| matches!(kind, BlendKind::Portal(_));
+    let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| is_portal(kind)).map(|(_, name, _)| name);
+    let hint = format!("the shapes are {}", quoted(shapes()));
+    let unknown = wrong(word.span, format!("{} is not a portal shape", word.shown()), hint);
+    near(unknown, nearest(word.text, shapes().chain(["over", "by"])))
 }
 
 /// Returns the mistake in `set first second` if the second word is unknown; `None` if the line resembles no setting
@@ -468,16 +454,13 @@ fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> 
     let words = || pairs().filter(|(group, _)| *group == first.text).map(|(_, word)| word);
     if words().next().is_none() {
         let both = format!("{} {}", first.text, second.text);
-        let near = nearest(&both, plain_settings())?;
+        let similar = nearest(&both, plain_settings())?;
         let unknown = Diagnostic::new(first.span.to(second.span), format!("there is no `{both}`"));
-        return Some(Box::new(unknown.did_you_mean(Some(near))));
+        return Some(near(Box::new(unknown), Some(similar)));
     }
     let unknown = format!("there is no {} in `set {}`", second.shown(), first.text);
-    let unknown = Diagnostic::new(second.span, unknown);
-    Some(Box::new(match nearest(second.text, words()) {
-        near @ Some(_) => unknown.did_you_mean(near),
-        None => unknown.hint(format!("choose one of {}", quoted(words()))),
-    }))
+    let unknown = wrong(second.span, unknown, format!("choose one of {}", quoted(words())));
+    Some(near(unknown, nearest(second.text, words())))
 }
 
 fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {

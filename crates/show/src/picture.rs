@@ -1,7 +1,7 @@
 //! Image settings of a timeline, which persist across scenes: the brightness and frozen frames.
 
-use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
-use super::timeline::{Clip, Move};
+use super::cue_list::PLAIN_PICTURE;
+use super::timeline::{Clip, Move, Timeline};
 use crate::limits;
 
 /// Sums of times are rounded to 1 / `TICKS` seconds (nanoseconds), the precision of show files.
@@ -30,26 +30,10 @@ impl Picture {
     pub const PLAIN: Self = Self { brightness: 1.0, held: None };
 }
 
-/// The animations of each of [`PICTURE_NUMBERS`] over the whole timeline, sorted by start.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Pictures {
-    moves: [Vec<Move>; 2],
-}
-
-impl Pictures {
-    /// Collects the image settings of `clips`, which must be sorted by start.
-    pub(super) fn of(clips: &[Clip]) -> Self {
-        Self { moves: PICTURE_NUMBERS.map(|name| all_moves(clips, name)) }
-    }
-
-    /// True if the image is dimmed at any moment.
-    pub(super) fn dim(&self) -> bool {
-        let [brightness, _] = &self.moves;
-        brightness.iter().any(|one| one.from.min(one.to) < 1.0)
-    }
-
-    pub(super) fn at(&self, time: f64) -> Picture {
-        let [brightness, freeze] = &self.moves;
+impl Timeline {
+    /// Returns the image settings at `time` seconds.
+    pub fn picture_at(&self, time: f64) -> Picture {
+        let [brightness, freeze] = &self.picture_moves;
         let [light, _] = PLAIN_PICTURE;
         Picture {
             brightness: last_at(brightness, time).map_or(light, |(_, brightness)| brightness),
@@ -57,18 +41,25 @@ impl Pictures {
         }
     }
 
-    /// Implements [`Timeline::held_at`].
-    ///
-    /// [`Timeline::held_at`]: super::Timeline::held_at
-    pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
-        let [_, freeze] = &self.moves;
+    /// Returns the frozen frames at `time` seconds. The first frame is the frame of [`Timeline::picture_at`]. The
+    /// second is the frame that was still fading out when the first was frozen, with its opacity at that time, and so
+    /// on. The list is empty if no frame is frozen. The oldest frames are dropped above the
+    /// [limit](crate::limits).
+    pub fn held_at(&self, time: f64) -> Vec<Held> {
+        let [_, freeze] = &self.picture_moves;
         held_at(freeze, time).take(limits::HELD_MAX).collect()
+    }
+
+    /// True if the image is dimmed at any moment.
+    pub fn dims(&self) -> bool {
+        let [brightness, _] = &self.picture_moves;
+        brightness.iter().any(|one| one.from.min(one.to) < 1.0)
     }
 }
 
 /// Collects all animations of the setting `name`, sorted by start. From the start of a clip until its first
 /// animation, the setting has the initial value of that animation, like a parameter.
-fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
+pub(super) fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     let mut moves = Vec::new();
     for clip in clips {
         let of_clip = clip.moves.iter().filter(|one| one.param == name);
@@ -122,7 +113,7 @@ fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Timeline, parse, resolve};
+    use crate::{parse, resolve};
     use mariana_music::SongStructure;
 
     fn timeline(text: &str) -> Timeline {

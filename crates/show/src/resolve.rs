@@ -1,7 +1,7 @@
 //! Resolves a cue list for a song: musical moments become seconds.
 
 use super::bar_lines::BarLines;
-use super::cue_list::{Anchor, CueList, Entry, Length, Setting, Step, Transition, TransitionKind, When};
+use super::cue_list::{Anchor, CueList, Entry, Length, Setting, Step, Transition, TransitionKind};
 use super::timeline::{Clip, Move, TimedTransition, Timeline};
 use mariana_field::lang::{Diagnostic, Span, TransitionStyle};
 use mariana_music::SongStructure;
@@ -84,10 +84,7 @@ fn starts(
             Anchor::Cue => cues.next().copied(),
             _ => previous,
         };
-        let start = time_of(&entry.when, song, known, lines).map_err(|missing| {
-            let missed = Diagnostic::new(entry.span, missing.sentence);
-            Box::new(missed.label("left out").hint(missing.hint))
-        })?;
+        let start = time_of(entry, song, known, lines)?;
         previous = start;
         let Some(time) = start.filter(|_| !is_pressed) else { return Ok(start) };
         if let Some((before, span)) = last.filter(|(before, _)| time < *before) {
@@ -118,30 +115,28 @@ fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     setting.steps.iter().map(part).collect()
 }
 
-struct Missing {
-    sentence: String,
-    hint: String,
-}
-
 /// Returns the time of a moment in seconds; `None` if the moment waits for a press of the cue key. `known` is the time
 /// of the press, or of the entry above.
 fn time_of(
-    when: &When,
+    entry: &Entry,
     song: &SongStructure,
     known: Option<f64>,
     lines: &BarLines,
-) -> Result<Option<f64>, Missing> {
+) -> Result<Option<f64>, Box<Diagnostic>> {
+    let missing = |sentence: String, hint: String| {
+        Box::new(Diagnostic::new(entry.span, sentence).label("left out").hint(hint))
+    };
     let numbered = |what: &str, number: u32, times: &[f64]| {
         let index = (number as usize).checked_sub(1);
-        index.and_then(|index| times.get(index)).copied().ok_or_else(|| Missing {
-            sentence: format!("the song has no {what} {number}"),
-            hint: match times.len() {
+        index.and_then(|index| times.get(index)).copied().ok_or_else(|| {
+            let hint = match times.len() {
                 0 => format!("the song has no {what}s"),
                 count => format!("the song has {count}: see `mariana analyze --structure`"),
-            },
+            };
+            missing(format!("the song has no {what} {number}"), hint)
         })
     };
-    let anchor = match &when.anchor {
+    let anchor = match &entry.when.anchor {
         Anchor::Start => 0.0,
         Anchor::End => song.seconds,
         Anchor::Time(seconds) => *seconds,
@@ -165,12 +160,12 @@ fn time_of(
                     0 => "the song has no sections".to_owned(),
                     _ => format!("the song's sections are {}", letters.join(" ")),
                 };
-                return Err(Missing { sentence: format!("the song has no section {letter}"), hint });
+                return Err(missing(format!("the song has no section {letter}"), hint));
             }
             numbered(&format!("section {letter}"), *number, &starts)?
         }
     };
-    Ok(Some(anchor + lasting(when.offset, anchor, lines)))
+    Ok(Some(anchor + lasting(entry.when.offset, anchor, lines)))
 }
 
 /// Converts a length that begins at `start` to seconds.

@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::cue_list::{Entry, is_of_no_scene};
-use super::director::SceneCard;
-use mariana_field::lang::{About, Diagnostic, Scene, Span, TransitionStyle};
+use mariana_field::lang::{About, Diagnostic, Scene, Span};
 
-/// Facts about one scene.
-#[derive(Debug, Clone)]
-pub struct SceneFacts {
+/// Facts about one scene, from which the director chooses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneCard {
+    /// The name or file of the scene.
+    pub scene: String,
     /// The scene's `about` block.
     pub about: About,
     /// Names of the scene's cameras.
@@ -47,15 +48,6 @@ impl Rise {
     }
 }
 
-impl From<Scene> for SceneFacts {
-    fn from(scene: Scene) -> Self {
-        let rise = Rise::of(&scene);
-        let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
-        let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
-        Self { about: scene.about, cameras, params: params.collect(), rise }
-    }
-}
-
 /// The reason why a scene cannot be used.
 #[derive(Debug, Clone)]
 pub struct Refusal {
@@ -65,19 +57,13 @@ pub struct Refusal {
     pub mistakes: Option<String>,
 }
 
-impl SceneFacts {
-    /// Returns the preferred transitions to and from the scene.
-    pub(super) fn styles(&self) -> (Option<TransitionStyle>, Option<TransitionStyle>) {
-        (self.about.enter, self.about.leave)
-    }
-
-    pub(super) fn card(&self, name: &str) -> SceneCard {
-        SceneCard {
-            scene: name.to_owned(),
-            about: self.about.clone(),
-            cameras: self.cameras.clone(),
-            rise: self.rise.clone(),
-        }
+impl SceneCard {
+    /// Returns the facts about `scene`, which is called `name` in the show.
+    pub fn of(name: &str, scene: Scene) -> Self {
+        let rise = Rise::of(&scene);
+        let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
+        let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
+        Self { scene: name.to_owned(), about: scene.about, cameras, params: params.collect(), rise }
     }
 
     /// Returns a diagnostic for each camera and parameter in `entry` that the scene does not have.
@@ -103,8 +89,8 @@ impl SceneFacts {
 /// The scenes that a cue list names.
 #[derive(Default)]
 pub(super) struct NamedScenes {
-    /// The facts about each scene; the key is the name in the cue list.
-    pub facts: BTreeMap<String, SceneFacts>,
+    /// The key is the name in the cue list.
+    pub cards: BTreeMap<String, SceneCard>,
     /// A diagnostic for each refused scene, missing camera and missing parameter.
     pub mistakes: Vec<Diagnostic>,
     /// Rendered mistakes in the texts of scenes.
@@ -113,17 +99,17 @@ pub(super) struct NamedScenes {
 
 impl NamedScenes {
     /// Collects the scenes that the entries name. Calls `find` once for each name.
-    pub(super) fn of(entries: &[Entry], mut find: impl FnMut(&str) -> Result<SceneFacts, Refusal>) -> Self {
+    pub(super) fn of(entries: &[Entry], mut find: impl FnMut(&str) -> Result<SceneCard, Refusal>) -> Self {
         let mut named = Self::default();
         let mut refused = BTreeSet::new();
         for entry in entries {
             if refused.contains(&entry.scene) {
                 continue;
             }
-            if !named.facts.contains_key(&entry.scene) {
+            if !named.cards.contains_key(&entry.scene) {
                 match find(&entry.scene) {
-                    Ok(facts) => {
-                        named.facts.insert(entry.scene.clone(), facts);
+                    Ok(card) => {
+                        named.cards.insert(entry.scene.clone(), card);
                     }
                     Err(refusal) => {
                         refused.insert(&entry.scene);
@@ -131,8 +117,8 @@ impl NamedScenes {
                     }
                 }
             }
-            if let Some(facts) = named.facts.get(&entry.scene) {
-                named.mistakes.extend(facts.missing(entry));
+            if let Some(card) = named.cards.get(&entry.scene) {
+                named.mistakes.extend(card.missing(entry));
             }
         }
         named

@@ -1,16 +1,14 @@
 //! A show: a cue list, facts about its scenes, and the timeline for one song.
 
-use std::collections::BTreeMap;
-
 use super::cue_list::{Anchor, CueList, Entry};
-use super::director::{SceneCard, direct, for_shows};
+use super::director::{direct, for_shows};
 use super::parse::{DIAGNOSTICS_MAX, parse};
 use super::resolve::{entry_starts, resolve};
-use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
+use super::scene_facts::{NamedScenes, Refusal, SceneCard};
 use super::substitutes::with_substitutes;
 use super::text::{moment, print};
 use super::timeline::{Clip, Timeline};
-use mariana_field::lang::{Diagnostic, TransitionStyle, render_all};
+use mariana_field::lang::{Diagnostic, render_all};
 use mariana_music::SongStructure;
 
 /// An error in a show file.
@@ -33,16 +31,12 @@ pub enum CueListError {
     },
 }
 
-/// Preferred transitions to and from a scene.
-type Liked = (Option<TransitionStyle>, Option<TransitionStyle>);
-
 /// A cue list and its timeline for one song.
 #[derive(Debug, Clone, Default)]
 pub struct Show {
     /// `None` if all entries wait for the cue key.
     timeline: Option<Timeline>,
     cue_list: CueList,
-    styles: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
 }
 
@@ -64,15 +58,11 @@ pub struct Cue {
 impl Show {
     /// Lets the director create a show of the given scenes; returns `None` if there are no scenes. `recent` are the scenes
     /// that earlier songs have shown, the last one at the end.
-    pub fn directed(
-        song: &SongStructure,
-        scenes: &BTreeMap<String, SceneFacts>,
-        recent: &[String],
-    ) -> Option<Self> {
-        let (styles, cards) = (ways_of(scenes), for_shows(cards_of(scenes)));
+    pub fn directed(song: &SongStructure, scenes: Vec<SceneCard>, recent: &[String]) -> Option<Self> {
+        let cards = for_shows(scenes);
         let cue_list = direct(song, &cards, recent, seed_of(song));
-        let timeline = Some(resolved(&cue_list, song, &[], &styles).0?);
-        Some(Self { timeline, cue_list, styles, cards })
+        let timeline = Some(resolved(&cue_list, song, &[], &cards).0?);
+        Some(Self { timeline, cue_list, cards })
     }
 
     /// Creates a show from the text of a show file. Also returns a report of the entries that do not fit the song.
@@ -85,7 +75,7 @@ impl Show {
         name: &str,
         text: &str,
         song: &SongStructure,
-        find: impl FnMut(&str) -> Result<SceneFacts, Refusal>,
+        find: impl FnMut(&str) -> Result<SceneCard, Refusal>,
     ) -> Result<(Self, Option<String>), CueListError> {
         let parsed = parse(name, text);
         let named = NamedScenes::of(&parsed.entries, find);
@@ -100,13 +90,13 @@ impl Show {
                 return Err(CueListError::Mistakes { report });
             }
         };
-        let (styles, cards) = (ways_of(&named.facts), cards_of(&named.facts));
-        let (timeline, left_out) = resolved(&cue_list, song, &[], &styles);
+        let cards: Vec<SceneCard> = named.cards.into_values().collect();
+        let (timeline, left_out) = resolved(&cue_list, song, &[], &cards);
         let reported = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
         if timeline.is_none() && cue_list.cues().next().is_none() {
             return Err(CueListError::NothingFits { report: reported.unwrap_or_default() });
         }
-        Ok((Self { timeline, cue_list, styles, cards }, reported))
+        Ok((Self { timeline, cue_list, cards }, reported))
     }
 
     /// Returns this show with another timeline.
@@ -116,7 +106,7 @@ impl Show {
 
     /// Returns this show as it runs if the cue key is pressed at the times `cues`, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
-        self.with_timeline(resolved(&self.cue_list, song, cues, &self.styles).0)
+        self.with_timeline(resolved(&self.cue_list, song, cues, &self.cards).0)
     }
 
     /// Replaces refused scenes by other scenes of the show. Returns `None` if all scenes are refused.
@@ -164,23 +154,15 @@ impl Show {
     }
 }
 
-fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
-    known.iter().map(|(name, scene)| (name.clone(), scene.styles())).collect()
-}
-
-fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
-    known.iter().map(|(name, scene)| scene.card(name)).collect()
-}
-
 fn resolved(
     cue_list: &CueList,
     song: &SongStructure,
     cues: &[f64],
-    styles: &BTreeMap<String, Liked>,
+    cards: &[SceneCard],
 ) -> (Option<Timeline>, Vec<Diagnostic>) {
+    let about = |name: &str| cards.iter().find(|card| card.scene == name).map(|card| &card.about);
     resolve(cue_list, song, cues, |from, to| {
-        let liked = |name: &str| styles.get(name).copied().unwrap_or_default();
-        liked(to).0.or(from.and_then(|from| liked(from).1))
+        about(to).and_then(|to| to.enter).or(from.and_then(|from| about(from)?.leave))
     })
 }
 

@@ -4,7 +4,7 @@
 //! cameras change at the same moments as before.
 
 use super::cue_list::is_of_no_scene;
-use super::director::SceneCard;
+use super::scene_facts::SceneCard;
 use super::timeline::Clip;
 
 /// Replaces the scenes of refused clips. Returns `None` if all scenes are refused.
@@ -71,7 +71,7 @@ mod tests {
     fn card(scene: &str, energy: f32, cameras: &[&str]) -> SceneCard {
         let about = About { energy: (energy, energy), ..About::default() };
         let cameras = cameras.iter().map(|camera| (*camera).to_owned()).collect();
-        SceneCard { scene: scene.to_owned(), about, cameras, rise: None }
+        SceneCard { scene: scene.to_owned(), about, cameras, params: Vec::new(), rise: None }
     }
 
     fn clip(start: f64, scene: &str, camera: Option<&str>) -> Clip {

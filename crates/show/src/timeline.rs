@@ -1,7 +1,7 @@
 //! A cue list resolved to seconds of one song.
 
-use super::cue_list::{CAMERA_TURNS, FADER, TransitionKind, UNTURNED};
-use super::picture::{Held, Picture, Pictures};
+use super::cue_list::{CAMERA_TURNS, FADER, PICTURE_NUMBERS, TransitionKind, UNTURNED};
+use super::picture::all_moves;
 use mariana_field::lang::{Param, Scene};
 
 /// The clips of a show. Every moment has a clip, because the first clip extends to the start of the song.
@@ -9,7 +9,8 @@ use mariana_field::lang::{Param, Scene};
 pub struct Timeline {
     /// Clips sorted by start. The list has at least one clip.
     clips: Vec<Clip>,
-    pictures: Pictures,
+    /// The animations of each of [`PICTURE_NUMBERS`] over the whole timeline, sorted by start.
+    pub(super) picture_moves: [Vec<Move>; 2],
 }
 
 /// A scene with its start, transition and animations.
@@ -111,26 +112,8 @@ impl Timeline {
             clip.transition.seconds =
                 if has_no_length { 0.0 } else { clip.transition.seconds.clamp(0.0, most) };
         }
-        let pictures = Pictures::of(&clips);
-        Some(Self { clips, pictures })
-    }
-
-    /// Returns the image settings at `time` seconds.
-    pub fn picture_at(&self, time: f64) -> Picture {
-        self.pictures.at(time)
-    }
-
-    /// Returns the frozen frames at `time` seconds. The first frame is the frame of [`Timeline::picture_at`]. The
-    /// second is the frame that was still fading out when the first was frozen, with its opacity at that time, and so
-    /// on. The list is empty if no frame is frozen. The oldest frames are dropped above the
-    /// [limit](crate::limits).
-    pub fn held_at(&self, time: f64) -> Vec<Held> {
-        self.pictures.held_at(time)
-    }
-
-    /// True if the image is dimmed at any moment.
-    pub fn dims(&self) -> bool {
-        self.pictures.dim()
+        let picture_moves = PICTURE_NUMBERS.map(|name| all_moves(&clips, name));
+        Some(Self { clips, picture_moves })
     }
 
     /// Returns the clips, sorted by start. There is at least one clip.

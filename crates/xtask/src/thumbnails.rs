@@ -11,6 +11,10 @@ use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_
 
 use crate::animation::{Animation, still};
 
+/// The loops are of low quality, because they are small and move.
+const LOOP: Animation =
+    Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 22 };
+
 /// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let folder = Path::new(crate::root::ROOT).join("assets/thumbnails");
@@ -22,7 +26,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
             .with_context(|| format!("drawing {name}"))?;
         fs::write(folder.join(format!("{name}.jpg")), &jpeg)?;
         let moving = folder.join(format!("{name}.webp"));
-        draw_loop(name, &moving).with_context(|| format!("drawing the loop of {name}"))?;
+        LOOP.draw(name, &moving).with_context(|| format!("drawing the loop of {name}"))?;
         let bytes = jpeg.len() as u64 + fs::metadata(&moving)?.len();
         println!("{name}: {} KiB", bytes.div_ceil(1024));
     }
@@ -33,12 +37,4 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Draws the loop of a scene from [`MOMENT`] and writes it to `file` as an animated WebP of low quality, because loops
-/// are small and move.
-fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
-    let of_list =
-        Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 22 };
-    of_list.draw(name, file)
 }

@@ -1,12 +1,12 @@
 //! The input of the network: compressed levels of frequency bands and their rises.
 
+use crate::scale::band_bins;
+
 /// The number of bands, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const BANDS: usize = 40;
 /// Two numbers for each band.
 pub(super) const NUMBERS: usize = 2 * BANDS;
 
-const LOWEST_HZ: f64 = 30.0;
-const HIGHEST_HZ: f64 = 16_000.0;
 /// Time constants of the loudest amplitude and of the mean level, in seconds.
 const LOUDEST_SECONDS: f64 = 4.0;
 const MEAN_SECONDS: f64 = 1.5;
@@ -16,7 +16,7 @@ const COMPRESSION: f32 = 100.0;
 
 /// Measures the bands of spectra.
 pub(super) struct Input {
-    edges: [usize; BANDS + 1],
+    edges: Vec<usize>,
     last: [f32; BANDS],
     means: [f32; BANDS],
     loudest: f32,
@@ -27,15 +27,8 @@ pub(super) struct Input {
 impl Input {
     /// Creates the bands of spectra with `bins` bins of `bin_hz` hertz, `step_seconds` apart.
     pub(super) fn new(bins: usize, bin_hz: f64, step_seconds: f64) -> Self {
-        let mut least = 1;
-        let edges = std::array::from_fn(|band| {
-            let hz = LOWEST_HZ * (HIGHEST_HZ / LOWEST_HZ).powf(band as f64 / BANDS as f64);
-            let edge = ((hz / bin_hz).round() as usize).max(least).min(bins);
-            least = edge + 1;
-            edge
-        });
         Self {
-            edges,
+            edges: band_bins(BANDS, bin_hz, bins),
             last: [0.0; BANDS],
             means: [0.0; BANDS],
             loudest: 0.0,

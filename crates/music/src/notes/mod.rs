@@ -10,6 +10,7 @@ use melody::MelodyFinder;
 use partials::Partials;
 use peaks::{PLACES, Peaks};
 
+use super::features::Features;
 use super::scale::NOTE_COUNT;
 use super::smoothing::Follower;
 
@@ -26,24 +27,13 @@ const AMPLITUDE_MIN: f32 = 3e-4;
 /// A note this far below the loudest recent note has level 0, in decibels.
 const RANGE_DB: f32 = 34.0;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Harmony {
-    /// The root of the chord in semitones above C.
-    pub(super) chord_root: f32,
-    pub(super) chord_minor: f32,
-    pub(super) chord_certainty: f32,
-    /// The melody in semitones above A0.
-    pub(super) melody: f32,
-    pub(super) melody_certainty: f32,
-}
-
 pub(super) struct Notes {
     peaks: Peaks,
     partials: Partials,
     loudest: f32,
     kept: f32,
     follower: Follower,
-    pub(super) levels: [f32; NOTE_COUNT],
+    levels: [f32; NOTE_COUNT],
     chord: ChordFinder,
     melody: MelodyFinder,
 }
@@ -70,8 +60,9 @@ impl Notes {
         self.melody.restart();
     }
 
-    /// Measures the levels of a moment from the power spectra of the long and the middle window.
-    pub(super) fn follow(&mut self, long: &[f32], middle: &[f32]) -> Harmony {
+    /// Measures the notes, the chord and the melody of a moment from the power spectra of the long and the middle
+    /// window.
+    pub(super) fn follow(&mut self, long: &[f32], middle: &[f32], features: &mut Features) {
         let found: [f32; PLACES] = self.peaks.amplitudes(long, middle);
         let amplitudes = self.partials.explained(&found);
         let loudest = amplitudes.iter().fold(0.0_f32, |loudest, amplitude| loudest.max(*amplitude));
@@ -83,10 +74,10 @@ impl Notes {
             *target = (1.0 + below_db / RANGE_DB).clamp(0.0, 1.0);
             self.follower.follow(level, *target);
         }
-        let mut harmony = Harmony::default();
-        (harmony.chord_root, harmony.chord_minor, harmony.chord_certainty) = self.chord.follow(&self.levels);
-        (harmony.melody, harmony.melody_certainty) =
+        features.notes = self.levels;
+        (features.chord_root, features.chord_minor, features.chord_certainty) =
+            self.chord.follow(&self.levels);
+        (features.melody, features.melody_certainty) =
             self.melody.follow(&targets, |semitone| self.peaks.fine(semitone));
-        harmony
     }
 }

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::heard::Heard;
+use super::key::largest;
 use super::units::{Unit, distance, standardised};
 
 /// The grouping of beats into bars.
@@ -190,7 +191,7 @@ fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
     let mut best: Vec<f32> = (0..beats).map(|position| reward(0, position)).collect();
     let mut came_from = vec![vec![0; beats]];
     for index in 1..count {
-        let likeliest = (0..beats).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
+        let likeliest = largest(&best);
         let mut next = vec![0.0; beats];
         let mut from = vec![0; beats];
         for position in 0..beats {
@@ -204,7 +205,7 @@ fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
         best = next;
         came_from.push(from);
     }
-    let mut position = (0..beats).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
+    let mut position = largest(&best);
     let mut positions = vec![0; count];
     for index in (0..count).rev() {
         positions[index] = position;

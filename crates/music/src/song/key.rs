@@ -45,9 +45,7 @@ impl Tonality {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
     }
-}
 
-impl Tonality {
     /// Returns the correlation of pitch class weights, C first, with the profile of this key (Krumhansl 1990).
     pub(crate) fn fit_as_key(self, classes: &[f32; 12]) -> f32 {
         let profile = match self.mode {
@@ -164,7 +162,7 @@ pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
     path
 }
 
-fn largest(values: &[f32]) -> usize {
+pub(super) fn largest(values: &[f32]) -> usize {
     (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
 }
 

@@ -10,7 +10,7 @@ use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
 use crate::onset::{Flux, Onsets};
 use crate::rises::{LowAndHigh, Rises};
-use crate::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
+use crate::scale::band_bins;
 use crate::spectrum::{SlowWindow, Spectrum};
 use crate::{StereoFrame, limits};
 
@@ -51,24 +51,13 @@ pub struct SongListener {
 }
 
 struct Timbre {
-    edges: [usize; TIMBRE_BANDS + 1],
+    edges: Vec<usize>,
     sums: [f32; TIMBRE_BANDS],
 }
 
 impl Timbre {
     fn new(length: usize, bin_hz: f64) -> Self {
-        let bin = |hz: f64| ((hz / bin_hz).round() as usize).clamp(1, length / 2);
-        let mut edges = [0; TIMBRE_BANDS + 1];
-        let mut least = 1;
-        for (index, edge) in edges.iter_mut().enumerate() {
-            let fraction = index as f64 / TIMBRE_BANDS as f64;
-            // Each band has at least one bin.
-            *edge = bin(BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(fraction))
-                .max(least)
-                .min(length / 2);
-            least = *edge + 1;
-        }
-        Self { edges, sums: [0.0; TIMBRE_BANDS] }
+        Self { edges: band_bins(TIMBRE_BANDS, bin_hz, length / 2), sums: [0.0; TIMBRE_BANDS] }
     }
 
     fn add(&mut self, bins: &[f32]) {

@@ -102,15 +102,7 @@ impl SongMoment {
             _ => return None,
         })
     }
-}
 
-impl Default for SongMoment {
-    fn default() -> Self {
-        Self::UNKNOWN
-    }
-}
-
-impl SongMoment {
     /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, its position in
     /// the bar while the position is certain, and the [`LiveSong`](crate::LiveSong).
     pub fn of_live(energy: f32, features: &Features) -> Self {
@@ -134,6 +126,12 @@ impl SongMoment {
             chroma: live.chroma.map(unit),
             ..Self::UNKNOWN
         }
+    }
+}
+
+impl Default for SongMoment {
+    fn default() -> Self {
+        Self::UNKNOWN
     }
 }
 
@@ -168,8 +166,12 @@ impl At<'_> {
     fn moment(self) -> SongMoment {
         let (bar, beat_in_bar) = self.place_in_bar().unwrap_or_default();
         let (section, section_phase) = self.place_in_section().unwrap_or_default();
-        let (key, minor) = numbers_of(self.song.key);
-        let ahead = ahead(self.song, self.time);
+        let Self { song, time } = self;
+        let after = |start: Option<f64>| start.map_or(NEVER, |start| limited(start - time));
+        let next_section = song.sections.partition_point(|section| section.start <= time);
+        let next_drop = song.drops.partition_point(|drop| *drop <= time);
+        let (to_beat, to_bar) = beat_and_bar(song, time).unwrap_or((NEVER, NEVER));
+        let (key, minor) = numbers_of(song.key);
         SongMoment {
             bar,
             beat_in_bar,
@@ -180,11 +182,11 @@ impl At<'_> {
             drop: self.drop(),
             key,
             minor,
-            progress: fraction(self.time, 0.0, self.song.seconds),
-            to_beat: ahead.beat,
-            to_bar: ahead.bar,
-            to_section: ahead.section,
-            to_drop: ahead.drop,
+            progress: fraction(time, 0.0, song.seconds),
+            to_beat,
+            to_bar,
+            to_section: after(song.sections.get(next_section).map(|section| section.start)),
+            to_drop: after(song.drops.get(next_drop).copied()),
             chroma: self.chroma(),
             ..SongMoment::UNKNOWN
         }
@@ -310,19 +312,19 @@ fn below_one(value: f64) -> f32 {
 // The position of a moment among the beats of a song.
 
 /// A position among the beats. Before the first beat and after the last, beats continue at the tempo of that beat.
-pub(super) struct Place {
+struct Place {
     /// Beats since the start of a bar, with a fraction.
-    pub(super) beats: f64,
+    beats: f64,
     /// The time between beats here, in seconds.
-    pub(super) period: f64,
+    period: f64,
     /// Beats per minute, 0 or more.
-    pub(super) tempo: f32,
+    tempo: f32,
     /// The number of the next beat; `None` outside the beats.
-    pub(super) next: Option<usize>,
+    next: Option<usize>,
 }
 
 /// Returns the position at `time` in seconds; `None` if the song has no beats.
-pub(super) fn place(song: &SongStructure, time: f64) -> Option<Place> {
+fn place(song: &SongStructure, time: f64) -> Option<Place> {
     let after = song.beats.partition_point(|beat| beat.time <= time);
     // Use the last beat at or before the time, or the first beat if the time is earlier.
     let beat = song.beats.get(after.saturating_sub(1))?;
@@ -338,30 +340,9 @@ pub(super) fn place(song: &SongStructure, time: f64) -> Option<Place> {
 // The times until the next beat, bar, section and drop of a song, which is known in advance.
 
 /// The time in seconds until an event that does not follow or that is unknown. Longer times are limited to it.
-pub(super) const NEVER: f32 = 1_000.0;
+const NEVER: f32 = 1_000.0;
 
-/// Times in seconds, 0..=[`NEVER`].
-pub(super) struct Ahead {
-    pub(super) beat: f32,
-    pub(super) bar: f32,
-    pub(super) section: f32,
-    pub(super) drop: f32,
-}
-
-/// Returns the times from `time` until the next events. An event at `time` has passed.
-pub(super) fn ahead(song: &SongStructure, time: f64) -> Ahead {
-    let after = |start: Option<f64>| start.map_or(NEVER, |start| limited(start - time));
-    let section = song.sections.partition_point(|section| section.start <= time);
-    let drop = song.drops.partition_point(|drop| *drop <= time);
-    let (beat, bar) = beat_and_bar(song, time).unwrap_or((NEVER, NEVER));
-    Ahead {
-        beat,
-        bar,
-        section: after(song.sections.get(section).map(|section| section.start)),
-        drop: after(song.drops.get(drop).copied()),
-    }
-}
-
+/// Returns the times from `time` until the next beat and the next bar, 0..=[`NEVER`]. A beat at `time` has passed.
 fn beat_and_bar(song: &SongStructure, time: f64) -> Option<(f32, f32)> {
     let in_bar = song.meter?.beats();
     let here = place(song, time)?;
@@ -375,7 +356,7 @@ fn beat_and_bar(song: &SongStructure, time: f64) -> Option<(f32, f32)> {
 }
 
 /// Clamps to 0..=[`NEVER`]; NaN becomes [`NEVER`].
-pub(super) fn limited(seconds: f64) -> f32 {
+fn limited(seconds: f64) -> f32 {
     if seconds < f64::from(NEVER) { seconds.max(0.0) as f32 } else { NEVER }
 }
 

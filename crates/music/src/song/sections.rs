@@ -39,12 +39,6 @@ const TIMBRE_RANGE: (f32, f32) = (14.0, 50.0);
 /// Added to the distance, divided by the beats of the shorter section: short sections resemble others by chance.
 const BY_CHANCE: f32 = 0.8;
 
-/// The scaled timbre and chroma of the bars, each with a mean squared deviation of at most 1.
-struct Scaled {
-    timbre: Vec<[f32; TIMBRE_BANDS]>,
-    chroma: Vec<[f32; 12]>,
-}
-
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stretch {
     pub(super) bars: std::ops::Range<usize>,
@@ -57,7 +51,7 @@ pub(super) fn sections(bars: &[Unit], beats: &[Unit], firsts: &[usize]) -> Vec<S
     if bars.is_empty() {
         return Vec::new();
     }
-    let stretches = cut(&scaled(bars));
+    let stretches = cut(bars);
     let between = distances(&stretches, bars, &Harmony::new(beats), firsts);
     let letters = letters(&between);
     let mut sections: Vec<Stretch> = Vec::new();
@@ -68,15 +62,6 @@ pub(super) fn sections(bars: &[Unit], beats: &[Unit], firsts: &[usize]) -> Vec<S
         }
     }
     sections
-}
-
-fn scaled(bars: &[Unit]) -> Scaled {
-    let timbre: Vec<_> = bars.iter().map(|bar| bar.timbre).collect();
-    let chroma: Vec<_> = bars.iter().map(|bar| bar.chroma).collect();
-    Scaled {
-        timbre: with_unit_deviation(&timbre, TIMBRE_LEAST),
-        chroma: with_unit_deviation(&chroma, CHROMA_LEAST),
-    }
 }
 
 /// Outliers are clamped to this many standard deviations, so that a pause does not become a section.
@@ -137,9 +122,12 @@ impl<const N: usize> Sums<N> {
 }
 
 /// Returns the cheapest segmentation (dynamic programming; Jackson et al. 2005).
-fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
-    let timbre = Sums::new(&scaled.timbre, 1);
-    let harmonies = LOOPS.map(|step| Sums::new(&scaled.chroma, step));
+fn cut(bars: &[Unit]) -> Vec<std::ops::Range<usize>> {
+    let timbre: Vec<_> = bars.iter().map(|bar| bar.timbre).collect();
+    let chroma: Vec<_> = bars.iter().map(|bar| bar.chroma).collect();
+    let timbre = Sums::new(&with_unit_deviation(&timbre, TIMBRE_LEAST), 1);
+    let chroma = with_unit_deviation(&chroma, CHROMA_LEAST);
+    let harmonies = LOOPS.map(|step| Sums::new(&chroma, step));
     let cost = |start: usize, end: usize| {
         let length = end - start;
         let harmony = harmonies
@@ -153,7 +141,7 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
             + ODD_COST[length % 4]
             + SHORT_COST * 4_usize.saturating_sub(length) as f32
     };
-    let count = scaled.timbre.len();
+    let count = bars.len();
     let mut best = vec![0.0_f32];
     let mut starts = vec![0];
     for end in 1..=count {

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::heard::{Heard, Moment, SLOW_HOPS};
+use super::key::largest;
 use super::units::{chroma, distance, standardised};
 use crate::onset::FLUX_MIN;
 
@@ -136,12 +137,10 @@ pub(super) fn leveled(heard: &Heard, beats: &[usize], odds: &[f32]) -> Vec<usize
 
 /// Returns the likeliest level of each stretch (Viterbi 1967).
 fn choices(scores: &[Vec<f32>]) -> Vec<usize> {
-    let likeliest =
-        |best: &[f32]| (0..best.len()).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
     let mut best: Vec<f32> = Vec::new();
     let mut came_from = Vec::new();
     for score in scores {
-        let leap = likeliest(&best);
+        let leap = largest(&best);
         let stays = |level: usize| best.get(level).is_none_or(|own| *own >= best[leap] - CHANGE);
         let from: Vec<usize> =
             (0..score.len()).map(|level| if stays(level) { level } else { leap }).collect();
@@ -153,7 +152,7 @@ fn choices(scores: &[Vec<f32>]) -> Vec<usize> {
         best = (0..score.len()).map(value).collect();
         came_from.push(from);
     }
-    let mut level = likeliest(&best);
+    let mut level = largest(&best);
     let mut choices = vec![0; scores.len()];
     for (choice, from) in choices.iter_mut().zip(&came_from).rev() {
         *choice = level;

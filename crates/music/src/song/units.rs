@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
+use super::heard::{Heard, Moment, SLOW_HOPS, TIMBRE_BANDS};
 
 /// The approximate flux of noise.
 const FLUX_OF_NOISE: f32 = 0.1;
@@ -24,9 +24,6 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    const SILENCE: Self =
-        Self { timbre: [0.0; TIMBRE_BANDS], chroma: [0.0; 12], level: 0.0, low: 0.0, onsets: 0.0 };
-
     /// Returns the level-weighted mean position among the bands (spectral centroid), 0..1.
     pub(super) fn brightness(&self) -> f32 {
         let sum: f32 = self.timbre.iter().sum();
@@ -44,22 +41,24 @@ pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
 fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     let level = |power: f32| (10.0 * (power / loudest).max(1e-12).log10() + RANGE_DB).clamp(0.0, RANGE_DB);
     let range = |count: usize, seconds: f64| places(from..to, count, seconds, 0.0);
-    let mut unit = Unit::SILENCE;
+    let mut timbre = [0.0; TIMBRE_BANDS];
     let slow_seconds = heard.hop_seconds * SLOW_HOPS as f64;
     let slow = heard.slow.get(range(heard.slow.len(), slow_seconds)).unwrap_or_default();
     for moment in slow {
-        for (sum, power) in unit.timbre.iter_mut().zip(&moment.timbre) {
+        for (sum, power) in timbre.iter_mut().zip(&moment.timbre) {
             *sum += power / slow.len() as f32;
         }
     }
-    unit.timbre = unit.timbre.map(level);
-    unit.chroma = chroma(heard, from, to);
     let moments = heard.moments.get(range(heard.moments.len(), heard.hop_seconds)).unwrap_or_default();
     let count = moments.len().max(1) as f32;
-    unit.level = level(moments.iter().map(|moment| moment.power).sum::<f32>() / count);
-    unit.low = level(moments.iter().map(|moment| moment.low_power).sum::<f32>() / count);
-    unit.onsets = moments.iter().map(|moment| (moment.flux - FLUX_OF_NOISE).max(0.0)).sum::<f32>() / count;
-    unit
+    let mean = |of: fn(&Moment) -> f32| moments.iter().map(of).sum::<f32>() / count;
+    Unit {
+        timbre: timbre.map(level),
+        chroma: chroma(heard, from, to),
+        level: level(mean(|moment| moment.power)),
+        low: level(mean(|moment| moment.low_power)),
+        onsets: mean(|moment| (moment.flux - FLUX_OF_NOISE).max(0.0)),
+    }
 }
 
 /// Returns the indices of the measurements within `times`, at least one. There are `count`; they are `seconds` apart,

@@ -134,10 +134,7 @@ impl Input {
         if head.is_empty() {
             return Err(DecodeError::Empty(name));
         }
-        if let Some(error) = sniff::foreign(&name, &head) {
-            return Err(error);
-        }
-        if let Some(error) = sniff::over_limit(&name, &head) {
+        if let Some(error) = sniff::foreign(&name, &head).or_else(|| sniff::over_limit(&name, &head)) {
             return Err(error);
         }
         let edits = edits(&head, &mut source);

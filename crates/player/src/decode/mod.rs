@@ -121,7 +121,7 @@ impl Decoder {
     /// Fails if the demuxer fails.
     pub fn cover(&self) -> Result<Option<Cover>, DecodeError> {
         match &self.0 {
-            By::Native(decoder) => decoder.cover(),
+            By::Native(decoder) => cover_of(&decoder.input),
             By::Ffmpeg(_) => Ok(None),
         }
     }

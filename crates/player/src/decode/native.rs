@@ -17,8 +17,7 @@ use mariana_music::StereoFrame;
 
 use super::input::Input;
 use super::packets::{Block, PacketReader};
-use super::tags::cover_of;
-use super::{Cover, DecodeError, StreamInfo, sniff};
+use super::{DecodeError, StreamInfo, sniff};
 
 /// Gaps are filled with at most this many seconds of silence until the next seek. More would mean a broken clock.
 const HOLE_SECONDS_MAX: i64 = 10;
@@ -26,7 +25,7 @@ const HOLE_SECONDS_MAX: i64 = 10;
 const NEAR_SECONDS: i64 = 1;
 
 pub(super) struct NativeDecoder {
-    input: Input,
+    pub(super) input: Input,
     reader: PacketReader,
     pub(super) info: StreamInfo,
     /// Number of raw frames before the first audible frame.
@@ -106,10 +105,6 @@ impl NativeDecoder {
         };
         decoder.append(block)?;
         Ok(decoder)
-    }
-
-    pub(super) fn cover(&self) -> Result<Option<Cover>, DecodeError> {
-        cover_of(&self.input)
     }
 
     pub(super) fn skipped_packets(&self) -> u64 {

@@ -1,10 +1,13 @@
 //! Recognition of files that the demuxers reject, so that the error can name their format.
 
+use std::io::Cursor;
+
 use mariana_music::limits as music_limits;
 
 use crate::limits;
 
 use super::error::DecodeError;
+use super::mended::chunks;
 
 pub(super) const SNIFF_BYTES: usize = 4096;
 
@@ -83,7 +86,14 @@ pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
 }
 
 pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
-    let (channels, rate) = wave_format(head).or_else(|| aiff_format(head))?;
+    let (channels, rate) = chunks(&mut Cursor::new(head)).iter().find_map(|chunk| {
+        let body = head.get(usize::try_from(chunk.body).ok()?..)?;
+        match &chunk.id {
+            b"fmt " => wave_format(body),
+            b"COMM" => aiff_format(body),
+            _ => None,
+        }
+    })?;
     check(name, channels, rate).err()
 }
 
@@ -101,36 +111,12 @@ pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), Decode
     Ok(())
 }
 
-fn find_chunk<'a>(head: &'a [u8], id: &[u8; 4], length: fn([u8; 4]) -> u32) -> Option<&'a [u8]> {
-    let mut at = 12usize;
-    loop {
-        let (kind, size) = head.get(at..at.checked_add(8)?)?.split_first_chunk::<4>()?;
-        let body = at + 8;
-        if kind == id {
-            return head.get(body..);
-        }
-        let size = length(size.try_into().ok()?) as usize;
-        at = body.checked_add(size)?.checked_add(size & 1)?;
-    }
+fn wave_format(format: &[u8]) -> Option<(usize, u32)> {
+    let [_, _, c0, c1, r0, r1, r2, r3, ..] = format else { return None };
+    Some((usize::from(u16::from_le_bytes([*c0, *c1])), u32::from_le_bytes([*r0, *r1, *r2, *r3])))
 }
 
-fn wave_format(head: &[u8]) -> Option<(usize, u32)> {
-    if !head.starts_with(b"RIFF") || head.get(8..12)? != b"WAVE" {
-        return None;
-    }
-    match find_chunk(head, b"fmt ", u32::from_le_bytes)? {
-        [_, _, c0, c1, r0, r1, r2, r3, ..] => {
-            Some((usize::from(u16::from_le_bytes([*c0, *c1])), u32::from_le_bytes([*r0, *r1, *r2, *r3])))
-        }
-        _ => None,
-    }
-}
-
-fn aiff_format(head: &[u8]) -> Option<(usize, u32)> {
-    if !head.starts_with(b"FORM") || !matches!(head.get(8..12)?, b"AIFF" | b"AIFC") {
-        return None;
-    }
-    let comm = find_chunk(head, b"COMM", u32::from_be_bytes)?;
+fn aiff_format(comm: &[u8]) -> Option<(usize, u32)> {
     let channels = u16::from_be_bytes([*comm.first()?, *comm.get(1)?]);
     // The rate is an 80-bit float: 16 bits with sign and exponent, then 64 bits with the leading one.
     let exponent = u16::from_be_bytes([*comm.get(8)?, *comm.get(9)?]) & 0x7FFF;
@@ -158,7 +144,10 @@ mod tests {
         let mut aiff =
             b"FORM\x00\x00\x00\x00AIFFCOMM\x00\x00\x00\x12\x00\x02\x00\x00\x00\x00\x00\x10".to_vec();
         aiff.extend_from_slice(&[0x40, 0x0E, 0xAC, 0x44, 0, 0, 0, 0, 0, 0]);
-        assert_eq!(aiff_format(&aiff), Some((2, 44_100)));
+        assert!(over_limit("a.aiff", &aiff).is_none());
+        assert_eq!(aiff_format(&aiff[20..]), Some((2, 44_100)));
+        aiff[20] = 1;
+        assert!(over_limit("a.aiff", &aiff).unwrap().to_string().contains("258 channels"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use symphonia::core::meta::{StandardVisualKey, Visual};
+use symphonia::core::meta::StandardVisualKey;
 
 use super::error::DecodeError;
 use super::input::{Input, TagBytes};
@@ -55,10 +55,6 @@ pub enum CoverKind {
 }
 
 impl Cover {
-    fn of(visual: &Visual) -> Option<Self> {
-        Self::from_bytes(visual.data.to_vec())
-    }
-
     /// Recognizes the encoding of an image. Returns `None` for other encodings, and for images over the limit.
     pub(crate) fn from_bytes(bytes: Vec<u8>) -> Option<Self> {
         let kind = match &bytes[..] {
@@ -84,7 +80,7 @@ pub(super) fn cover_of(input: &Input) -> Result<Option<Cover>, DecodeError> {
             revision.media.visuals.iter().chain(of_tracks)
         });
         for visual in visuals {
-            let cover = Cover::of(visual);
+            let cover = Cover::from_bytes(visual.data.to_vec());
             if cover.is_some() && visual.usage == Some(StandardVisualKey::FrontCover) {
                 return Ok(cover);
             }

@@ -1,15 +1,18 @@
 //! A child process that writes to a pipe. All waits for the process are limited, and it never outlives its [`Process`].
 
 use std::io::{self, Read};
+use std::path::Path;
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::Builder;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use mariana_files::child::{ChildLimits, ChildProcess};
+use mariana_work::{Background, lock};
+use serde::de::DeserializeOwned;
 
-use super::CommandLine;
+use super::{CommandLine, file_address};
+use crate::limits;
 
 const PIECE: usize = 1 << 15;
 
@@ -24,11 +27,39 @@ const LIMITS: ChildLimits = ChildLimits { memory: Some(4 << 30), cpu_seconds: No
 /// Maximum wait for the end of a program that has closed its pipe.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
+/// Maximum size of an answer of `ffprobe`, in bytes. The answers contain no cover images.
+const ANSWER_MAX: usize = 1 << 20;
+
 #[derive(Debug)]
 pub(crate) enum Failure {
     Missing,
     Start(io::Error),
-    Stalled,
+    /// The program's last error message.
+    Refused(String),
+    /// What is wrong with the program's output.
+    Useless(String),
+}
+
+impl Failure {
+    fn stalled() -> Self {
+        Self::Useless(format!("ffmpeg returned no data for {} s", limits::FFMPEG_WAIT_SECONDS))
+    }
+}
+
+/// Runs ffprobe, and reads its answer about the file at `path`.
+pub(crate) fn probe<T: DeserializeOwned>(
+    line: CommandLine,
+    patience: Duration,
+    path: &Path,
+) -> Result<T, Failure> {
+    let mut process = Process::start(line, patience)?;
+    let answer = process.all(ANSWER_MAX)?;
+    if !process.succeeded() {
+        return Err(process.refusal(path));
+    }
+    // ffprobe's output is well-formed for any file.
+    let malformed = |error| format!("ffprobe's answer about it is malformed ({error})");
+    serde_json::from_slice(&answer).map_err(|error| Failure::Useless(malformed(error)))
 }
 
 /// A running program. Dropping this value kills the program. If Mariana ends, the pipe closes and ends the program.
@@ -52,27 +83,18 @@ impl Process {
         let (stdout, stderr) = (child.child().stdout.take(), child.child().stderr.take());
         // From here on, dropping `process` ends the program on every return.
         let process = Self { child, pieces, words: words.clone(), patience };
-        let thread = || Builder::new().name("ffmpeg".into());
-        if let Some(mut stdout) = stdout {
-            let read = move || {
-                while let Some(piece) = read_piece(&mut stdout) {
-                    if to_reader.send(piece).is_err() {
-                        break;
-                    }
-                }
-            };
-            thread().spawn(read).map_err(Failure::Start)?;
+        if let Some(stdout) = stdout {
+            read_on(stdout, move |piece| to_reader.send(piece).is_ok())?;
         }
-        if let Some(mut stderr) = stderr {
-            let read = move || {
-                while let Some(piece) = read_piece(&mut stderr) {
-                    let mut words = words.lock().unwrap_or_else(PoisonError::into_inner);
-                    words.extend(piece);
-                    let surplus = words.len().saturating_sub(WORDS_MAX);
-                    words.drain(..surplus);
-                }
+        if let Some(stderr) = stderr {
+            let keep = move |piece| {
+                let mut words = lock(&words);
+                words.extend(piece);
+                let surplus = words.len().saturating_sub(WORDS_MAX);
+                words.drain(..surplus);
+                true
             };
-            thread().spawn(read).map_err(Failure::Start)?;
+            read_on(stderr, keep)?;
         }
         Ok(process)
     }
@@ -81,7 +103,7 @@ impl Process {
         match self.pieces.recv_timeout(self.patience) {
             Ok(piece) => Ok(Some(piece)),
             Err(RecvTimeoutError::Disconnected) => Ok(None),
-            Err(RecvTimeoutError::Timeout) => Err(Failure::Stalled),
+            Err(RecvTimeoutError::Timeout) => Err(Failure::stalled()),
         }
     }
 
@@ -91,20 +113,27 @@ impl Process {
         while let Some(piece) = self.next()? {
             all.extend(piece);
             if all.len() > limit || start.elapsed() > self.patience {
-                return Err(Failure::Stalled);
+                return Err(Failure::stalled());
             }
         }
         Ok(all)
     }
 
     /// True if the program succeeded. Call this method after the program has closed its pipe.
-    pub(crate) fn succeeded(&mut self) -> bool {
+    fn succeeded(&mut self) -> bool {
         matches!(self.child.ended_within(END_LIMIT), Ok(Some(status)) if status.success())
     }
 
-    /// The last error message, on one line and without `path`.
-    pub(crate) fn complaint(&self, path: &str) -> String {
-        let words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
+    /// The program's last error message about the file at `path`.
+    pub(crate) fn refusal(&mut self, path: &Path) -> Failure {
+        Failure::Refused(self.complaint(&file_address(path).to_string_lossy()))
+    }
+
+    /// The last error message, on one line and without `path`. Call this method after the program has closed its pipe.
+    pub(crate) fn complaint(&mut self, path: &str) -> String {
+        // Wait until the program has ended, so that its error messages are complete.
+        self.succeeded();
+        let words = lock(&self.words);
         let words = String::from_utf8_lossy(&words);
         let last = words.lines().rev().map(str::trim).find(|line| !line.is_empty());
         let last = last.unwrap_or("no error message").replace(path, "");
@@ -115,6 +144,15 @@ impl Process {
     pub(crate) fn id(&mut self) -> u32 {
         self.child.child().id()
     }
+}
+
+/// Reads pieces on a thread until the end, or until `take` wants no more.
+fn read_on(
+    mut from: impl Read + Send + 'static,
+    mut take: impl FnMut(Vec<u8>) -> bool + Send + 'static,
+) -> Result<(), Failure> {
+    let read = move || while read_piece(&mut from).is_some_and(&mut take) {};
+    Background::start("ffmpeg", read).map(drop).map_err(Failure::Start)
 }
 
 fn read_piece(from: &mut impl Read) -> Option<Vec<u8>> {

@@ -22,7 +22,7 @@ use crate::gain_switch::GainSwitch;
 use crate::limits;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
-use mariana_work::Background;
+use mariana_work::{Awaited, Background, once};
 
 const MOMENTS: usize = 256;
 
@@ -34,15 +34,6 @@ const FLAT_LIMIT: f64 = 2.0;
 
 const END_LIMIT: Duration = Duration::from_millis(500);
 
-/// The settings of a new input.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LiveOptions {
-    /// The input device.
-    pub target: Target,
-    /// The gain control, so that quiet and loud sound can move a scene in the same way.
-    pub gain: Gain,
-}
-
 /// The state of a live input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveStatus {
@@ -50,8 +41,6 @@ pub struct LiveStatus {
     pub name: String,
     /// The device, if one is open.
     pub device: Option<ListedDevice>,
-    /// The device and its format.
-    pub description: String,
     /// The reason for the silence; `None` if there is sound.
     pub silent: Option<String>,
     /// The reason why the chosen input could not be opened, while the previous input continues.
@@ -62,12 +51,8 @@ pub struct LiveStatus {
     pub suggestion: Option<ListedDevice>,
     /// Number of lost frames and glitches.
     pub lost: u64,
-    /// Number of callback calls.
-    pub callbacks: u64,
     /// Age of a buffer's first frame on arrival, in seconds, as the device reports it.
     pub age: f64,
-    /// The number of times that a device was opened.
-    pub openings: u64,
 }
 
 /// A live input. Dropping the input ends the streams and the threads, within a time limit.
@@ -95,11 +80,11 @@ pub struct Live {
 
 impl Live {
     /// Starts to listen. The device opens in the background. If that fails, [`LiveStatus::silent`] gives the reason.
+    /// `gain` lets quiet and loud sound move a scene in the same way.
     ///
     /// # Errors
     /// Fails if a thread cannot be started.
-    pub fn start(options: LiveOptions) -> Result<Self, PlayerError> {
-        let LiveOptions { target, gain } = options;
+    pub fn start(target: Target, gain: Gain) -> Result<Self, PlayerError> {
         let (producer, moments) = RingBuffer::new(MOMENTS);
         let ear = Arc::new(Ear::new());
         let (links, inbox) = channel();
@@ -188,10 +173,7 @@ impl Live {
 
     /// Returns the sound and the tables of the moment that [`Live::now`] returned last.
     pub fn sound(&self) -> Sound {
-        match self.paused {
-            Some(_) => self.paused_at.clone(),
-            None => self.track.sound_at(self.heard_at),
-        }
+        self.sound_at(self.moment.song_time)
     }
 
     /// Returns the sound at an earlier moment, given by its song time, or the oldest known sound.
@@ -230,15 +212,12 @@ impl Live {
         LiveStatus {
             name,
             device: status.device,
-            description: status.description,
             silent: status.silent,
             refused: status.refused,
             flat,
             suggestion,
             lost: count(|counters| counters.lost.load(Ordering::Relaxed)),
-            callbacks: count(|counters| counters.calls.load(Ordering::Relaxed)),
             age: count(|counters| counters.age_ns.load(Ordering::Relaxed)) as f64 / 1e9,
-            openings: status.openings,
         }
     }
 
@@ -346,34 +325,28 @@ impl Prober {
 /// hanging input delays the next search, and searches do not accumulate.
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
-    let (answer, answers) = channel();
-    let mut workers: Vec<Background> = candidates
-        .iter()
-        .enumerate()
-        .filter_map(|(index, entry)| {
-            let (id, answer) = (entry.id.clone(), answer.clone());
-            Background::start("sound probe", move || probe(&id, index, &answer)).ok()
-        })
-        .collect();
-    drop(answer);
     let start = Instant::now();
-    let mut best = None;
-    while let Ok((index, heard)) = answers.recv_timeout(ANSWER_LIMIT.saturating_sub(start.elapsed())) {
-        if heard && best.is_none_or(|best| index < best) {
-            best = Some(index);
-        }
-    }
+    let probed = |entry: &ListedDevice| {
+        let id = entry.id.clone();
+        once("sound probe", || {}, move || probe(&id)).unwrap_or_default()
+    };
+    let mut probes: Vec<Awaited<bool>> = candidates.iter().map(probed).collect();
+    let best = probes.iter_mut().position(|probe| {
+        let left = ANSWER_LIMIT.saturating_sub(start.elapsed());
+        matches!(probe.within(left), Some(Ok(true)))
+    });
     // The send fails if the receiver was dropped.
     let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
-    for worker in &mut workers {
-        while !worker.has_ended() {
-            worker.finish(ANSWER_LIMIT);
+    for probe in &mut probes {
+        while probe.is_awaited() {
+            let _ = probe.within(ANSWER_LIMIT);
         }
     }
 }
 
-fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
-    let heard = match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_| {}) as _)) {
+/// True if this input has a signal.
+fn probe(id: &str) -> bool {
+    match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_, _| {}) as _)) {
         Ok((stream, mut opened)) => {
             let start = Instant::now();
             let mut heard = false;
@@ -393,9 +366,7 @@ fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
             tracing::debug!("{error}");
             false
         }
-    };
-    // If the search has ended, the answer is ignored.
-    let _ = answer.send((index, heard));
+    }
 }
 
 #[cfg(test)]
@@ -431,7 +402,7 @@ mod tests {
     #[test]
     fn time_runs_without_a_device_and_stops_in_a_pause() {
         let target = Target::Named("no such box".into());
-        let mut live = Live::start(LiveOptions { target, gain: Gain::Auto }).expect("a live input");
+        let mut live = Live::start(target, Gain::Auto).expect("a live input");
         let first = live.now(0.0).song_time;
         std::thread::sleep(Duration::from_millis(20));
         let second = live.now(0.0).song_time;

@@ -13,4 +13,4 @@ mod live;
 mod port;
 
 pub use input_callback::{InputCallback, InputCallbackLink, InputCounters};
-pub use live::{Live, LiveOptions, LiveStatus};
+pub use live::{Live, LiveStatus};

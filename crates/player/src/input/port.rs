@@ -98,8 +98,7 @@ pub(super) fn open(
     // A recorded output has the positions of its speakers.
     let is_mixed_here = !converted && is_known && !device.supports_input();
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };
-    let mut last_error = None;
-    for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
+    let attempt = |buffer_size| -> Result<_, (DeviceError, ErrorKind)> {
         let config = StreamConfig { channels, sample_rate: rate, buffer_size };
         let (tap, link) = InputCallback::new(rate, listener.clone());
         let tap = if is_mixed_here { tap.mixing(channels) } else { tap };
@@ -107,24 +106,20 @@ pub(super) fn open(
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.lost.fetch_add(1, Ordering::Relaxed);
         });
-        let Some(built) = with_sample_type!(format, build(&device, config, tap, on_error)) else {
-            let error = DeviceError::Format { direction, device: name, format: format.to_string() };
-            return Err((error, ErrorKind::UnsupportedConfig));
-        };
-        match built.and_then(|stream| stream.play().map(|()| stream)) {
-            Ok(stream) => {
-                let host = device.id().map_or("unknown host", |id| id.host().name());
-                let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}");
-                let counters = link.counters.clone();
-                let calls = Box::new(move || counters.calls.load(Ordering::Relaxed));
-                let running = Running { _stream: stream, _connection: None };
-                return Ok((running, Opened { link, entry, description, calls, connection: None }));
-            }
-            Err(error) => last_error = Some(error),
-        }
-    }
-    let none = (DeviceError::NoDevice(direction), ErrorKind::DeviceNotAvailable);
-    Err(last_error.map_or(none, refused))
+        let built = with_sample_type!(format, build(&device, config, tap, on_error));
+        let built = built.ok_or_else(|| {
+            let error = DeviceError::Format { direction, device: name.clone(), format: format.to_string() };
+            (error, ErrorKind::UnsupportedConfig)
+        })?;
+        Ok((built.and_then(|stream| stream.play().map(|()| stream)).map_err(refused)?, link))
+    };
+    let (stream, link) = attempt(BufferSize::Fixed(frames)).or_else(|_| attempt(BufferSize::Default))?;
+    let host = device.id().map_or("unknown host", |id| id.host().name());
+    let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}");
+    let counters = link.counters.clone();
+    let calls = Box::new(move || counters.calls.load(Ordering::Relaxed));
+    let running = Running { _stream: stream, _connection: None };
+    Ok((running, Opened { link, entry, description, calls, connection: None }))
 }
 
 /// Boxed, so that cpal's code for streams is compiled once and not for each type of samples.

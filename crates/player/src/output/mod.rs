@@ -4,5 +4,4 @@ mod output_callback;
 mod port;
 
 pub use output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
-pub use port::OutputChoice;
 pub(crate) use port::{OutputPort, OutputWatch, Supervisor};

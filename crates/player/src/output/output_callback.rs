@@ -91,49 +91,13 @@ impl Controls {
     }
 }
 
-/// Number of bins of the load histogram, one bin per percent.
-const LOADS: usize = 64;
-
 /// The callback's counters, summed over all outputs of a playback.
+#[derive(Default)]
 pub struct Counters {
     /// Number of callback calls.
     pub callbacks: AtomicU64,
-    /// Number of frames written to devices.
-    pub frames: AtomicU64,
     /// Number of gaps in the sound because the decoding thread or the device's thread was too late.
     pub underruns: AtomicU64,
-    /// The longest call relative to the duration of its buffer, in millionths.
-    pub worst_load_millionths: AtomicU64,
-    /// The number of calls for each load in percent. The last bin counts all larger loads.
-    loads: [AtomicU64; LOADS],
-}
-
-impl Default for Counters {
-    fn default() -> Self {
-        Self {
-            callbacks: AtomicU64::new(0),
-            frames: AtomicU64::new(0),
-            underruns: AtomicU64::new(0),
-            worst_load_millionths: AtomicU64::new(0),
-            loads: std::array::from_fn(|_| AtomicU64::new(0)),
-        }
-    }
-}
-
-impl Counters {
-    /// Returns the load that the given fraction of the calls does not exceed (0.999 means all but one in a thousand).
-    /// The load is a call's duration relative to its buffer's duration, in steps of 0.01. It is infinite beyond the
-    /// histogram.
-    pub fn load_of(&self, fraction: f64) -> f64 {
-        let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
-        let wanted = fraction * counts.iter().sum::<u64>() as f64;
-        let mut sum = 0;
-        let place = counts.iter().position(|count| {
-            sum += count;
-            sum as f64 >= wanted
-        });
-        place.filter(|place| place + 1 < LOADS).map_or(f64::INFINITY, |place| (place + 1) as f64 / 100.0)
-    }
 }
 
 /// An unbroken run of frames; see [the crate](crate).
@@ -278,42 +242,9 @@ impl OutputCallback {
         !self.incoming.is_empty()
     }
 
-    /// Fills a device's buffer: `data` with `channels` interleaved channels. Updates the counters. `latency` is the
-    /// time from now until the buffer's first frame is heard, if the device reports a plausible latency.
-    pub fn serve<T: Sample + FromSample<f32>>(
-        &mut self,
-        data: &mut [T],
-        channels: usize,
-        latency: Option<Duration>,
-    ) {
-        self.serve_at(data, channels, Instant::now(), latency);
-    }
-
-    pub(super) fn serve_at<T: Sample + FromSample<f32>>(
-        &mut self,
-        data: &mut [T],
-        channels: usize,
-        called_at: Instant,
-        latency: Option<Duration>,
-    ) {
-        let begun = Instant::now();
-        self.fill(data, channels, called_at, latency);
-        let frames = data.len() / channels.max(1);
-        let counters = &*self.counters;
-        counters.callbacks.fetch_add(1, Ordering::Relaxed);
-        counters.frames.fetch_add(frames as u64, Ordering::Relaxed);
-        if frames > 0 {
-            let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
-            counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
-            // The index is always in range, but `get` excludes a panic.
-            if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
-                count.fetch_add(1, Ordering::Relaxed);
-            }
-        }
-    }
-
-    /// Fills `data` for a call at `called_at`, without updating the counters. See [`OutputCallback::serve`]. A single
-    /// channel gets the mean of left and right. Channels after the second get silence. Samples are within -1..1.
+    /// Fills a device's buffer: `data` with `channels` interleaved channels. `latency` is the time from the call at
+    /// `called_at` until the buffer's first frame is heard, if the device reports a plausible latency. A single channel
+    /// gets the mean of left and right. Channels after the second get silence. Samples are within -1..1.
     pub fn fill<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -321,6 +252,7 @@ impl OutputCallback {
         called_at: Instant,
         latency: Option<Duration>,
     ) {
+        self.counters.callbacks.fetch_add(1, Ordering::Relaxed);
         let channels = channels.max(1);
         let frames = data.len() / channels;
         let (whole, rest) = data.split_at_mut(frames * channels);
@@ -329,7 +261,7 @@ impl OutputCallback {
             return;
         }
         // A device that reports no latency is assumed to be playing the previous buffer.
-        let of_one_buffer = Duration::from_nanos(self.spans.duration_ns(frames) as u64);
+        let of_one_buffer = Duration::from_nanos(self.spans.history.duration_ns(frames) as u64);
         let latency = latency.filter(|&latency| latency < LATENCY_MAX);
         let start_ns = self.spans.place(called_at, latency.unwrap_or(of_one_buffer), frames);
         let mut done = 0;
@@ -402,8 +334,8 @@ impl OutputCallback {
         let halted = self.controls.paused();
         let segment = self.segment.as_mut()?;
         let due = segment.due?;
-        let early_ns =
-            self.spans.nanoseconds(due) as f64 - (start_ns as f64 + self.spans.duration_ns(offset));
+        let early_ns = self.spans.history.nanoseconds(due) as f64
+            - (start_ns as f64 + self.spans.history.duration_ns(offset));
         let rate = f64::from(self.rate);
         let late = (-early_ns * 1e-9 * rate).round() - segment.next as f64;
         let mut begins = halted || late > LATE_MAX * rate;
@@ -479,7 +411,7 @@ impl OutputCallback {
             }
         }
         self.close_span();
-        let start_ns = start_ns + self.spans.duration_ns(offset) as u64;
+        let start_ns = start_ns + self.spans.history.duration_ns(offset) as u64;
         self.open_span = Some(Span { start_ns, segment: id, frame, frames: frames as u32, moving });
     }
 

@@ -199,20 +199,6 @@ fn the_volume_is_a_third_power_and_stays_in_range() {
     }
 }
 
-#[test]
-fn slow_calls_are_counted() {
-    let counters = Counters::default();
-    let put = |percent: usize, count| counters.loads[percent].store(count, Ordering::Relaxed);
-    put(0, 990);
-    put(7, 9);
-    put(63, 1);
-    assert_eq!(
-        [0.5, 0.99, 0.995, 0.999].map(|fraction| counters.load_of(fraction)),
-        [0.01, 0.01, 0.08, 0.08]
-    );
-    assert_eq!(counters.load_of(1.0), f64::INFINITY);
-}
-
 proptest! {
     /// The signal is constant, so a click is a step that is larger than the ramps allow.
     #[test]

@@ -23,16 +23,6 @@ use mariana_work::Background;
 /// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
 
-/// The kind of output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum OutputChoice {
-    /// A device if one can be opened, otherwise the silent clock.
-    #[default]
-    Auto,
-    /// The silent clock.
-    Silent,
-}
-
 /// The supervisor of the output. Its note is the history of audible frames; `None` before the first output is open.
 pub(crate) type Supervisor = crate::supervisor::Supervisor<OutputPort>;
 
@@ -121,8 +111,7 @@ fn open(
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
     let format = supported.sample_format();
-    let mut last_error = None;
-    for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
+    let attempt = |buffer_size| -> Result<_, (DeviceError, ErrorKind)> {
         let config = StreamConfig { buffer_size, sample_rate: rate, ..supported.config() };
         let (output_callback, link) =
             OutputCallback::new(rate, frames as usize, controls.clone(), counters.clone());
@@ -130,32 +119,29 @@ fn open(
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.underruns.fetch_add(1, Ordering::Relaxed);
         });
-        let Some(built) = with_sample_type!(format, build(&device, config, output_callback, on_error)) else {
-            let error = DeviceError::Format { direction, device: name, format: format.to_string() };
-            return Err((error, ErrorKind::UnsupportedConfig));
+        let built = with_sample_type!(format, build(&device, config, output_callback, on_error));
+        let built = built.ok_or_else(|| {
+            let error = DeviceError::Format { direction, device: name.clone(), format: format.to_string() };
+            (error, ErrorKind::UnsupportedConfig)
+        })?;
+        let stream = built.and_then(|stream| stream.play().map(|()| stream)).map_err(refused)?;
+        let buffer = match buffer_size {
+            BufferSize::Fixed(frames) => format!("{frames} frames"),
+            BufferSize::Default => "its own buffer".into(),
         };
-        match built.and_then(|stream| stream.play().map(|()| stream)) {
-            Ok(stream) => {
-                let buffer = match buffer_size {
-                    BufferSize::Fixed(frames) => format!("{frames} frames"),
-                    BufferSize::Default => "its own buffer".into(),
-                };
-                let channels = config.channels;
-                let host = device.id().map_or("unknown host", |id| id.host().name());
-                let description =
-                    format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
-                let history = link.history.clone();
-                history.set_device(&entry.id);
-                let calls = Box::new(move || history.calls());
-                let at_server = connection.at_server();
-                let running = Running { _stream: stream, _connection: Some(connection) };
-                return Ok((running, Opened { link, entry, description, calls, connection: at_server }));
-            }
-            Err(error) => last_error = Some(error),
-        }
-    }
-    let none = (DeviceError::NoDevice(direction), ErrorKind::DeviceNotAvailable);
-    Err(last_error.map_or(none, refused))
+        Ok((stream, link, buffer))
+    };
+    let (stream, link, buffer) =
+        attempt(BufferSize::Fixed(frames)).or_else(|_| attempt(BufferSize::Default))?;
+    let channels = supported.channels();
+    let host = device.id().map_or("unknown host", |id| id.host().name());
+    let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
+    let history = link.history.clone();
+    history.set_device(&entry.id);
+    let calls = Box::new(move || history.calls());
+    let at_server = connection.at_server();
+    let running = Running { _stream: stream, _connection: Some(connection) };
+    Ok((running, Opened { link, entry, description, calls, connection: at_server }))
 }
 
 /// Boxed, so that cpal's code for streams is compiled once and not for each type of samples.
@@ -173,7 +159,7 @@ fn build<T: SizedSample + FromSample<f32>>(
         let stamps = info.timestamp();
         let latency =
             stamps.playback.checked_duration_since(stamps.callback).filter(|latency| !latency.is_zero());
-        output_callback.serve(data, channels, latency);
+        output_callback.fill(data, channels, Instant::now(), latency);
     });
     device.build_output_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
 }
@@ -211,7 +197,7 @@ impl NullOutput {
                 }
                 buffer.resize(2 * frames as usize, 0.0_f32);
                 let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
-                output_callback.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
+                output_callback.fill(&mut buffer, 2, due_at, Some(Duration::ZERO));
                 taken = due;
                 let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
                 std::thread::sleep(next.saturating_sub(start.elapsed()));

@@ -66,9 +66,7 @@ impl AudibleMoment {
     }
 
     pub(super) fn sound(&self) -> Sound {
-        let sound =
-            self.heard.and_then(|(audible, ahead)| self.audible_segments.lock().sound(audible, ahead));
-        sound.unwrap_or_else(|| self.moment.features.into())
+        self.sound_at(self.moment.song_time)
     }
 
     /// Returns the sound at an earlier time of the track, in seconds; the nearest known sound if it is forgotten or
@@ -96,6 +94,6 @@ impl AudibleMoment {
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         let shown = self.clock.at(history, Instant::now(), self.shift, carry);
-        (shown.is_some_and(|shown| audible_segments.is_end(shown)), audible_segments.next())
+        (shown.is_some_and(|shown| audible_segments.is_end(shown)), audible_segments.next.clone())
     }
 }

@@ -10,7 +10,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender};
 use std::time::{Duration, Instant};
 
 use mariana_music::StereoFrame;
@@ -25,7 +25,7 @@ use crate::source::SourceError;
 use crate::track::{Found, Repeat, Track, TrackInfo};
 use passages::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
-use track_queue::{Following, TrackQueue};
+use track_queue::TrackQueue;
 
 mod passages;
 mod segment;
@@ -85,17 +85,11 @@ impl Decoding {
         let mut next = Step::Wait;
         loop {
             let waited = Instant::now();
-            let first = match next {
-                Step::GoOn => match inbox.try_recv() {
-                    Ok(command) => Some(command),
-                    Err(TryRecvError::Empty) => None,
-                    Err(TryRecvError::Disconnected) => return,
-                },
-                Step::Wait => match inbox.recv_timeout(WAIT) {
-                    Ok(command) => Some(command),
-                    Err(RecvTimeoutError::Timeout) => None,
-                    Err(RecvTimeoutError::Disconnected) => return,
-                },
+            let wait = if matches!(next, Step::Wait) { WAIT } else { Duration::ZERO };
+            let first = match inbox.recv_timeout(wait) {
+                Ok(command) => Some(command),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return,
             };
             if waited.elapsed() > WAIT_MAX {
                 self.segment.record_standstill();
@@ -120,7 +114,7 @@ impl Decoding {
         let next = self.queue.opened_ahead();
         if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
             self.reported_next = next.cloned();
-            self.segment.audible_segments.lock().set_next(next.cloned());
+            self.segment.audible_segments.lock().next = next.cloned();
         }
     }
 
@@ -285,10 +279,10 @@ impl Decoding {
         let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
         let empty = filling.from_start && filling.since_jump == 0;
         match self.queue.following(empty) {
-            Following::Unknown => return Step::Wait,
-            Following::Again => self.segment.begin_lap(),
-            Following::Track(track) => self.join(track),
-            Following::End => self.end(),
+            None => return Step::Wait,
+            Some(Found::Again) => self.segment.begin_lap(None),
+            Some(Found::Track(track)) => self.join(track),
+            Some(Found::End | Found::Nothing) => self.end(),
         }
         Step::GoOn
     }
@@ -299,7 +293,7 @@ impl Decoding {
         }
         let info = track.info.clone();
         self.queue.passages.follow_with(track);
-        self.segment.begin_track(self.queue.passages.current(), info);
+        self.segment.begin_lap(Some((self.queue.passages.current(), info)));
         self.analyse(AnalysisInput::Finish);
         self.analyse_current(0);
         self.queue.request_ahead();

@@ -12,7 +12,7 @@ fn playing(songs: usize, seconds: f64, repeat: Repeat) -> (Player, tempfile::Tem
     let folder = tempfile::tempdir().expect("a folder");
     let files: Vec<PathBuf> = (b'a'..).take(songs).map(|name| song(folder.path(), name, seconds)).collect();
     let opened = Playlist::open(&files, repeat, false).expect("a list");
-    let options = PlayerOptions { repeat, output: OutputChoice::Silent, ..PlayerOptions::default() };
+    let options = PlayerOptions { repeat, output: None, ..PlayerOptions::default() };
     let player = Player::start(opened.first, Box::new(opened.list), options).expect("a player");
     (player, folder)
 }
@@ -47,20 +47,20 @@ fn edits_do_not_interrupt_and_the_index_is_updated() {
     expect(&mut player, "c.wav", 2, 4);
     wait_for(&mut player, "another segment", |player| player.now(0.0).segment > segment);
     let segment = player.now(0.0).segment;
-    player.move_entry(2, 0);
+    player.edit(Edit::Move { from: 2, to: 0 });
     expect(&mut player, "c.wav", 0, 4);
-    player.move_entry(3, 0);
+    player.edit(Edit::Move { from: 3, to: 0 });
     expect(&mut player, "c.wav", 1, 4);
-    player.remove_entry(0);
+    player.edit(Edit::Remove(0));
     expect(&mut player, "c.wav", 0, 3);
-    player.append_files(vec![song(folder.path(), b'x', 1.0), song(folder.path(), b'y', 1.0)]);
+    player.edit(Edit::Append(vec![song(folder.path(), b'x', 1.0), song(folder.path(), b'y', 1.0)]));
     expect(&mut player, "c.wav", 0, 5);
     assert_eq!(names(&player), ["c", "a", "b", "x", "y"]);
-    player.move_entry(9, 0);
-    player.move_entry(0, 5);
-    player.remove_entry(5);
+    player.edit(Edit::Move { from: 9, to: 0 });
+    player.edit(Edit::Move { from: 0, to: 5 });
+    player.edit(Edit::Remove(5));
     player.play_entry(5);
-    player.move_entry(4, 1);
+    player.edit(Edit::Move { from: 4, to: 1 });
     wait_for(&mut player, "the last change", |player| names(player) == ["c", "y", "a", "b", "x"]);
     assert_eq!(player.now(0.0).segment, segment, "playback was interrupted");
     player.skip(true);
@@ -92,17 +92,17 @@ fn the_next_track_is_reported_once_it_is_open() {
 #[test]
 fn a_playing_track_that_is_removed_is_replaced() {
     let (mut player, folder) = playing(3, 60.0, Repeat::Off);
-    player.remove_entry(0);
+    player.edit(Edit::Remove(0));
     expect(&mut player, "b.wav", 0, 2);
     // Remove twice in a row, so that the successor of the first track is removed as well.
-    player.append_files(vec![song(folder.path(), b'd', 60.0)]);
-    player.remove_entry(0);
-    player.remove_entry(0);
+    player.edit(Edit::Append(vec![song(folder.path(), b'd', 60.0)]));
+    player.edit(Edit::Remove(0));
+    player.edit(Edit::Remove(0));
     expect(&mut player, "d.wav", 0, 1);
-    player.remove_entry(0);
+    player.edit(Edit::Remove(0));
     expect(&mut player, "nothing to play", 0, 0);
     assert!(player.playlist().entries.is_empty());
-    player.append_files(vec![song(folder.path(), b'e', 60.0)]);
+    player.edit(Edit::Append(vec![song(folder.path(), b'e', 60.0)]));
     expect(&mut player, "e.wav", 0, 1);
 }
 
@@ -110,12 +110,12 @@ fn a_playing_track_that_is_removed_is_replaced() {
 fn an_ended_list_continues_with_appended_tracks() {
     let (mut player, folder) = playing(2, 0.25, Repeat::Off);
     wait_for(&mut player, "the end", |player| player.status().ended);
-    player.move_entry(1, 0);
+    player.edit(Edit::Move { from: 1, to: 0 });
     wait_for(&mut player, "the move", |player| names(player) == ["b", "a"]);
     std::thread::sleep(Duration::from_millis(100));
     assert!(player.status().ended, "the move restarts the list");
-    player.append_files(vec![song(folder.path(), b'x', 60.0)]);
-    player.remove_entry(1);
+    player.edit(Edit::Append(vec![song(folder.path(), b'x', 60.0)]));
+    player.edit(Edit::Remove(1));
     expect(&mut player, "x.wav", 1, 2);
 }
 
@@ -124,7 +124,7 @@ fn a_removed_next_track_is_not_heard() {
     let (mut player, _folder) = playing(3, 2.0, Repeat::Off);
     // The second track is in the ring already.
     wait_for(&mut player, "the end of the first", |player| player.status().position > 1.8);
-    player.remove_entry(1);
+    player.edit(Edit::Remove(1));
     let mut heard = Vec::new();
     wait_for(&mut player, "the third", |player| {
         heard.push(reported(player).0);
@@ -138,8 +138,8 @@ fn a_source_without_a_list_is_a_list_of_one() {
     let list = super::tests::silent(true);
     let mut player = Player::start_alone(Track::silence(0, 1).source, list).expect("a player");
     assert_eq!(player.playlist().entries.len(), 1);
-    player.remove_entry(0);
-    player.append_files(vec!["x.wav".into()]);
+    player.edit(Edit::Remove(0));
+    player.edit(Edit::Append(vec!["x.wav".into()]));
     wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
     assert_eq!(player.playlist().entries.len(), 1);
 }
@@ -152,15 +152,15 @@ fn edits_are_taken_back_one_after_another() {
         wait_for(player, &format!("{wanted:?}"), |player| names(player) == wanted);
     };
     assert_eq!(undo(&player), None);
-    player.undo_edit();
-    player.move_entry(3, 0);
-    player.remove_entry(2);
-    player.append_files(vec![song(folder.path(), b'x', 60.0), song(folder.path(), b'y', 60.0)]);
-    player.clear();
+    player.edit(Edit::Undo);
+    player.edit(Edit::Move { from: 3, to: 0 });
+    player.edit(Edit::Remove(2));
+    player.edit(Edit::Append(vec![song(folder.path(), b'x', 60.0), song(folder.path(), b'y', 60.0)]));
+    player.edit(Edit::Clear);
     expect_names(&mut player, &[]);
     expect(&mut player, "nothing to play", 0, 0);
     assert_eq!(undo(&player).as_deref(), Some("clear the list"));
-    player.undo_edit();
+    player.edit(Edit::Undo);
     // The earlier track plays again.
     expect(&mut player, "a.wav", 1, 5);
     expect_names(&mut player, &["d", "a", "c", "x", "y"]);
@@ -168,15 +168,15 @@ fn edits_are_taken_back_one_after_another() {
     player.play_entry(3);
     expect(&mut player, "x.wav", 3, 5);
     // Taking back the addition removes the playing track.
-    player.undo_edit();
+    player.edit(Edit::Undo);
     expect_names(&mut player, &["d", "a", "c"]);
     expect(&mut player, "a.wav", 1, 3);
     let segment = player.now(0.0).segment;
     assert_eq!(undo(&player).as_deref(), Some("remove b.wav"));
-    player.undo_edit();
+    player.edit(Edit::Undo);
     expect_names(&mut player, &["d", "a", "b", "c"]);
     assert_eq!(undo(&player).as_deref(), Some("move d.wav"));
-    player.undo_edit();
+    player.edit(Edit::Undo);
     expect_names(&mut player, &["a", "b", "c", "d"]);
     expect(&mut player, "a.wav", 0, 4);
     assert_eq!((undo(&player), player.now(0.0).segment), (None, segment), "playback was interrupted");
@@ -194,10 +194,10 @@ fn a_list_that_dropped_files_replaced_comes_back() {
     expect(&mut player, "x.wav", 0, 1);
     player.play_files(vec![song(folder.path(), b'y', 60.0)]);
     expect(&mut player, "y.wav", 0, 1);
-    player.undo_edit();
+    player.edit(Edit::Undo);
     expect(&mut player, "x.wav", 0, 1);
     player.set_order(Repeat::Off, true);
-    player.undo_edit();
+    player.edit(Edit::Undo);
     expect(&mut player, "b.wav", 1, 3);
     assert_eq!(names(&player), ["a", "b", "c"]);
     player.set_order(Repeat::Off, false);

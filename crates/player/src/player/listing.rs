@@ -2,11 +2,12 @@
 //! files delays the sound.
 
 use std::sync::mpsc::{Receiver, Sender};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::decoding::Command;
 use crate::listed::Edit;
 use crate::track::{Repeat, TrackList, Wanted};
+use mariana_work::lock;
 
 pub(crate) enum Request {
     /// Finds a track. The answer contains `id`.
@@ -54,16 +55,12 @@ pub(crate) struct SharedTrackErrors(Arc<Mutex<TrackErrors>>);
 impl SharedTrackErrors {
     pub(crate) fn report(&self, trouble: String) {
         tracing::debug!("{trouble}");
-        let mut track_errors = self.lock();
+        let mut track_errors = lock(&self.0);
         track_errors.count += 1;
         track_errors.last = Some(trouble);
     }
 
     pub(crate) fn get(&self) -> TrackErrors {
-        self.lock().clone()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, TrackErrors> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0).clone()
     }
 }

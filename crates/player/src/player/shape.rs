@@ -2,7 +2,7 @@
 //! again and decodes it as fast as possible, from the first request until another track is requested.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 
 use crate::source::FrameSource;
 use crate::track::TrackInfo;
@@ -49,16 +49,12 @@ type KnownShapes = VecDeque<(u64, Arc<LoudnessShape>)>;
 struct SharedShapes(Arc<Mutex<KnownShapes>>);
 
 impl SharedShapes {
-    fn lock(&self) -> MutexGuard<'_, KnownShapes> {
-        lock(&self.0)
-    }
-
     fn of(&self, id: u64) -> Option<Arc<LoudnessShape>> {
-        self.lock().iter().find(|(known, _)| *known == id).map(|(_, shape)| shape.clone())
+        lock(&self.0).iter().find(|(known, _)| *known == id).map(|(_, shape)| shape.clone())
     }
 
     fn publish(&self, id: u64, shape: LoudnessShape) {
-        let mut known = self.lock();
+        let mut known = lock(&self.0);
         known.retain(|(other, _)| *other != id);
         if known.len() == SHAPES_KEPT {
             known.pop_front();

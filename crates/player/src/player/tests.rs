@@ -389,7 +389,7 @@ pub(super) fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mu
 }
 
 pub(super) fn silent(looping: bool) -> PlayerOptions {
-    PlayerOptions { repeat: repeat_of(looping), output: OutputChoice::Silent, ..PlayerOptions::default() }
+    PlayerOptions { repeat: repeat_of(looping), output: None, ..PlayerOptions::default() }
 }
 
 fn play(song: Ramp, options: PlayerOptions) -> Player {
@@ -473,7 +473,8 @@ fn volume_and_mute_are_kept_in_range() {
 
 #[test]
 fn an_unknown_device_is_named_and_the_song_runs_without_sound() {
-    let options = PlayerOptions { target: Target::Named("no such box".into()), ..PlayerOptions::default() };
+    let options =
+        PlayerOptions { output: Some(Target::Named("no such box".into())), ..PlayerOptions::default() };
     let mut player = start(9_000_000, options);
     wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
     let reason = player.status().silent.expect("a reason for silence");

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::lists::{Cut, Item};
 use super::text::Lines;
+use crate::decode::TrackTags;
 
 /// Compact disc frames per second.
 pub(super) const DISC_FRAMES: u64 = 75;
@@ -15,7 +16,7 @@ const MINUTES_MAX: u64 = 100_000;
 
 pub(super) fn read(base: &Path, sheet: &Lines) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
-    let (mut file, mut track) = (None, Track::default());
+    let (mut file, mut track) = (None, TrackTags::default());
     let mut disc_artist = None;
     let mut within_track = false;
     for line in &sheet.lines {
@@ -29,7 +30,7 @@ pub(super) fn read(base: &Path, sheet: &Lines) -> Option<Vec<Item>> {
             }
             b"TRACK" => {
                 within_track = rest.to_ascii_uppercase().ends_with(b"AUDIO");
-                track = Track::default();
+                track = TrackTags::default();
             }
             b"TITLE" if within_track => track.title = text(sheet, rest),
             b"PERFORMER" if within_track => track.artist = text(sheet, rest),
@@ -44,24 +45,14 @@ pub(super) fn read(base: &Path, sheet: &Lines) -> Option<Vec<Item>> {
                 {
                     cut.end = Some(start.max(cut.start));
                 }
-                items.push(Item {
-                    reference,
-                    cut: Some(Cut { start, end: None }),
-                    title: track.title.take(),
-                    artist: track.artist.take().or_else(|| disc_artist.clone()),
-                    duration: None,
-                });
+                let artist = track.artist.take().or_else(|| disc_artist.clone());
+                let tags = TrackTags { artist, ..std::mem::take(&mut track) };
+                items.push(Item { reference, cut: Some(Cut { start, end: None }), tags });
             }
             _ => {}
         }
     }
     file.is_some().then_some(items)
-}
-
-#[derive(Default)]
-struct Track {
-    title: Option<String>,
-    artist: Option<String>,
 }
 
 fn split_word(line: &[u8]) -> (&[u8], &[u8]) {
@@ -106,7 +97,7 @@ mod tests {
         let items = read(Path::new("/m"), &sheet).unwrap();
         let reported: Vec<_> = items
             .iter()
-            .map(|item| (item.cut.unwrap(), item.title.as_deref(), item.artist.as_deref()))
+            .map(|item| (item.cut.unwrap(), item.tags.title.as_deref(), item.tags.artist.as_deref()))
             .collect();
         let second = (4 * 60 + 1) * 75 + 30;
         assert_eq!(

@@ -51,7 +51,7 @@ pub enum PlaylistError {
         /// The list's name.
         name: String,
         /// The limit, in bytes.
-        limit: u64,
+        limit: usize,
     },
     /// A number of items exceeds the limit.
     #[error("there are more than {limit} {what}, so the rest was left out; open fewer at once")]

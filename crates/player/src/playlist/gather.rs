@@ -3,15 +3,17 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 use std::str::Chars;
 
+use mariana_files::reading::read_at_most;
+
 use super::error::{PlaylistError, name_of};
 use super::lists::{Cut, Item, Kind};
 use super::text::Reference;
+use crate::decode::TrackTags;
 use crate::limits;
 use crate::listed::ListedTrack;
 use crate::one_line::one_line;
@@ -32,15 +34,13 @@ pub(super) struct Entry {
     pub song: Song,
     /// The part of the song that is played; `None` for the whole song.
     pub cut: Option<Cut>,
-    pub title: Option<String>,
-    pub artist: Option<String>,
-    /// The length in seconds, if a list gives it.
-    pub duration: Option<f64>,
+    /// What a list says about the song.
+    pub tags: TrackTags,
 }
 
 impl From<Song> for Entry {
     fn from(song: Song) -> Self {
-        Self { song, cut: None, title: None, artist: None, duration: None }
+        Self { song, cut: None, tags: TrackTags::default() }
     }
 }
 
@@ -54,12 +54,13 @@ impl Entry {
             let (start, end) = cut.seconds();
             cut.end.map(|_| (end - start).max(0.0))
         };
+        let TrackTags { title, artist, duration } = &self.tags;
         let tag = |text: &Option<String>| text.as_deref().map(one_line).filter(|text| !text.is_empty());
         ListedTrack {
-            name: track_name(self.artist.as_deref(), self.title.as_deref(), &name),
-            title: tag(&self.title),
-            artist: tag(&self.artist),
-            duration: self.duration.or_else(|| self.cut.and_then(length)),
+            name: track_name(artist.as_deref(), title.as_deref(), &name),
+            title: tag(title),
+            artist: tag(artist),
+            duration: duration.or_else(|| self.cut.and_then(length)),
             file,
             start: self.cut.map(|cut| cut.seconds().0),
         }
@@ -130,10 +131,7 @@ impl Gathered {
         // Problems with the file are reported when it is played.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
-            Some(item) => {
-                let Item { cut, title, artist, duration, .. } = item.clone();
-                Entry { song, cut, title, artist, duration }
-            }
+            Some(item) => Entry { song, cut: item.cut, tags: item.tags.clone() },
             None => song.into(),
         });
     }
@@ -216,7 +214,7 @@ impl Gathered {
     }
 }
 
-fn is_audio(path: &Path) -> bool {
+pub(crate) fn is_audio(path: &Path) -> bool {
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     AUDIO_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
@@ -228,12 +226,8 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
         return Err(PlaylistError::NotAFile(path.to_owned()));
     }
     let limit = limits::PLAYLIST_BYTES_MAX;
-    let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
-    if bytes.len() as u64 > limit {
-        return Err(PlaylistError::TooLarge { name: name_of(path), limit });
-    }
-    Ok(bytes)
+    let bytes = read_at_most(path, limit).map_err(unreadable)?;
+    bytes.ok_or_else(|| PlaylistError::TooLarge { name: name_of(path), limit })
 }
 
 // Natural order: "track 2" before "track 10".

@@ -105,7 +105,7 @@ fn excessive_sizes_are_bounded_and_reported() {
         ("addresses.m3u", &"http://x\n".repeat(1000)),
         ("many.m3u", &"none.m3u\n".repeat(limits::PLAYLIST_LISTS_MAX + 9)),
         ("none.m3u", "# nothing\n"),
-        ("large.m3u", &"#".repeat(limits::PLAYLIST_BYTES_MAX as usize + 1)),
+        ("large.m3u", &"#".repeat(limits::PLAYLIST_BYTES_MAX + 1)),
     ]);
     for list in ["long.m3u", "wide.m3u"] {
         let (names, track_errors) = gathered(folder.path(), &[list]);

@@ -9,6 +9,7 @@ use std::path::Path;
 use super::cue::{self, DISC_FRAMES};
 use super::error::{PlaylistError, name_of};
 use super::text::{Lines, Reference};
+use crate::decode::TrackTags;
 use crate::limits;
 
 /// A part of a file, in compact disc frames (75 per second).
@@ -35,17 +36,13 @@ pub struct Item {
     pub reference: Reference,
     /// The part of the file to play; `None` for the whole file.
     pub cut: Option<Cut>,
-    /// The title, if the list gives one.
-    pub title: Option<String>,
-    /// The artist, if the list gives one.
-    pub artist: Option<String>,
-    /// The length in seconds, if the list gives one.
-    pub duration: Option<f64>,
+    /// What the list says about the track.
+    pub tags: TrackTags,
 }
 
 impl Item {
     fn whole(reference: Reference) -> Self {
-        Self { reference, cut: None, title: None, artist: None, duration: None }
+        Self { reference, cut: None, tags: TrackTags::default() }
     }
 }
 
@@ -108,8 +105,8 @@ fn m3u(base: &Path, text: &Lines) -> Vec<Item> {
                 let seconds =
                     seconds.split_whitespace().next().and_then(|seconds| seconds.parse::<f64>().ok());
                 let believed = |seconds: &f64| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX;
-                item.duration = seconds.filter(believed);
-                item.title = Some(title.trim().to_owned()).filter(|title| !title.is_empty());
+                item.tags.duration = seconds.filter(believed);
+                item.tags.title = Some(title.trim().to_owned()).filter(|title| !title.is_empty());
             }
             items.push(item);
         }
@@ -165,7 +162,8 @@ mod tests {
         let text = b"#EXTM3U\n#EXTINF:123,Some One - A Song\n#EXTVLCOPT:x\na.mp3\nb.mp3\n\
                      #EXTINF:-1 tvg-id=\"x\",Radio, live\nc.mp3\n#EXTINF:inf,\nd.mp3\n#EXTINF:5\ne.mp3\n";
         let items = Kind::M3u.read(Path::new("/m/x.m3u"), text).unwrap();
-        let reported: Vec<_> = items.iter().map(|item| (item.title.as_deref(), item.duration)).collect();
+        let reported: Vec<_> =
+            items.iter().map(|item| (item.tags.title.as_deref(), item.tags.duration)).collect();
         let song = (Some("Some One - A Song"), Some(123.0));
         assert_eq!(reported, [song, (None, None), (Some("Radio, live"), None), (None, None), (None, None)]);
     }

@@ -28,6 +28,7 @@ use std::sync::Arc;
 use editing::History;
 pub use error::PlaylistError;
 use excerpt::Excerpt;
+pub(crate) use gather::is_audio;
 pub use gather::{AUDIO_EXTENSIONS, compare as compare_names};
 use gather::{Entry, gather, is_many};
 pub use lists::{Cut, Item, Kind};
@@ -229,6 +230,26 @@ impl Playlist {
         }
         Some(entry)
     }
+
+    /// Replaces the entries by these files, if at least one of them can be played.
+    fn replace(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Found {
+        let gathered = gather(paths);
+        gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
+        let mut list = Self::new(Vec::new());
+        list.next_id = self.next_id;
+        list.append_entries(gathered.entries);
+        list.order = self.order.of(list.ids());
+        let Some(first) = list.order.first() else { return Found::Nothing };
+        let found = list.search(first, true, None, tell);
+        if matches!(found, Found::Track(_)) {
+            self.record_undo("open other tracks".to_owned(), playing);
+            list.listing = self.listing.clone();
+            list.history = std::mem::take(&mut self.history);
+            *self = list;
+            self.publish_listing();
+        }
+        found
+    }
 }
 
 impl Entry {
@@ -238,8 +259,8 @@ impl Entry {
         let about = Arc::make_mut(&mut info);
         if let Some(cut) = self.cut {
             source = Box::new(Excerpt::new(source, cut)?);
-            let title = self.title.as_deref().map(one_line).or_else(|| about.title.clone());
-            let artist = self.artist.as_deref().map(one_line).or_else(|| about.artist.clone());
+            let title = self.tags.title.as_deref().map(one_line).or_else(|| about.title.clone());
+            let artist = self.tags.artist.as_deref().map(one_line).or_else(|| about.artist.clone());
             about.duration = source.duration();
             about.name = track_name(artist.as_deref(), title.as_deref(), &about.name);
             (about.title, about.artist) = (title, artist);
@@ -302,28 +323,6 @@ impl TrackList for Playlist {
             Edit::Clear => self.clear(playing),
             Edit::Undo => self.undo(playing),
         }
-    }
-}
-
-impl Playlist {
-    /// Replaces the entries by these files, if at least one of them can be played.
-    fn replace(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Found {
-        let gathered = gather(paths);
-        gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
-        let mut list = Self::new(Vec::new());
-        list.next_id = self.next_id;
-        list.append_entries(gathered.entries);
-        list.order = self.order.of(list.ids());
-        let Some(first) = list.order.first() else { return Found::Nothing };
-        let found = list.search(first, true, None, tell);
-        if matches!(found, Found::Track(_)) {
-            self.record_undo("open other tracks".to_owned(), playing);
-            list.listing = self.listing.clone();
-            list.history = std::mem::take(&mut self.history);
-            *self = list;
-            self.publish_listing();
-        }
-        found
     }
 }
 

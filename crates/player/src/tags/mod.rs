@@ -87,8 +87,8 @@ impl TagLibrary {
     /// Fails if the system cannot start a thread.
     pub fn start(cache: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let library = Self::default();
-        let (shared, cache) = (library.0.shared.clone(), cache.map(TagCache::at));
-        let work = move || read_all(&shared, cache.as_ref(), &wake);
+        let shared = library.0.shared.clone();
+        let work = move || read_all(&shared, cache.as_deref(), &wake);
         std::thread::Builder::new().name("tags".into()).spawn(work)?;
         Ok(library)
     }
@@ -105,12 +105,8 @@ impl TagLibrary {
     /// Reads these files before all others. Replaces the files of the last call.
     pub fn request<'a>(&self, files: impl IntoIterator<Item = &'a Path>) {
         let mut state = self.lock();
-        state.urgent.clear();
-        for file in files {
-            if !state.is_current(file) {
-                state.urgent.push_back(file.to_owned());
-            }
-        }
+        let unread = files.into_iter().filter(|file| !state.is_current(file)).map(Path::to_owned);
+        state.urgent = unread.collect();
         if !state.urgent.is_empty() {
             self.0.shared.changed.notify_one();
         }
@@ -162,15 +158,6 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn next(&self) -> Next {
-        self.lock().next()
-    }
-
-    fn wait(&self) {
-        let state = self.changed.wait_while(self.lock(), |state| !state.has_work());
-        drop(state.unwrap_or_else(PoisonError::into_inner));
-    }
-
     /// Examines a file, and reads it unless it is unchanged. Returns true if the cache file must change.
     fn examine(&self, file: &Path) -> bool {
         let stamp = stamp_of(file);
@@ -213,11 +200,25 @@ impl Shared {
         state.revision += 1;
     }
 
-    fn save(&self, cache: &TagCache) {
+    /// Replaces the cache file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags
+    /// again.
+    fn save(&self, cache: &Path) {
         let mut known: Vec<(Arc<Path>, Known)> =
             self.lock().known.iter().map(|(file, known)| (file.clone(), known.clone())).collect();
         known.sort_by_key(|(_, known)| known.used);
-        cache.save(known.iter().map(|(file, known)| (&**file, known.stamp, &*known.tags)));
+        let mut text = FIRST_LINE.as_bytes().to_vec();
+        for (file, Known { stamp, tags, .. }) in &known {
+            let Some(file) = file.to_str().filter(|_| *stamp != Stamp::default()) else { continue };
+            let (title, artist) = (tags.title.as_deref(), tags.artist.as_deref());
+            let line: Line<&str> = (file, stamp.size, stamp.modified, title, artist, tags.duration);
+            if let Ok(line) = serde_json::to_vec(&line) {
+                text.push(b'\n');
+                text.extend(line);
+            }
+        }
+        if let Err(error) = AtomicFile::create_with_folder(cache).and_then(|file| file.write(&text)) {
+            tracing::debug!("the tags are not kept for the next run: {error}");
+        }
     }
 }
 
@@ -307,52 +308,22 @@ fn merged(track: &ListedTrack, tags: Option<&TrackTags>) -> TrackTags {
 /// The first line. The number changes when a new version reads other tags from the same file.
 const FIRST_LINE: &str = "Mariana's tags, version 2";
 
-#[derive(Debug)]
-struct TagCache(PathBuf);
-
 type Line<Text> = (Text, u64, u64, Option<Text>, Option<Text>, Option<f64>);
 
-impl TagCache {
-    fn at(path: PathBuf) -> Self {
-        Self(path)
+/// Reads the file, the least recently used entry first. A missing or damaged file has no entries.
+fn load(cache: &Path) -> Vec<(PathBuf, Stamp, TrackTags)> {
+    let is_file = fs::symlink_metadata(cache).is_ok_and(|about| about.is_file());
+    let Some(file) = is_file.then(|| File::open(cache).ok()).flatten() else { return Vec::new() };
+    let mut bytes = Vec::new();
+    if let Err(error) = file.take(limits::TAG_CACHE_BYTES_MAX).read_to_end(&mut bytes) {
+        tracing::debug!("the cache of tags cannot be read: {error}");
+        return Vec::new();
     }
-
-    /// Reads the file, the least recently used entry first. A missing or damaged file has no entries.
-    fn load(&self) -> Vec<(PathBuf, Stamp, TrackTags)> {
-        let is_file = fs::symlink_metadata(&self.0).is_ok_and(|about| about.is_file());
-        let Some(file) = is_file.then(|| File::open(&self.0).ok()).flatten() else { return Vec::new() };
-        let mut bytes = Vec::new();
-        if let Err(error) = file.take(limits::TAG_CACHE_BYTES_MAX).read_to_end(&mut bytes) {
-            tracing::debug!("the cache of tags cannot be read: {error}");
-            return Vec::new();
-        }
-        let mut lines = bytes.split(|byte| *byte == b'\n');
-        if lines.next() != Some(FIRST_LINE.as_bytes()) {
-            return Vec::new();
-        }
-        lines.filter_map(understood).take(limits::TAGS_KEPT_MAX).collect()
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    if lines.next() != Some(FIRST_LINE.as_bytes()) {
+        return Vec::new();
     }
-
-    /// Replaces the file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags again.
-    fn save<'a>(&self, entries: impl Iterator<Item = (&'a Path, Stamp, &'a TrackTags)>) {
-        let mut text = FIRST_LINE.as_bytes().to_vec();
-        for (file, stamp, tags) in entries.filter(|(_, stamp, _)| *stamp != Stamp::default()) {
-            let Some(file) = file.to_str() else { continue };
-            let (title, artist) = (tags.title.as_deref(), tags.artist.as_deref());
-            let line: Line<&str> = (file, stamp.size, stamp.modified, title, artist, tags.duration);
-            if let Ok(line) = serde_json::to_vec(&line) {
-                text.push(b'\n');
-                text.extend(line);
-            }
-        }
-        let folder = self.0.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
-        let written = folder.and_then(|()| {
-            AtomicFile::create(&self.0).and_then(|file| file.write(&text)).map_err(|error| error.to_string())
-        });
-        if let Err(reason) = written {
-            tracing::debug!("the tags are not kept for the next run: {reason}");
-        }
-    }
+    lines.filter_map(understood).take(limits::TAGS_KEPT_MAX).collect()
 }
 
 fn understood(line: &[u8]) -> Option<(PathBuf, Stamp, TrackTags)> {
@@ -383,51 +354,40 @@ enum Next {
     Over,
 }
 
-/// Results that are not published or not saved, with the time of the last publication and save.
-struct Waiting {
-    unpublished: bool,
-    unsaved: bool,
-    published: Instant,
-    saved: Instant,
-}
-
-fn read_all(shared: &Shared, cache: Option<&TagCache>, wake: &dyn Fn()) {
+fn read_all(shared: &Shared, cache: Option<&Path>, wake: &dyn Fn()) {
     lower_priority(NICENESS);
     if let Some(cache) = cache {
-        let kept = cache.load();
+        let kept = load(cache);
         let mut state = shared.lock();
         for (file, stamp, tags) in kept {
             state.insert(&file, stamp, Arc::new(tags), false);
         }
     }
-    let begun = Instant::now();
-    let mut waiting = Waiting { unpublished: false, unsaved: false, published: begun, saved: begun };
+    let (mut unpublished, mut unsaved) = (false, false);
+    let (mut published, mut saved) = (Instant::now(), Instant::now());
     loop {
-        let next = shared.next();
-        match &next {
-            Next::File(file) => {
-                waiting.unsaved |= shared.examine(file);
-                waiting.unpublished = true;
-            }
-            Next::Again | Next::Idle | Next::Over => {}
+        let next = shared.lock().next();
+        if let Next::File(file) = &next {
+            unsaved |= shared.examine(file);
+            unpublished = true;
         }
         let is_idle = matches!(next, Next::Idle);
-        let publishes = is_idle || waiting.published.elapsed() >= PUBLISH_EVERY;
-        if waiting.unpublished && publishes || is_idle && shared.lock().has_new_list() {
+        let publishes = is_idle || published.elapsed() >= PUBLISH_EVERY;
+        if unpublished && publishes || is_idle && shared.lock().has_new_list() {
             shared.publish();
             wake();
-            (waiting.unpublished, waiting.published) = (false, Instant::now());
+            (unpublished, published) = (false, Instant::now());
         }
-        let saves = !matches!(next, Next::File(_) | Next::Again) || waiting.saved.elapsed() >= SAVE_EVERY;
-        if waiting.unsaved && saves {
+        let saves = !matches!(next, Next::File(_) | Next::Again) || saved.elapsed() >= SAVE_EVERY;
+        if unsaved && saves {
             if let Some(cache) = cache {
                 shared.save(cache);
             }
-            (waiting.unsaved, waiting.saved) = (false, Instant::now());
+            (unsaved, saved) = (false, Instant::now());
         }
         match next {
             Next::Over => return,
-            Next::Idle => shared.wait(),
+            Next::Idle => drop(shared.changed.wait_while(shared.lock(), |state| !state.has_work())),
             Next::File(_) | Next::Again => {}
         }
     }

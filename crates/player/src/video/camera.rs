@@ -53,7 +53,7 @@ impl Camera {
     pub fn next_frame(&mut self) -> Result<VideoFrame, VideoError> {
         let frame = self.frames.next().map_err(|failure| VideoError::of(&self.name, failure))?;
         frame.ok_or_else(|| VideoError::Camera {
-            what: self.frames.complaint(&self.device.to_string_lossy()),
+            what: self.frames.process.complaint(&self.device.to_string_lossy()),
             name: self.name.clone(),
         })
     }

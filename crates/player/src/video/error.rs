@@ -3,7 +3,6 @@
 use std::io;
 
 use crate::ffmpeg::process::Failure;
-use crate::limits;
 
 /// A reason for which a video or a camera gives no frames. `name` is the name in messages.
 #[derive(Debug, thiserror::Error)]
@@ -66,10 +65,7 @@ impl VideoError {
         match failure {
             Failure::Missing => Self::NeedsFfmpeg(name),
             Failure::Start(reason) => Self::Unreadable { name, reason },
-            Failure::Stalled => {
-                let what = format!("ffmpeg returned no data for {} s", limits::FFMPEG_WAIT_SECONDS);
-                Self::Damaged { name, what }
-            }
+            Failure::Refused(what) | Failure::Useless(what) => Self::Damaged { name, what },
         }
     }
 }

@@ -11,7 +11,7 @@ const HEADER_MAX: usize = 256;
 
 /// The frames that a running ffmpeg writes.
 pub(super) struct Frames {
-    process: Process,
+    pub(super) process: Process,
     rest: Vec<u8>,
 }
 
@@ -59,13 +59,6 @@ impl Frames {
                 None => return Ok(None),
             }
         }
-    }
-
-    /// ffmpeg's last message, without the address of the file. Call this after the last frame.
-    pub(super) fn complaint(&mut self, address: &str) -> String {
-        // The messages are complete once the program has ended.
-        self.process.succeeded();
-        self.process.complaint(address)
     }
 }
 

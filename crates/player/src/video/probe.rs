@@ -8,12 +8,9 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use super::error::VideoError;
-use crate::ffmpeg::process::Process;
-use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
+use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, process};
 use crate::limits;
 
-/// Maximum size of an answer of `ffprobe`, in bytes.
-const ANSWER_MAX: usize = 1 << 18;
 /// Minimum number of frames per second of the grid on which a video is read.
 const RATE_MIN: f64 = 10.0;
 
@@ -116,18 +113,8 @@ fn run_ffprobe(path: &Path, name: &str, options: &[&str]) -> Result<Answer, Vide
         .options(["-select_streams", "V:0", "-show_entries", ENTRIES, "-of", "json"])
         .options(options.iter().copied())
         .input(Source::File(path), ReadBy::AnyVideoDemuxer, [""; 0]);
-    let failed = |failure| VideoError::of(name, failure);
     let patience = Duration::from_secs_f64(limits::FFMPEG_WAIT_SECONDS);
-    let mut process = Process::start(line, patience).map_err(failed)?;
-    let answer = process.all(ANSWER_MAX).map_err(failed)?;
-    if !process.succeeded() {
-        let what = process.complaint(&file_address(path).to_string_lossy());
-        return Err(VideoError::Damaged { name: name.to_owned(), what });
-    }
-    serde_json::from_slice(&answer).map_err(|error| VideoError::Damaged {
-        name: name.to_owned(),
-        what: format!("ffprobe's answer about it is malformed ({error})"),
-    })
+    process::probe(line, patience, path).map_err(|failure| VideoError::of(name, failure))
 }
 
 impl Answer {

@@ -90,7 +90,7 @@ impl VideoReader {
                     return Ok(());
                 }
                 None if begin == 0 => {
-                    let what = frames.complaint(&file_address(&self.path).to_string_lossy());
+                    let what = frames.process.complaint(&file_address(&self.path).to_string_lossy());
                     self.frames = None;
                     return Err(self.damaged(what));
                 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use mariana_music::Gain;
 use mariana_player::device_list::{DeviceList, DeviceWatch};
-use mariana_player::input::{Live, LiveOptions, LiveStatus};
+use mariana_player::input::{Live, LiveStatus};
 use mariana_player::{Player, PlayerOptions, PlayerStatus, Target};
 use mariana_testing::process::{LOOK_PERIOD, WAIT_LIMIT};
 use mariana_testing::sound_session::Session;
@@ -19,12 +19,13 @@ use mariana_testing::sound_session::Session;
 use crate::tone::Tone;
 
 fn play(device: Option<&str>) -> Player {
-    let options = PlayerOptions { target: device.map_or(Target::Default, named), ..PlayerOptions::default() };
+    let options =
+        PlayerOptions { output: Some(device.map_or(Target::Default, named)), ..PlayerOptions::default() };
     Player::start_alone(Box::new(Tone(0)), options).expect("a player")
 }
 
 fn listen(target: Target) -> Live {
-    Live::start(LiveOptions { target, gain: Gain::Auto }).expect("a live input")
+    Live::start(target, Gain::Auto).expect("a live input")
 }
 
 fn named(name: &str) -> Target {
@@ -135,10 +136,10 @@ fn a_preferred_output_is_used_while_it_is_connected() {
     };
     let _watch = DeviceWatch::shared().expect("a device watch");
     let plugged = session.server().plug("usb", &[]);
-    let target = Target::Preferred(id("usb"));
+    let output = Some(Target::Preferred(id("usb")));
     session.server().unplug(&plugged);
     // The device is missing at the start, so the default plays, without an error.
-    let options = PlayerOptions { target, ..PlayerOptions::default() };
+    let options = PlayerOptions { output, ..PlayerOptions::default() };
     let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("a player");
     wait_for(&mut player, "the default", plays_on("viz"));
     let plugged = session.server().plug("usb", &[]);

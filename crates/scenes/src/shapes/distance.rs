@@ -95,20 +95,16 @@ fn flatten_patch(values: &mut [f32], columns: usize, lower: usize) -> bool {
 
 /// Returns the distance of each pixel's centre from the edge, in pixels, negative where covered.
 fn signed(coverage: &Coverage) -> Vec<f32> {
-    let seeds = |outside: bool| -> Vec<f32> {
+    let squares = |outside: bool| {
         let seed = |value: &f32| {
             let off = if outside { 0.5 - value } else { value - 0.5 };
-            match off {
-                off if off >= 0.5 - LEAST => FAR,
-                off => off.max(0.0) * off.max(0.0),
-            }
+            if off >= 0.5 - LEAST { FAR } else { off.max(0.0) * off.max(0.0) }
         };
-        coverage.values.iter().map(seed).collect()
+        let mut squares: Vec<f32> = coverage.values.iter().map(seed).collect();
+        transform(&mut squares, coverage.width, coverage.height);
+        squares
     };
-    let mut outside = seeds(true);
-    transform(&mut outside, coverage.width, coverage.height);
-    let mut inside = seeds(false);
-    transform(&mut inside, coverage.width, coverage.height);
+    let (outside, inside) = (squares(true), squares(false));
     outside.iter().zip(&inside).map(|(outside, inside)| outside.sqrt() - inside.sqrt()).collect()
 }
 

@@ -27,7 +27,10 @@ use mariana_field::graph::{AtlasShape, SHAPE_COLUMNS, ShapeAtlas, ShapeGrid};
 use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, TextBaker, nearest};
 use mariana_render::system_fonts::SystemFonts;
 
-use super::folder::Refusal;
+use super::SceneSource;
+use super::folder::{Folder, Refusal, ends_with_one_of};
+use super::sources::is_video;
+use super::world::{decode, image_bytes};
 use crate::limits;
 use distance::FINER;
 use lettering::{Font, Fonts, LINE};
@@ -49,18 +52,6 @@ const SONG_POINTS: f64 = 64.0;
 const SONG_LINES_MAX: usize = 3;
 /// Endings of font files.
 const FONT_ENDINGS: [&str; 4] = ["ttf", "otf", "ttc", "otc"];
-
-/// The files that texts and pictures of a scene read.
-pub(super) trait ShapeFiles {
-    /// Reads a font's file. `None` if the scene has no folder.
-    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>>;
-
-    /// Reads a picture's file.
-    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>>;
-
-    /// Decodes a PNG or JPEG.
-    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>>;
-}
 
 /// Bakes texts and pictures, and keeps the grids of the last scene. Loading a scene again bakes only what has changed, and
 /// returns the same atlas if nothing has.
@@ -123,7 +114,7 @@ impl ShapeCache {
     ///
     /// # Errors
     /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
-    pub(super) fn load(&mut self, source: &dyn ShapeFiles, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+    pub(super) fn load(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         let (mut keys, mut shapes, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         let before = std::mem::take(&mut self.kept);
         for shape in &mut scene.shapes {
@@ -159,7 +150,7 @@ impl Kept {
     fn grid(
         &mut self,
         before: &Self,
-        source: &dyn ShapeFiles,
+        source: &SceneSource,
         shape: &mut ShapeRef,
     ) -> Result<(u64, ShapeGrid), Box<Diagnostic>> {
         let span = shape.span;
@@ -173,7 +164,7 @@ impl Kept {
                 (Some(font), None)
             }
             ShapeSource::Image(name) => {
-                let bytes = source.picture(name, span)?;
+                let bytes = picture_bytes(source, name, span)?;
                 bytes.hash(&mut hasher);
                 (None, Some(bytes))
             }
@@ -190,7 +181,7 @@ impl Kept {
             (None, ShapeSource::Text { text, .. }, Some(font), _) => {
                 text_grid(text, &font).map_err(refused)?
             }
-            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(source, name, span, &bytes)?,
+            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(name, span, &bytes)?,
             _ => no_words(),
         };
         self.grids.insert(key, grid.clone());
@@ -201,7 +192,7 @@ impl Kept {
     fn font(
         &mut self,
         before: &Self,
-        source: &dyn ShapeFiles,
+        source: &SceneSource,
         name: Option<&str>,
     ) -> Result<(u64, Arc<Font>), Refused> {
         let mut hasher = DefaultHasher::new();
@@ -255,20 +246,32 @@ pub(super) fn file_of(shape: &ShapeRef) -> Option<&str> {
 }
 
 fn is_font_file(name: &str) -> bool {
-    name.rsplit_once('.')
-        .is_some_and(|(_, end)| FONT_ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
+    ends_with_one_of(name, &FONT_ENDINGS)
 }
 
 fn changes(source: &ShapeSource) -> bool {
     matches!(source, ShapeSource::Song { .. })
 }
 
-fn font_bytes(source: &dyn ShapeFiles, name: &str) -> Result<Vec<u8>, Refused> {
-    let Some(read) = source.font(name) else {
+fn picture_bytes(
+    source: &SceneSource,
+    name: &str,
+    span: Span,
+) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+    if is_video(name) {
+        let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
+        let wrong = Diagnostic::unsupported(span, message);
+        return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+    }
+    image_bytes(source, name, span)
+}
+
+fn font_bytes(source: &SceneSource, name: &str) -> Result<Vec<u8>, Refused> {
+    let Some(file) = source.file() else {
         let message = format!("`{name}` is a file, and only a scene in a file can use fonts of its folder");
         return Err(Refused::new(message, "save the scene as a file next to the font"));
     };
-    read.map_err(|refusal| {
+    Folder::of(file).bytes(name, limits::FONT_BYTES_MAX).map_err(|refusal| {
         let over_limit = matches!(refusal, Refusal::TooLarge(_));
         let hint = match refusal {
             Refusal::TooLarge(_) => "use a font with fewer letters",
@@ -383,12 +386,7 @@ fn broken(text: &str, count: usize) -> Vec<&str> {
     lines
 }
 
-fn image_grid(
-    source: &dyn ShapeFiles,
-    name: &str,
-    span: Span,
-    bytes: &[u8],
-) -> Result<ShapeGrid, Box<Diagnostic>> {
+fn image_grid(name: &str, span: Span, bytes: &[u8]) -> Result<ShapeGrid, Box<Diagnostic>> {
     let unusable = || {
         let message = format!("the picture `{name}` is too long and narrow for a shape");
         Box::new(Diagnostic::over_limit(span, message).hint("crop it"))
@@ -414,7 +412,7 @@ fn image_grid(
         let coverage = within(coverage, place.transform_rect_bbox(view));
         return distance::grid(&coverage, size, per_unit as f32).ok_or_else(unusable);
     }
-    let picture = source.decoded(name, span, bytes)?;
+    let picture = decode(name, span, bytes)?;
     let Some((size, per_unit)) = size_of(f64::from(picture.width()), f64::from(picture.height())) else {
         return Err(unusable());
     };

@@ -12,6 +12,7 @@ use usvg::tiny_skia_path::PathSegment;
 use usvg::{FillRule, Group, LineCap, LineJoin, Node, Options, Paint, Path};
 
 use super::outline::{Coverage, Filling, Part, Steps, TooMuchWork};
+use crate::folder::ends_with_one_of;
 use crate::limits;
 
 /// Largest deviation of a stroke's outline, relative to the size of the drawing.
@@ -46,7 +47,7 @@ pub(super) type Result<T, E = Refused> = std::result::Result<T, E>;
 /// True if the bytes look like an SVG.
 pub(super) fn is_svg(name: &str, bytes: &[u8]) -> bool {
     let start = String::from_utf8_lossy(bytes.get(..512).unwrap_or(bytes));
-    name.rsplit_once('.').is_some_and(|(_, end)| end.eq_ignore_ascii_case("svg")) || start.contains("<svg")
+    ends_with_one_of(name, &["svg"]) || start.contains("<svg")
 }
 
 impl Drawing {

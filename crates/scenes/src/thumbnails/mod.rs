@@ -191,21 +191,16 @@ struct Worker<'a> {
 
 impl Worker<'_> {
     fn answer(&self, request: Request) {
-        let (source, about) = match request {
-            Request::Description(source) => {
-                let about = About::Description(description_of(&source));
-                (source, about)
-            }
-            Request::Motion(source) => {
-                let about = About::Motion(drawing::frames_of(&source));
-                (source, about)
-            }
-            Request::Picture(source) => {
-                let about = self.picture_of(&source);
-                (source, about)
-            }
+        let about = match &request {
+            Request::Description(source) => About::Description(description_of(source)),
+            Request::Motion(source) => About::Motion(drawing::frames_of(source)),
+            Request::Picture(source) => self.picture_of(source),
             Request::Ahead(source) => return self.draw_ahead(source),
         };
+        let (Request::Description(source)
+        | Request::Motion(source)
+        | Request::Picture(source)
+        | Request::Ahead(source)) = request;
         let _ = self.answers.send(Looked { source, about });
         (self.wake)();
     }
@@ -223,9 +218,9 @@ impl Worker<'_> {
     /// Returns the thumbnail of a scene: shipped, cached or new.
     fn picture_of(&self, source: &SceneSource) -> About {
         let found = match jpeg_shipped_with(source) {
-            Some(jpeg) => {
-                read_jpeg(jpeg).map(|image| (image, jpeg.into())).map_err(|error| error.to_string())
-            }
+            Some(jpeg) => image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg)
+                .map(|image| (image.into_rgba8(), jpeg.into()))
+                .map_err(|error| error.to_string()),
             None => self.kept_or_drawn(source).map(|image| {
                 let jpeg = jpeg_of(&image).into();
                 (image, jpeg)
@@ -239,7 +234,7 @@ impl Worker<'_> {
 
     fn kept_or_drawn(&self, source: &SceneSource) -> Result<RgbaImage, String> {
         let kept = self.path_of(source)?;
-        if let Some(image) = kept.as_deref().and_then(|path| read_png(path).ok()) {
+        if let Some(image) = kept.as_deref().and_then(|path| decode(&fs::read(path).ok()?).ok()) {
             return Ok(image);
         }
         let bytes = self.drawn(source, || self.requests.is_over()).map_err(|error| error.to_string())?;
@@ -251,15 +246,15 @@ impl Worker<'_> {
     }
 
     /// Draws a thumbnail into the cache. Any other request interrupts the drawing.
-    fn draw_ahead(&self, source: SceneSource) {
-        let Ok(Some(path)) = self.path_of(&source) else { return };
+    fn draw_ahead(&self, source: &SceneSource) {
+        let Ok(Some(path)) = self.path_of(source) else { return };
         if path.exists() {
             return;
         }
         let gives_way = || self.requests.is_over() || !self.requests.lock().asked.is_empty();
-        match self.drawn(&source, gives_way) {
+        match self.drawn(source, gives_way) {
             Ok(bytes) if decode(&bytes).is_ok() => keep(&path, &bytes),
-            Err(NotDrawn::Stopped) => self.requests.lock().ahead.push_front(source),
+            Err(NotDrawn::Stopped) => self.requests.lock().ahead.push_front(source.clone()),
             Ok(_) | Err(_) => {}
         }
     }
@@ -322,10 +317,6 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     }
 }
 
-fn read_png(path: &Path) -> image::ImageResult<RgbaImage> {
-    decode(&fs::read(path)?)
-}
-
 /// Decodes a PNG that is no larger than a thumbnail: a user may put any file into the cache folder.
 fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     let mut reader = ImageReader::new(io::Cursor::new(bytes));
@@ -334,10 +325,6 @@ fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     (limits.max_image_width, limits.max_image_height) = (Some(SIZE.0), Some(SIZE.1));
     reader.limits(limits);
     Ok(reader.decode()?.into_rgba8())
-}
-
-fn read_jpeg(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
-    Ok(image::load_from_memory_with_format(bytes, image::ImageFormat::Jpeg)?.into_rgba8())
 }
 
 /// Encodes an image as a JPEG; empty if encoding fails.
@@ -351,12 +338,8 @@ pub fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
 
 /// Writes a thumbnail to the cache. If that fails, the next run draws it again.
 fn keep(path: &Path, bytes: &[u8]) {
-    let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
-    let written = written.and_then(|()| {
-        AtomicFile::create(path).and_then(|file| file.write(bytes)).map_err(|error| error.to_string())
-    });
-    if let Err(reason) = written {
-        tracing::debug!("a thumbnail cannot be cached: {reason}");
+    if let Err(error) = AtomicFile::create_with_folder(path).and_then(|file| file.write(bytes)) {
+        tracing::debug!("a thumbnail cannot be cached: {error}");
     }
 }
 

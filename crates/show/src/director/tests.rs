@@ -1,7 +1,9 @@
 use super::*;
 use crate::resolve::testing::song;
+use crate::scene_facts::Rise;
 use crate::timeline::TimedTransition;
 use crate::{parse, print, resolve};
+use mariana_field::lang::About;
 use mariana_music::{Mode, Section, SectionSound, SongBeat, Tonality};
 use proptest::prelude::*;
 
@@ -11,6 +13,7 @@ fn card(scene: &str, energy: (f32, f32), moods: &str, cameras: &[&str]) -> Scene
         scene: scene.to_owned(),
         about: About { energy, moods, ..About::default() },
         cameras: cameras.iter().map(|name| (*name).to_owned()).collect(),
+        params: Vec::new(),
         rise: None,
     }
 }

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
+use mariana::atomic_file::AtomicFile;
 use mariana::cli::Arguments;
 
 const SHELLS: [(Shell, &str); 3] =
@@ -30,11 +31,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
         files.push((format!("completions/{name}"), text.into_bytes()));
     }
     for (name, bytes) in &files {
-        let path = folder.join(name);
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent)?;
-        }
-        std::fs::write(path, bytes)?;
+        AtomicFile::create_with_folder(&folder.join(name))?.write(bytes)?;
     }
     println!("{} files, {} bytes", files.len(), files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>());
     Ok(())

@@ -68,11 +68,14 @@ impl Figures {
         }
         Ok(figures)
     }
+}
 
-    /// Formats the figures as the cells of a table row.
-    pub fn row(&self) -> String {
+/// Formats the figures as the cells of a table row.
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |fraction: f64| 100.0 * fraction;
-        format!(
+        write!(
+            f,
             "| {:.1} | {:.0} | {:.0} | {:.0} % | {:.1} % | {:.1} % |",
             self.cost.total(),
             self.cost.clauses,
@@ -81,12 +84,6 @@ impl Figures {
             percent(self.black),
             percent(self.white)
         )
-    }
-}
-
-impl fmt::Display for Figures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.row())
     }
 }
 

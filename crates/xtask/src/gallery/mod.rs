@@ -16,7 +16,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbaImage, imageops};
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
-use mariana::scenes::{SceneSource, shipped_names};
+use mariana::scenes::{SceneSource, first_comment, shipped_names};
 use mariana_music::Sound;
 
 /// Times in the demo track in seconds: the quiet start, the first rise, the loudest part and the ending.
@@ -59,11 +59,12 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         if Some(name) == surfaces.first() {
             page.push_str("\n# Surfaces\n");
         }
+        let source = SceneSource::Shipped(name.clone());
+        let introduction = first_comment(&source.text()?).collect::<Vec<_>>().join("\n");
         let _ = write!(
             page,
-            "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n\
-![{name} at four moments](gallery/{name}-strip.jpg)\n",
-            introduction(name)?
+            "\n## {name}\n\n{introduction}\n\n![{name}](gallery/{name}.jpg)\n\n\
+![{name} at four moments](gallery/{name}-strip.jpg)\n"
         );
         if folder.join(format!("{name}.webp")).exists() {
             let _ = write!(page, "\n![{name} in motion](gallery/{name}.webp)\n");
@@ -72,9 +73,9 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
             let _ = writeln!(table, "{row}");
             continue;
         }
-        let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
+        let figures = Figures::of(&source, &sounds)?;
         println!("{name}: {figures}");
-        let _ = writeln!(table, "| `{name}` {}", figures.row());
+        let _ = writeln!(table, "| `{name}` {figures}");
     }
     fs::write(docs.join("gallery.md"), page + &table)?;
     Ok(())
@@ -116,12 +117,4 @@ fn write_jpeg(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
     let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
     DynamicImage::ImageRgba8(picture).into_rgb8().write_with_encoder(encoder)?;
     Ok(fs::write(path, bytes)?)
-}
-
-/// Returns a scene's description: the comment at its start.
-fn introduction(name: &str) -> anyhow::Result<String> {
-    let path = Path::new(crate::root::ROOT).join(format!("assets/scenes/{name}.scene"));
-    let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
-    Ok(lines.map(str::trim).take_while(|line| !line.is_empty()).collect::<Vec<_>>().join("\n"))
 }

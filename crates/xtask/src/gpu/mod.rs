@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context as _, anyhow, bail};
+use clap::Parser;
 
 use programs::Linked;
 pub(crate) use programs::run as programs;
@@ -26,42 +27,25 @@ const GPUS: [&str; 2] = ["vega10", "navi21"];
 /// The library of `mesa-drm-shim` for AMD GPUs.
 const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 
-#[derive(Debug, Default)]
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
 struct Arguments {
+    #[arg(long)]
     shim: Option<PathBuf>,
     /// Folder of the shaders; `None` for the embedded shaders.
+    #[arg(long)]
     shaders: Option<String>,
+    #[arg(long = "gpu", default_values = GPUS)]
     gpus: Vec<String>,
     /// Additional values of `AMD_DEBUG`, such as `useaco`.
+    #[arg(long = "option")]
     options: Vec<String>,
+    #[arg(long)]
+    check: bool,
+    #[arg(long)]
+    accept: bool,
     /// Selects programs whose names contain one of these words. An empty list selects all programs.
     names: Vec<String>,
-    check: bool,
-    accept: bool,
-}
-
-fn requested(arguments: &[String]) -> anyhow::Result<Arguments> {
-    let mut requested = Arguments::default();
-    let mut arguments = arguments.iter();
-    while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().cloned().with_context(|| format!("{argument} needs a value"));
-        match argument.as_str() {
-            "--shim" => requested.shim = Some(value()?.into()),
-            "--shaders" => requested.shaders = Some(value()?),
-            "--gpu" => requested.gpus.push(value()?),
-            "--option" => requested.options.push(value()?),
-            "--check" => requested.check = true,
-            "--accept" => requested.accept = true,
-            name if !name.starts_with('-') => requested.names.push(name.to_owned()),
-            _ => bail!(
-                "unknown option {argument}: use --shim, --shaders, --gpu, --option, --check or --accept"
-            ),
-        }
-    }
-    if requested.gpus.is_empty() {
-        requested.gpus = GPUS.map(str::to_owned).into();
-    }
-    Ok(requested)
 }
 
 /// Finds the shim in the folders where packages install it and where `scripts/lib/setup.sh` unpacks it.
@@ -79,7 +63,7 @@ fn shim() -> Option<PathBuf> {
 /// # Errors
 /// Fails if the shim or the driver is missing, if a driver rejects a program, or if a program got worse.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let requested = requested(arguments)?;
+    let requested = Arguments::try_parse_from(arguments)?;
     let shim = requested.shim.clone().or_else(shim).with_context(|| {
         format!("cannot find {SHIM}: install mesa-drm-shim (Debian 13, or backports of 12), or use --shim")
     })?;

@@ -1,8 +1,10 @@
 //! Links every program of the renderer on the current GPU and collects the compiler's figures.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context as _, bail};
+use clap::Parser;
 use cpu_time::ProcessTime;
 use mariana::ending::begin_to_leave;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
@@ -123,25 +125,24 @@ impl<S: tracing::Subscriber> tracing_subscriber::Layer<S> for Heard {
     }
 }
 
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Arguments {
+    #[arg(long)]
+    json: bool,
+    #[arg(long)]
+    shaders: Option<PathBuf>,
+    names: Vec<String>,
+}
+
 /// Prints a line for each program whose name contains one of the arguments, or for all programs. `--json` prints
 /// JSON; `--shaders FOLDER` uses other shaders.
 ///
 /// # Errors
 /// Fails if the driver is missing or rejects a program.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let (mut names, mut json, mut library) = (Vec::new(), false, ShaderLibrary::embedded());
-    let mut arguments = arguments.iter();
-    while let Some(argument) = arguments.next() {
-        match argument.as_str() {
-            "--json" => json = true,
-            "--shaders" => {
-                let folder = arguments.next().context("--shaders needs a folder")?;
-                library = ShaderLibrary::on_disk(folder.as_ref());
-            }
-            name if !name.starts_with('-') => names.push(name.to_owned()),
-            _ => bail!("unknown option {argument}: use --json or --shaders"),
-        }
-    }
+    let Arguments { json, shaders, names } = Arguments::try_parse_from(arguments)?;
+    let library = shaders.map_or_else(ShaderLibrary::embedded, |folder| ShaderLibrary::on_disk(&folder));
     let heard = Heard::default();
     tracing_subscriber::registry().with(heard.clone()).init();
     let context = Headless::new(true)?;

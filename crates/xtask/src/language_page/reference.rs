@@ -7,49 +7,40 @@ use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs, par
 /// Generates `docs/language.md`.
 pub fn text() -> String {
     let mut text = include_str!("intro.md").replace("\r\n", "\n");
-    line(&mut text, format_args!("```\n{}\n```", excerpt()));
+    let _ = writeln!(text, "```\n{}\n```", excerpt());
     text.push_str("\n## Inputs\n\n| name | what it is |\n|---|---|\n");
     for (name, doc) in inputs() {
-        line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
+        let _ = writeln!(text, "| `{name}` | {doc} |", doc = cell(doc));
     }
     text.push_str("\n| part | what it is |\n|---|---|\n");
     for (name, doc) in parts() {
-        line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
+        let _ = writeln!(text, "| `{name}` | {doc} |", doc = cell(doc));
     }
     let names: Vec<String> = part_inputs().map(|(name, _)| format!("`{name}`")).collect();
-    line(&mut text, format_args!("\nEach part has the inputs {}.", names.join(", ")));
+    let _ = writeln!(text, "\nEach part has the inputs {}.", names.join(", "));
     text.push_str("\n## Fields of a material\n\n| field | what it is | default |\n|---|---|---|\n");
     for field in Material::FIELDS {
         let kind = if field.holds == Holds::Vector { " (vec3)" } else { "" };
-        line(&mut text, format_args!("| `{}`{kind} | {} | {} |", field.name, cell(field.doc), field.default));
+        let _ = writeln!(text, "| `{}`{kind} | {} | {} |", field.name, cell(field.doc), field.default);
     }
     let entries = entries();
     for group in entries.chunk_by(|a, b| a.group == b.group) {
         let (shown, plain): (Vec<_>, Vec<_>) = group.iter().partition(|entry| entry.example.is_some());
         let title = group.first().map_or("", |entry| entry.group);
-        line(&mut text, format_args!("\n## {title}"));
+        let _ = writeln!(text, "\n## {title}");
         if !shown.is_empty() {
             text.push_str("\n| | |\n|---|---|\n");
             for entry in shown {
                 let name = entry.name;
-                let formula = entry.example.unwrap_or("");
-                line(
-                    &mut text,
-                    format_args!(
-                        "| ![{name}](shapes/{name}.png)<br>`{}` | {} |",
-                        cell(formula),
-                        described(entry)
-                    ),
-                );
+                let (formula, described) = (cell(entry.example.unwrap_or("")), described(entry));
+                let _ = writeln!(text, "| ![{name}](shapes/{name}.png)<br>`{formula}` | {described} |");
             }
         }
         if !plain.is_empty() {
             text.push_str("\n| function | |\n|---|---|\n");
             for entry in plain {
-                line(
-                    &mut text,
-                    format_args!("| `{}` | {}{} |", cell(&entry.signature), cell(&entry.doc), facts(entry)),
-                );
+                let (signature, doc, facts) = (cell(&entry.signature), cell(&entry.doc), facts(entry));
+                let _ = writeln!(text, "| `{signature}` | {doc}{facts} |");
             }
         }
     }
@@ -62,10 +53,6 @@ fn excerpt() -> String {
     let rest = scene.find("fn woofers").and_then(|start| scene.get(start..)).unwrap_or("");
     let end = rest.find("\n}").map_or(rest.len(), |end| end + 2);
     rest.get(..end).unwrap_or("").to_owned()
-}
-
-fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
-    let _ = writeln!(text, "{content}");
 }
 
 fn described(entry: &Entry) -> String {

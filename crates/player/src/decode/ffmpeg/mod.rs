@@ -15,13 +15,10 @@ use symphonia::core::audio::{Channels, Position};
 
 use super::downmix::Downmix;
 use super::{DecodeError, StreamInfo, sniff};
-use crate::ffmpeg::process::{Failure, Process};
-use crate::ffmpeg::{CommandLine, ReadBy, Source, file_address};
+use crate::ffmpeg::process::{self, Failure, Process};
+use crate::ffmpeg::{CommandLine, ReadBy, Source};
 use crate::limits;
 use probe::{Answer, Stream};
-
-/// Maximum size of an answer of `ffprobe`, in bytes. The answer contains no cover images.
-const ANSWER_MAX: usize = 1 << 20;
 
 /// For a forward seek of at most this many seconds, `ffmpeg` is not restarted, but decodes up to the target.
 const NEAR_SECONDS: u64 = 1;
@@ -62,10 +59,14 @@ impl FfmpegDecoder {
         refusal: &DecodeError,
         programs: &Programs,
     ) -> Result<Self, DecodeError> {
-        let reader = Reader { name, refusal: describe(refusal) };
+        let refusal = describe(refusal);
+        let failed = |failure| error(name, &refusal, failure);
         let path = std::path::absolute(path)
             .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
-        let answer = reader.probe(programs, &path)?;
+        let line = CommandLine::of(&programs.ffprobe)
+            .options(["-show_entries", probe::ENTRIES, "-of", "json"])
+            .input(Source::File(&path), ReadBy::AnySongDemuxer, [""; 0]);
+        let answer: Answer = process::probe(line, programs.patience, &path).map_err(failed)?;
         let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack(name.to_owned()))?;
         if !stream.is_known() {
             return Err(DecodeError::UnsupportedCodec {
@@ -95,8 +96,7 @@ impl FfmpegDecoder {
             lyrics: None,
             scene_gain: answer.loudness(stream).scene_gain(),
         };
-        let process =
-            start(programs, &path, stream.index, &info, 0.0).map_err(|failure| reader.error(failure))?;
+        let process = start(programs, &path, stream.index, &info, 0.0).map_err(failed)?;
         let mut decoder = Self {
             programs: programs.clone(),
             path,
@@ -112,7 +112,7 @@ impl FfmpegDecoder {
         };
         decoder.advance()?;
         if decoder.pending.is_empty() {
-            return Err(reader.refused(&mut decoder.process, &decoder.path));
+            return Err(failed(decoder.process.refusal(&decoder.path)));
         }
         Ok(decoder)
     }
@@ -134,8 +134,7 @@ impl FfmpegDecoder {
         if self.ended || !(self.position..=self.position + near).contains(&target) {
             let time = target as f64 / rate;
             let started = start(&self.programs, &self.path, self.stream, &self.info, time);
-            let reader = Reader { name: &self.info.name, refusal: String::new() };
-            self.process = started.map_err(|failure| reader.error(failure))?;
+            self.process = started.map_err(|failure| error(&self.info.name, "", failure))?;
             self.rest.clear();
             self.pending.clear();
             (self.position, self.skip, self.ended) = (target, 0, false);
@@ -153,7 +152,7 @@ impl FfmpegDecoder {
                 Ok(None) => self.ended = true,
                 Err(failure) => {
                     self.ended = true;
-                    return Err(Reader { name: &self.info.name, refusal: String::new() }.error(failure));
+                    return Err(error(&self.info.name, "", failure));
                 }
             }
         }
@@ -202,52 +201,16 @@ fn start(
     Process::start(line, programs.patience)
 }
 
-struct Reader<'a> {
-    name: &'a str,
-    refusal: String,
-}
-
-impl Reader<'_> {
-    fn probe(&self, programs: &Programs, path: &Path) -> Result<Answer, DecodeError> {
-        let line = CommandLine::of(&programs.ffprobe)
-            .options(["-show_entries", probe::ENTRIES, "-of", "json"])
-            .input(Source::File(path), ReadBy::AnySongDemuxer, [""; 0]);
-        let ask = || {
-            let mut process = Process::start(line, programs.patience)?;
-            let answer = process.all(ANSWER_MAX)?;
-            Ok((process, answer))
-        };
-        let (mut process, answer) = ask().map_err(|failure| self.error(failure))?;
-        if !process.succeeded() {
-            return Err(self.refused(&mut process, path));
+/// The error for a failure of ffmpeg or ffprobe. `refusal` is the reason why the file needs them.
+fn error(name: &str, refusal: &str, failure: Failure) -> DecodeError {
+    let name = name.to_owned();
+    match failure {
+        Failure::Missing => DecodeError::NeedsFfmpeg { name, what: refusal.to_owned() },
+        Failure::Start(reason) => DecodeError::Read { name, reason },
+        Failure::Refused(complaint) => {
+            DecodeError::Damaged { name, what: format!("ffmpeg cannot decode it ({complaint})") }
         }
-        // ffprobe's output is well-formed for any file.
-        serde_json::from_slice(&answer).map_err(|error| DecodeError::Damaged {
-            name: self.name.to_owned(),
-            what: format!("ffprobe's answer about it is malformed ({error})"),
-        })
-    }
-
-    fn refused(&self, process: &mut Process, path: &Path) -> DecodeError {
-        // The program has closed its pipe. Wait until it has ended, so that its error messages are complete.
-        process.succeeded();
-        let complaint = process.complaint(&file_address(path).to_string_lossy());
-        DecodeError::Damaged {
-            name: self.name.to_owned(),
-            what: format!("ffmpeg cannot decode it ({complaint})"),
-        }
-    }
-
-    fn error(&self, failure: Failure) -> DecodeError {
-        let name = self.name.to_owned();
-        match failure {
-            Failure::Missing => DecodeError::NeedsFfmpeg { name, what: self.refusal.clone() },
-            Failure::Start(reason) => DecodeError::Read { name, reason },
-            Failure::Stalled => {
-                let limit = limits::FFMPEG_WAIT_SECONDS;
-                DecodeError::Damaged { name, what: format!("ffmpeg returned no data for {limit} s") }
-            }
-        }
+        Failure::Useless(what) => DecodeError::Damaged { name, what },
     }
 }
 

@@ -153,19 +153,13 @@ impl CurrentSegment {
         self.audible_segments.lock().set_start(passage, filling.target);
     }
 
-    pub(super) fn begin_lap(&mut self) {
+    /// Continues with the start of the same track, or with the track `next` as its passage. That track must have the
+    /// source rate that was set last.
+    pub(super) fn begin_lap(&mut self, next: Option<(u64, Arc<TrackInfo>)>) {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
         (filling.since_jump, filling.from_start) = (0, true);
-        self.audible_segments.lock().begin_lap(filling.id, filling.next_time(), played);
-    }
-
-    /// Continues with the start of another track, as `passage`. The track must have the source rate that was set last.
-    pub(super) fn begin_track(&mut self, passage: u64, info: Arc<TrackInfo>) {
-        let played = self.played();
-        let Some(filling) = &mut self.filling else { return };
-        (filling.since_jump, filling.from_start) = (0, true);
-        self.audible_segments.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
+        self.audible_segments.lock().begin_lap(filling.id, filling.next_time(), played, next);
     }
 
     /// Sets the source's rate for the following frames. Fails if the rate cannot be converted.

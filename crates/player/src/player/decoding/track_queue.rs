@@ -15,17 +15,7 @@ const EMPTY_TRACKS_MAX: u32 = 64;
 enum Next {
     Unasked,
     Asked(u64),
-    Again,
-    Track(Track),
-    End,
-}
-
-pub(super) enum Following {
-    Unknown,
-    /// The same track again, which is at its start already.
-    Again,
-    Track(Track),
-    End,
+    Known(Found),
 }
 
 pub(super) struct TrackQueue {
@@ -57,7 +47,7 @@ impl TrackQueue {
 
     pub(super) fn opened_ahead(&self) -> Option<&Arc<TrackInfo>> {
         match &self.next {
-            Next::Track(track) => Some(&track.info),
+            Next::Known(Found::Track(track)) => Some(&track.info),
             _ => None,
         }
     }
@@ -153,54 +143,50 @@ impl TrackQueue {
                 self.replace_with(track);
                 return true;
             }
-            Found::Again if ended => {
-                // From now on the track repeats each time it ends.
-                self.next = Next::Again;
-                return true;
-            }
-            Found::Track(track) => Next::Track(track),
-            Found::Again => Next::Again,
-            Found::End => Next::End,
-            Found::Nothing => Next::Track(self.silence()),
+            Found::Nothing => Next::Known(Found::Track(self.silence())),
+            found => Next::Known(found),
         };
-        false
+        // The track repeats from now on, each time it ends.
+        ended && matches!(self.next, Next::Known(Found::Again))
     }
 
-    pub(super) fn following(&mut self, empty: bool) -> Following {
+    /// Returns what follows the current track, if it is known already. A track that follows itself is at its start.
+    pub(super) fn following(&mut self, empty: bool) -> Option<Found> {
         match std::mem::replace(&mut self.next, Next::Unasked) {
             Next::Unasked => self.request_following(false),
             Next::Asked(id) => self.next = Next::Asked(id),
-            Next::Again if empty => self.request_following(true),
-            Next::Again => match self.passages.source().seek(0.0) {
+            Next::Known(Found::Again) if empty => self.request_following(true),
+            Next::Known(Found::Again) => match self.passages.source().seek(0.0) {
                 Ok(_) => {
-                    self.next = Next::Again;
-                    return Following::Again;
+                    self.next = Next::Known(Found::Again);
+                    return Some(Found::Again);
                 }
                 Err(error) => {
                     self.track_errors.report(error.to_string());
                     self.request_following(true);
                 }
             },
-            Next::Track(track) => {
+            Next::Known(Found::Track(track)) => {
                 self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
                 if self.empty_tracks > EMPTY_TRACKS_MAX {
                     self.track_errors.report("these tracks contain no sound; choose other tracks".into());
-                    return Following::Track(self.silence());
+                    return Some(Found::Track(self.silence()));
                 }
-                return Following::Track(track);
+                return Some(Found::Track(track));
             }
-            Next::End => {
-                self.next = Next::End;
-                return Following::End;
+            Next::Known(Found::End | Found::Nothing) => {
+                self.next = Next::Known(Found::End);
+                return Some(Found::End);
             }
         }
-        Following::Unknown
+        None
     }
 
     /// Goes back to the track of `passage` if a later track has begun. The caller must begin a new segment.
     pub(super) fn return_to(&mut self, passage: u64) {
         if let Some(mut later) = self.passages.return_to(passage) {
-            self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
+            let is_usable = later.source.seek(0.0).is_ok();
+            self.next = if is_usable { Next::Known(Found::Track(later)) } else { Next::Unasked };
         }
     }
 
@@ -218,7 +204,8 @@ impl TrackQueue {
     /// Requests the track after the current track. `anew` is true if the current track must be opened again to repeat.
     fn request_following(&mut self, anew: bool) {
         let after = self.passages.track().info.id;
-        self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
+        let asked = self.request(Wanted::Following { after, anew });
+        self.next = asked.map_or(Next::Known(Found::End), Next::Asked);
     }
 
     fn request(&mut self, wanted: Wanted) -> Option<u64> {
@@ -272,9 +259,9 @@ mod tests {
         queue.set_order(Repeat::Off, false);
         let (new, _) = asked(&requests);
         assert!(!queue.receive(old, Found::Track(Track::silence(5, 9)), false));
-        assert!(matches!(queue.following(false), Following::Unknown));
+        assert!(queue.following(false).is_none());
         assert!(!queue.receive(new, Found::Track(Track::silence(3, 9)), false));
-        let Following::Track(track) = queue.following(false) else { panic!("a track follows") };
+        let Some(Found::Track(track)) = queue.following(false) else { panic!("a track follows") };
         assert_eq!(track.info.entry, 3);
     }
 
@@ -283,8 +270,8 @@ mod tests {
         let (mut queue, requests) = queue();
         queue.request_ahead();
         assert!(!queue.receive(asked(&requests).0, Found::End, false));
-        assert!(matches!(queue.following(false), Following::End));
-        assert!(matches!(queue.following(false), Following::End), "the end stays the end");
+        assert!(matches!(queue.following(false), Some(Found::End)));
+        assert!(matches!(queue.following(false), Some(Found::End)), "the end stays the end");
         queue.set_order(Repeat::All, false);
         assert!(queue.receive(asked(&requests).0, Found::Track(Track::silence(4, 9)), true));
         assert_eq!(queue.passages.track().info.entry, 4);
@@ -295,7 +282,7 @@ mod tests {
         let (mut queue, requests) = queue();
         queue.request_ahead();
         queue.receive(asked(&requests).0, Found::End, false);
-        assert!(matches!(queue.following(false), Following::End));
+        assert!(matches!(queue.following(false), Some(Found::End)));
         let removed = |id| Edited { removed: vec![id], ..Edited::default() };
         assert!(!queue.apply_edit(removed(7), 0, true));
         assert!(requests.try_iter().next().is_none(), "the removal of an entry restarts the list");
@@ -312,11 +299,11 @@ mod tests {
         let (mut queue, requests) = queue();
         queue.request_ahead();
         queue.receive(asked(&requests).0, Found::End, false);
-        assert!(matches!(queue.following(false), Following::End));
+        assert!(matches!(queue.following(false), Some(Found::End)));
         queue.set_order(Repeat::One, false);
         assert!(queue.receive(asked(&requests).0, Found::Again, true));
-        assert!(matches!(queue.following(false), Following::Again));
-        assert!(matches!(queue.following(false), Following::Again));
+        assert!(matches!(queue.following(false), Some(Found::Again)));
+        assert!(matches!(queue.following(false), Some(Found::Again)));
     }
 
     #[test]
@@ -325,7 +312,7 @@ mod tests {
         let next = |queue: &mut TrackQueue| {
             queue.request_ahead();
             queue.receive(asked(&requests).0, Found::Track(Track::silence(8, 9)), false);
-            let Following::Track(track) = queue.following(true) else { panic!("a track follows") };
+            let Some(Found::Track(track)) = queue.following(true) else { panic!("a track follows") };
             queue.passages.follow_with(track);
         };
         (0..EMPTY_TRACKS_MAX).for_each(|_| next(&mut queue));
@@ -350,6 +337,6 @@ mod tests {
         let (mut queue, requests) = queue();
         drop(requests);
         queue.request_ahead();
-        assert!(matches!(queue.following(false), Following::End));
+        assert!(matches!(queue.following(false), Some(Found::End)));
     }
 }
