@@ -5,7 +5,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("editing", &["mariana-field", "thiserror"]),
     ("commands", &["bitflags", "mariana-control", "mariana-player", "mariana-scenes", "mariana-settings"]),
     ("control", &["mariana-work", "midir", "regex-lite", "rosc", "serde", "thiserror", "toml", "tracing"]),
-    ("field", &["fidget", "image", "multiversion", "naga", "serde", "serde_json", "thiserror"]),
+    ("field", &["fidget", "image", "multiversion", "naga", "serde", "serde_json", "strsim", "thiserror"]),
     (
         "files",
         &[

@@ -156,7 +156,7 @@ mod moving_tests {
             let changed = frames.windows(2).filter(|pair| pair[0] != pair[1]).count();
             assert!(changed >= frames.len() / 2, "{name} hardly moves: {changed} changes");
         }
-        assert!(bytes < 400_000, "{bytes} bytes");
+        assert!(bytes < 15_000 * shipped_names().len(), "{bytes} bytes");
     }
 
     #[test]

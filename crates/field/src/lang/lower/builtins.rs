@@ -19,15 +19,6 @@ pub(super) enum Number {
 }
 
 impl Lowering<'_> {
-    /// Returns the value of a fold whose loop has no iterations: 0 for `sum`, 1 for `product`. Reports other folds.
-    pub(super) fn fold_of_nothing(&mut self, name: Symbol, span: Span) -> Value {
-        match self.name(name) {
-            "sum" => Value::scalar(self.constant(0.0)),
-            "product" => Value::scalar(self.constant(1.0)),
-            other => self.reports.loop_without_values(other, span),
-        }
-    }
-
     pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         let (least, most) = row.arguments;

@@ -148,7 +148,11 @@ impl Lowering<'_> {
             return Value::Unknown;
         }
         if count <= tail && has_loop {
-            return self.fold_of_nothing(name, span);
+            return match self.name(name) {
+                "sum" => Value::scalar(self.constant(0.0)),
+                "product" => Value::scalar(self.constant(1.0)),
+                other => self.reports.loop_without_values(other, span),
+            };
         }
         if count <= tail {
             let text = self.name(name);
