@@ -77,7 +77,7 @@ impl From<SceneSource> for SceneChoice {
 
 pub(super) struct HeadlessRenderer {
     pub(super) renderer: Renderer,
-    view: Option<(ViewChoice, LegendPainter)>,
+    pub(super) view: Option<(ViewChoice, LegendPainter)>,
     coverage: Option<Coverage>,
     textures: ExactTextures,
     projection: Projection,

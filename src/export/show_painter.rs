@@ -185,7 +185,10 @@ impl ShowPainter {
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
         let (over, over_frame) = self.frame(moment.clip, time, sound, size)?;
-        self.headless_renderer.draw(&under, under_frame)?;
+        // Views are not mixed.
+        if self.headless_renderer.view.is_none() {
+            self.headless_renderer.draw(&under, under_frame)?;
+        }
         self.headless_renderer.draw_over(&over, over_frame, 1.0 - fraction)
     }
 

@@ -82,8 +82,9 @@ impl Blend {
     }
 }
 
-/// Draws and writes the still. All runs on one machine give the same bytes. `watch` receives the progress of a still by paths of light. If `watch` ends the still early, or
-/// something ends the process, the next call with the same request continues the paths.
+/// Draws and writes the still. All runs on one machine give the same bytes. `watch` receives the progress of a still by
+/// paths of light. If `watch` ends the still early, or something ends the process, the next call with the same request
+/// continues the paths.
 ///
 /// # Errors
 /// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.

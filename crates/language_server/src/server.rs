@@ -127,7 +127,13 @@ impl Server {
 
     fn request(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
         match (self.state, method) {
-            (State::New, "initialize") => return Ok(self.initialize(params)),
+            (State::New, "initialize") if params["capabilities"].is_object() => {
+                return Ok(self.initialize(params));
+            }
+            (State::New, "initialize") => {
+                let message = "the parameters are wrong: send an object with `capabilities`";
+                return Err(Failure::new(code::INVALID_PARAMS, message));
+            }
             (State::New, _) => {
                 return Err(Failure::new(code::NOT_INITIALIZED, "send the request `initialize` first"));
             }

@@ -157,7 +157,15 @@ object one {
 fn the_server_begins_and_ends_as_the_protocol_says() {
     let mut client = Client::new(&[]);
     assert_eq!(client.request("textDocument/hover", json!({})).unwrap_err()["code"], -32002);
-    let answer = client.request("initialize", json!({ "capabilities": {} })).unwrap();
+    for wrong in [json!({}), json!({ "capabilities": [] }), Value::Null] {
+        assert_eq!(client.request("initialize", wrong).unwrap_err()["code"], -32602);
+    }
+    let answer = client
+        .request(
+            "initialize",
+            json!({ "capabilities": { "general": { "positionEncodings": ["utf-8", "utf-32"] } } }),
+        )
+        .unwrap();
     assert_eq!(answer["capabilities"]["positionEncoding"], "utf-16");
     assert_eq!(client.request("initialize", json!({})).unwrap_err()["code"], -32600);
     assert_eq!(client.request("textDocument/unknown", json!({})).unwrap_err()["code"], -32601);

@@ -21,7 +21,7 @@ use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Entry, Length, Transition, TransitionKind, When};
-use super::scene_facts::SceneCard;
+use super::scene_card::SceneCard;
 use changes::{Change, Reason, changes};
 use character::Character;
 use mariana_field::lang::TransitionStyle;

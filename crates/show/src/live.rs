@@ -4,7 +4,7 @@
 //! next scene appears at a drop, on a beat after a new section has begun, or after a long time.
 
 use super::director::next_scene;
-use super::scene_facts::SceneCard;
+use super::scene_card::SceneCard;
 use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::TransitionStyle;
 

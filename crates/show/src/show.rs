@@ -4,7 +4,7 @@ use super::cue_list::{Anchor, CueList, Entry};
 use super::director::{direct, for_shows};
 use super::parse::{DIAGNOSTICS_MAX, parse};
 use super::resolve::{entry_starts, resolve};
-use super::scene_facts::{NamedScenes, Refusal, SceneCard};
+use super::scene_card::{NamedScenes, Refusal, SceneCard};
 use super::substitutes::with_substitutes;
 use super::text::{moment, print};
 use super::timeline::{Clip, Timeline};

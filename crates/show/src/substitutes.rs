@@ -4,7 +4,7 @@
 //! cameras change at the same moments as before.
 
 use super::cue_list::is_of_no_scene;
-use super::scene_facts::SceneCard;
+use super::scene_card::SceneCard;
 use super::timeline::Clip;
 
 /// Replaces the scenes of refused clips. Returns `None` if all scenes are refused.

@@ -46,6 +46,18 @@ pub enum EncodingQuality {
     Best,
 }
 
+impl EncodingQuality {
+    /// Returns the value for this quality.
+    fn of<T>(self, [low, medium, high, best]: [T; 4]) -> T {
+        match self {
+            Self::Low => low,
+            Self::Medium => medium,
+            Self::High => high,
+            Self::Best => best,
+        }
+    }
+}
+
 impl Choice for EncodingQuality {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (Self::Low, "low", "A small preview"),
@@ -126,7 +138,7 @@ impl Animation {
                     "-pix_fmt:v:0",
                     format,
                     "-quality:v:0",
-                    WEBP_QUALITIES[request.quality as usize],
+                    request.quality.of(WEBP_QUALITIES),
                 ]
             }
         };
@@ -270,5 +282,5 @@ fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
         Some(Codec::Vp9) => ["42", "33", "24", "15"],
         Some(Codec::Av1) => ["45", "35", "25", "15"],
     };
-    factors[quality as usize]
+    quality.of(factors)
 }

@@ -259,7 +259,7 @@ macro_rules! choices {
             /// All choices, in the order of their numbers.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$one,)+];
 
-            /// Returns the name in scenes.
+            /// Returns the name in scenes and shows.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$one => $name,)+ }
             }

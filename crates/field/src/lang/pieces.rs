@@ -91,7 +91,7 @@ impl<'a> Cutter<'a> {
     fn comments(&mut self, to: usize) {
         loop {
             let gap = self.text.get(self.at..to).unwrap_or_default();
-            let blank = |letter: char| letter.is_ascii_whitespace() || letter == BYTE_ORDER_MARK;
+            let blank = |letter: char| letter.is_whitespace() || letter == BYTE_ORDER_MARK;
             let rest = gap.trim_start_matches(blank);
             if rest.is_empty() {
                 return;

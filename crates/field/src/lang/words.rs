@@ -121,6 +121,12 @@ mod tests {
     }
 
     #[test]
+    fn a_space_of_another_script_ended_a_comment_twice() {
+        assert_eq!(seen("# a\u{a0}", false), (vec![(WordKind::Comment, "# a\u{a0}")], false));
+        assert_eq!(seen("/* a\u{3000}", false), (vec![(WordKind::Comment, "/* a\u{3000}")], true));
+    }
+
+    #[test]
     fn every_kind_of_word_is_recognized() {
         use WordKind::{Comment, Function, Input, Keyword, Name, Number, Sign, Text, Unknown};
         let line = "let r = sphere(p, 1.5e2) # ball";

@@ -260,7 +260,7 @@ impl FlashPrograms {
             let (shader, defines) = shaders.next().unwrap_or_default();
             linked(gl, library, shader, defines)
         };
-        Ok(Self {
+        let programs = Self {
             measure: next()?,
             follow: [next()?, next()?],
             gather: next()?,
@@ -272,7 +272,9 @@ impl FlashPrograms {
             note: [next()?, next()?],
             limit: next()?,
             limit_enlarged: next()?,
-        })
+        };
+        debug_assert!(shaders.next().is_none(), "a shader of the table is not used");
+        Ok(programs)
     }
 }
 

@@ -95,7 +95,7 @@ impl Post {
             LazyProgram::new(gl, library, name, &Variant::of(defines))
         };
         let [of_stencil, of_list] = [next()?, next()?];
-        Ok(Self {
+        let post = Self {
             passes: Passes::new(gl)?,
             resolve: if gl.info().software { of_list } else { of_stencil },
             resolve_all: next()?,
@@ -109,7 +109,9 @@ impl Post {
             add_faded_exposure: next()?,
             present_mean: [next()?, next()?, next()?, next()?],
             tone_map: None,
-        })
+        };
+        debug_assert!(shaders.next().is_none(), "a shader of the table is not used");
+        Ok(post)
     }
 
     /// Sets the image's settings and the edge contrasts for all passes, including the passes of the scene.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::resolve::testing::song;
-use crate::scene_facts::Rise;
+use crate::scene_card::Rise;
 use crate::timeline::TimedTransition;
 use crate::{parse, print, resolve};
 use mariana_field::lang::About;

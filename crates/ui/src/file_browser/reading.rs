@@ -26,6 +26,8 @@ pub(super) struct FolderReader {
     wake: Arc<dyn Fn() + Send + Sync>,
     /// The answers of the threads that are reading.
     open: Vec<Awaited<Answer>>,
+    /// The answers that have come.
+    come: Vec<Answer>,
 }
 
 impl FolderReader {
@@ -33,11 +35,12 @@ impl FolderReader {
         read: impl Fn(&Path) -> Listing + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        Self { read: Arc::new(read), wake: Arc::new(wake), open: Vec::new() }
+        Self { read: Arc::new(read), wake: Arc::new(wake), open: Vec::new(), come: Vec::new() }
     }
 
     /// Reads a folder. Fails if too many folders do not answer, or without threads.
     pub(super) fn request(&mut self, folder: PathBuf) -> Result<(), String> {
+        self.collect();
         if self.open.len() >= limits::FOLDERS_READ_MAX {
             return Err("several folders do not answer: check the disks and the network".to_owned());
         }
@@ -50,9 +53,13 @@ impl FolderReader {
 
     /// Returns the answers that have come.
     pub(super) fn answers(&mut self) -> Vec<Answer> {
-        let answers = self.open.iter_mut().filter_map(|one| one.poll()?.ok()).collect();
+        self.collect();
+        std::mem::take(&mut self.come)
+    }
+
+    fn collect(&mut self) {
+        self.come.extend(self.open.iter_mut().filter_map(|one| one.poll()?.ok()));
         self.open.retain(Awaited::is_awaited);
-        answers
     }
 
     pub(super) fn start(&mut self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {

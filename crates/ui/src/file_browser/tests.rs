@@ -203,7 +203,6 @@ fn a_folder_that_does_not_answer_delays_no_other_folder() {
     drop(go_on);
     while browser.reader.request(folder.path().to_owned()).is_err() {
         std::thread::sleep(Duration::from_millis(2));
-        browser.update();
     }
     browser.enter(slow);
     read(&mut browser);

@@ -14,7 +14,7 @@ pub(super) struct Pass<'a> {
     pub acts: &'a mut Acts,
 }
 
-/// What the user's input does, in order.
+/// What the user's input does: first the changes of the panels in their order, then the commands.
 #[derive(Default)]
 pub struct Acts {
     /// Changes of the panels.

@@ -77,6 +77,7 @@ impl Fallback {
     }
 
     pub(super) fn add_found(&self, context: &Context) {
+        while self.thread.poll().is_some() {}
         for font in mem::take(&mut *lock(&self.found)) {
             context.add_font(font);
         }

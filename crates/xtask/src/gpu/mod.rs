@@ -32,7 +32,7 @@ const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 struct Arguments {
     #[arg(long)]
     shim: Option<PathBuf>,
-    /// Folder of the shaders; `None` for the embedded shaders.
+    /// Folder of the shaders, instead of the embedded ones.
     #[arg(long)]
     shaders: Option<String>,
     #[arg(long = "gpu", default_values = GPUS)]
@@ -63,7 +63,7 @@ fn shim() -> Option<PathBuf> {
 /// # Errors
 /// Fails if the shim or the driver is missing, if a driver rejects a program, or if a program got worse.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let requested = Arguments::try_parse_from(arguments)?;
+    let requested = Arguments::parse_from(arguments);
     let shim = requested.shim.clone().or_else(shim).with_context(|| {
         format!("cannot find {SHIM}: install mesa-drm-shim (Debian 13, or backports of 12), or use --shim")
     })?;

@@ -141,7 +141,7 @@ struct Arguments {
 /// # Errors
 /// Fails if the driver is missing or rejects a program.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let Arguments { json, shaders, names } = Arguments::try_parse_from(arguments)?;
+    let Arguments { json, shaders, names } = Arguments::parse_from(arguments);
     let library = shaders.map_or_else(ShaderLibrary::embedded, |folder| ShaderLibrary::on_disk(&folder));
     let heard = Heard::default();
     tracing_subscriber::registry().with(heard.clone()).init();

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Writes `language.md` and, in `shapes/`, an image of each function in [`mariana_field::lang::examples`]. `FOLDER`
-//! defaults to `docs`. The text comes from doc comments in the code (`mariana_field::lang::entries`) and from
-//! `intro.md` here. Every run writes the same bytes.
+//! defaults to `docs`. The text comes from doc comments in the library's texts and in the code
+//! (`mariana_field::lang::entries`), and from `intro.md` here. Every run writes the same bytes.
 
 mod draw;
 mod field;

@@ -64,6 +64,15 @@ fn shipped_texts_are_formatted() {
 }
 
 #[test]
+fn a_space_of_another_script_after_a_comment_joined_the_next_line() {
+    for comment in ["# a\u{a0}", "let a = 1 # x\u{3000}"] {
+        let text = format!("{comment}\nlet b = 1\nlength(p) - b\n");
+        let wanted = format!("{}\nlet b = 1\nlength(p) - b\n", comment.trim_end());
+        assert_eq!(formatted(&text).unwrap(), wanted);
+    }
+}
+
+#[test]
 fn blanks_and_indentation_become_regular() {
     for (text, expected) in [
         ("let  a=1+2 *x", "let a = 1 + 2 * x\n"),

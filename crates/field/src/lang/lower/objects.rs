@@ -67,7 +67,7 @@ impl SceneBuilder<'_> {
         let material = if a.material == b.material {
             a.material
         } else {
-            if self.has_all_materials("materials, including mixtures made by `melt`", b.span) {
+            if self.refuses_material("materials, including mixtures made by `melt`", b.span) {
                 return None;
             }
             let difference = self.lowering.graph.sub(a.shape, b.shape);

@@ -112,7 +112,7 @@ impl SceneBuilder<'_> {
         match section {
             Section::Object => self.object(title, span, values),
             Section::Material => {
-                if self.has_all_materials("materials", span) {
+                if self.refuses_material("materials", span) {
                     return;
                 }
                 let material = Material::of(title, self.lowering.numbers(Material::FIELDS, values));
@@ -127,7 +127,7 @@ impl SceneBuilder<'_> {
             Section::Light => {
                 let (count, max) = (self.parts.lights.len(), limits.scene_lights_max);
                 let hint = "use materials with `emission` instead";
-                if !self.lowering.reports.is_full(count, max, "lights", hint, span)
+                if !self.lowering.reports.refuses_more(count, max, "lights", hint, span)
                     && let Some(kind) = self.light_kind(&title, span, values)
                 {
                     let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
@@ -137,7 +137,7 @@ impl SceneBuilder<'_> {
             Section::Medium => {
                 let (count, max) = (self.parts.media.len(), limits.scene_media_max);
                 let hint = "add the densities of several media in one, and mix their colours by `p`";
-                if !self.lowering.reports.is_full(count, max, "media", hint, span) {
+                if !self.lowering.reports.refuses_more(count, max, "media", hint, span) {
                     let medium = self.lowering.numbers(Medium::FIELDS, values);
                     self.parts.media.push(Medium::of(medium));
                 }
@@ -149,7 +149,7 @@ impl SceneBuilder<'_> {
                 let hint = "move one camera instead";
                 if name.is_none() {
                     only(&mut self.lowering.reports, &mut self.parts.camera, camera, section, span);
-                } else if !self.lowering.reports.is_full(count, max, "named cameras", hint, span) {
+                } else if !self.lowering.reports.refuses_more(count, max, "named cameras", hint, span) {
                     self.parts.cameras.push((title, camera));
                 }
             }
@@ -176,17 +176,17 @@ impl SceneBuilder<'_> {
     }
 
     /// Reports a material beyond the limit. `what` names the materials.
-    pub(super) fn has_all_materials(&mut self, what: &str, span: Span) -> bool {
+    pub(super) fn refuses_material(&mut self, what: &str, span: Span) -> bool {
         let (count, max) = (self.parts.materials.len(), self.lowering.limits.scene_materials_max);
         let hint = "use one material whose fields depend on `p`";
-        self.lowering.reports.is_full(count, max, what, hint, span)
+        self.lowering.reports.refuses_more(count, max, what, hint, span)
     }
 
     fn swarm(&mut self, span: Span, values: &Values) {
         let limits = self.lowering.limits;
         let (count, points_max) = (self.parts.swarms.len(), limits.scene_swarm_points_max);
         let hint = "let `index` decide what each point of one swarm does";
-        if self.lowering.reports.is_full(count, limits.scene_swarms_max, "swarms", hint, span) {
+        if self.lowering.reports.refuses_more(count, limits.scene_swarms_max, "swarms", hint, span) {
             return;
         }
         let numbers = self.lowering.numbers(Swarm::FIELDS, values);
