@@ -101,16 +101,9 @@ impl Lowering<'_> {
         if may_descend {
             self.budget.depth += 1;
         } else if !self.reports.stopped {
-            self.report_depth(span);
+            self.reports.too_deep(self.limits.scene_depth_max, span);
         }
         may_descend
-    }
-
-    #[cold]
-    fn report_depth(&mut self, span: Span) {
-        let max = self.limits.scene_depth_max;
-        let message = format!("expressions and function calls are nested deeper than {max} levels");
-        self.reports.stop(span, message, "nest fewer function calls");
     }
 
     fn nested(&mut self, expr: Expr, span: Span) -> Value {

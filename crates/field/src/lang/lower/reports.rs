@@ -45,6 +45,13 @@ impl Reports<'_> {
         value
     }
 
+    /// Reports expressions that are nested deeper than `max` levels.
+    #[cold]
+    pub(super) fn too_deep(&mut self, max: usize, span: Span) {
+        let message = format!("expressions and function calls are nested deeper than {max} levels");
+        self.stop(span, message, "nest fewer function calls");
+    }
+
     /// Reports a list that has no room for one more entry. `what` names the entries.
     pub(super) fn refuses_more(
         &mut self,
