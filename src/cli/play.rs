@@ -335,3 +335,41 @@ fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Resul
         files => Ok(Playlist::open(files, repeat, shuffle)?),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: PlayArguments,
+    }
+
+    fn parsed(words: &[&str]) -> Option<PlayArguments> {
+        let line = [&["mariana"], words].concat();
+        Line::try_parse_from(line).ok().map(|line| line.arguments)
+    }
+
+    #[test]
+    fn rates_of_osc_are_those_of_the_limits() {
+        let rate = |rate: f64| {
+            let arguments = parsed(&["--osc-send", "127.0.0.1:9000", "--osc-rate", &rate.to_string()]);
+            arguments.map(|arguments| arguments.osc_rate)
+        };
+        assert_eq!([OSC_RATE_MIN, OSC_RATE_MAX].map(rate), [Some(OSC_RATE_MIN), Some(OSC_RATE_MAX)]);
+        for wrong in [OSC_RATE_MIN / 2.0, OSC_RATE_MAX + 1.0, f64::NAN] {
+            assert_eq!(rate(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn delays_are_those_of_the_limits() {
+        let latency =
+            |ms: f64| parsed(&["--latency", &ms.to_string()]).and_then(|arguments| arguments.latency);
+        assert_eq!([-LATENCY_MS_MAX, -180.0].map(latency), [Some(-LATENCY_MS_MAX), Some(-180.0)]);
+        assert_eq!([-LATENCY_MS_MAX - 1.0, LATENCY_MS_MAX + 1.0].map(latency), [None, None]);
+    }
+}

@@ -38,7 +38,7 @@ impl HeardParts {
 
     /// Returns the numbers of the parts at a time of a track in seconds; none, or zeros, while they are unknown.
     pub(super) fn at(&self, track: u64, time: f64) -> Vec<f32> {
-        let parts = self.reader.get(track).filter(|_| self.wanted);
+        let parts = if self.wanted { self.reader.get(track) } else { None };
         parts.map(|parts| parts.tracks.at(time)).unwrap_or_default()
     }
 }

@@ -338,7 +338,7 @@ impl Listening {
 
     /// The cover of the track that plays, at most 256 pixels wide and high, once it is decoded.
     pub(crate) fn cover(&self) -> Option<Arc<RgbaImage>> {
-        self.covers.get(self.track).filter(|_| self.sound.plays_song())
+        if self.sound.plays_song() { self.covers.get(self.track) } else { None }
     }
 
     /// The cover of the track that plays, or a painted one.
@@ -369,7 +369,7 @@ impl Listening {
 
     /// What is known of a whole track; `None` while another source plays.
     fn read_song(&self, track: u64) -> Option<Arc<ReadSong>> {
-        self.songs.get(track).filter(|_| self.sound.plays_song())
+        if self.sound.plays_song() { self.songs.get(track) } else { None }
     }
 
     /// Adds the hints and the source list to the overlay. `stays_open` is true while the user keeps the list open.

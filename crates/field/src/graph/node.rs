@@ -84,7 +84,7 @@ impl Input {
         }
     }
 
-    /// A number for each input. Those of the point begin with 0, in the order of [`Input::OF_POINT`].
+    /// A number for each input. The inputs of the point begin with 0, in the order of [`Input::OF_POINT`].
     #[inline(always)]
     const fn code(self) -> u32 {
         match self {

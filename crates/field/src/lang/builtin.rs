@@ -126,7 +126,7 @@ pub(super) enum Builtin {
     Dot,
     Construct(u8),
     Levels(LevelList),
-    /// A table of the sound, at one place or two.
+    /// A table of the sound, with one or two coordinates.
     Table(Op),
     Texture,
     /// A number with inertia.

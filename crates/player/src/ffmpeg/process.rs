@@ -36,7 +36,7 @@ pub(crate) enum Failure {
     Start(io::Error),
     /// The program's last error message.
     Refused(String),
-    /// What is wrong with the program's output.
+    /// The reason why the program's output is useless.
     Useless(String),
 }
 
