@@ -3,7 +3,7 @@
 use mariana_field::world::BlendKind;
 
 use crate::config::setting_limits;
-use crate::export::video::Part;
+use crate::export::video::VideoPart;
 use crate::limits;
 use crate::placement::{Corners, Crop};
 use crate::y4m::ntsc_rate;
@@ -83,11 +83,11 @@ pub(super) fn parse_noise(text: &str) -> Result<f32, String> {
 }
 
 /// Parses a part of a video: `3/8`.
-pub(super) fn parse_part(text: &str) -> Result<Part, String> {
+pub(super) fn parse_part(text: &str) -> Result<VideoPart, String> {
     let (number, of) = text.split_once('/').ok_or("write the part as NUMBER/PARTS, such as 3/8")?;
     let of = u64::from(parse_whole(of, 1, limits::PARTS_OF_VIDEO_MAX, "parts")?);
     match number.trim().parse() {
-        Ok(number) if (1..=of).contains(&number) => Ok(Part { number, of }),
+        Ok(number) if (1..=of).contains(&number) => Ok(VideoPart { number, of }),
         _ => Err(format!("'{}' is none of the parts 1 to {of}", number.trim())),
     }
 }

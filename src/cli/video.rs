@@ -17,7 +17,7 @@ use super::projection::ProjectionArguments;
 use super::show::{WantedShow, or_shipped, parse_show};
 use super::view::ViewArguments;
 use crate::export::video::{
-    Codec, EncodingQuality, Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video,
+    Codec, EncodingQuality, Preset, VideoPart, VideoPlace, VideoRequest, Written, join_parts, write_video,
 };
 use crate::export::{Output, SceneChoice, Showing, print_line};
 use crate::gpu::edge_samples::EdgeSamples;
@@ -86,7 +86,7 @@ pub(super) struct VideoArguments {
     output: PathBuf,
     /// Render one part of the video, such as 3/8, without sound: for several machines. Continues an interrupted part
     #[arg(long, value_name = "NUMBER/PARTS", value_parser = parse_part)]
-    part: Option<Part>,
+    part: Option<VideoPart>,
     /// Join parts into the video without encoding again, and add the sound of FILE
     #[arg(long, value_name = "PART", num_args = 1.., conflicts_with = "part")]
     join: Vec<PathBuf>,

@@ -72,7 +72,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let bench = Bench { request, gl, ready, resources, frame, following };
     let (modes, mut notes) = bench.modes();
     let mut renderer = Renderer::new(gl, &request.scene.shaders, Counting::Off)?;
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<Measurement> = Vec::new();
     for mode in modes {
         bench.start_runs(&mut renderer, mode, &mut runs)?;
     }
@@ -152,7 +152,7 @@ impl Bench<'_> {
         &self,
         renderer: &mut Renderer,
         mode: Mode,
-        runs: &mut Vec<Run>,
+        runs: &mut Vec<Measurement>,
     ) -> Result<(), ExportError> {
         let request = self.request;
         let ways: &[bool] =
@@ -172,7 +172,7 @@ impl Bench<'_> {
         mode: Mode,
         regions: bool,
         made: Option<Made>,
-    ) -> Result<Run, ExportError> {
+    ) -> Result<Measurement, ExportError> {
         let (resources, frame, library) = (&self.resources, &self.frame, &self.request.scene.shaders);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
         let start = Instant::now();
@@ -197,10 +197,10 @@ impl Bench<'_> {
             }
         };
         let (wall, cpu, gpu) = Default::default();
-        Ok(Run { mode, regions, built, build_ms, next_build_ms, made, first_draw_ms, wall, cpu, gpu })
+        Ok(Measurement { mode, regions, built, build_ms, next_build_ms, made, first_draw_ms, wall, cpu, gpu })
     }
 
-    fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
+    fn time(&self, renderer: &mut Renderer, runs: &mut [Measurement]) -> Result<(), ExportError> {
         let (gl, resources, frame) = (self.gl, &self.resources, &self.frame);
         let timer = gl.info().has_timers().then(|| GpuTimer::new(gl)).transpose()?;
         for _ in 0..self.request.frames.max(1) {
@@ -230,7 +230,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    fn count(&self, runs: Vec<Run>) -> Result<Vec<ModeReport>, ExportError> {
+    fn count(&self, runs: Vec<Measurement>) -> Result<Vec<ModeReport>, ExportError> {
         let (gl, library, size) = (self.gl, &self.request.scene.shaders, self.request.size);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
         let mut counter = Renderer::new(gl, library, Counting::On)?;
@@ -278,7 +278,7 @@ const EDGE_FRAMES: usize = 3;
 fn measure_edges(
     renderer: &mut Renderer,
     resources: &SceneResources,
-    run: &Run,
+    run: &Measurement,
     frame: &Frame,
 ) -> Result<Vec<EdgeReport>, ExportError> {
     resources.set_cells(run.regions, run.mode);
@@ -379,7 +379,7 @@ struct Made {
     again: [f64; 2],
 }
 
-struct Run {
+struct Measurement {
     mode: Mode,
     regions: bool,
     built: Arc<BuiltRegions>,
@@ -392,7 +392,7 @@ struct Run {
     gpu: Vec<f64>,
 }
 
-impl Run {
+impl Measurement {
     fn report(&mut self, evaluations: Evaluations) -> ModeReport {
         ModeReport {
             mode: self.mode,

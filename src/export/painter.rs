@@ -1,4 +1,4 @@
-//! Draws scenes without a window. [`Painter`] draws a single scene; shows use `HeadlessRenderer` directly.
+//! Draws scenes without a window. [`ScenePainter`] draws a single scene; shows use `HeadlessRenderer` directly.
 
 use super::alpha::{Coverage, require_no_sky};
 use super::earlier_sound::EarlierSound;
@@ -291,7 +291,7 @@ impl Model {
 }
 
 /// A scene on the GPU, with its own context. Draws frames of any size.
-pub struct Painter {
+pub struct ScenePainter {
     model: Model,
     held: HeldInputs,
     pub(super) headless_renderer: HeadlessRenderer,
@@ -310,7 +310,7 @@ fn warn_of_a_camera_inside(world: &World, frame: &Frame) {
     }
 }
 
-impl Painter {
+impl ScenePainter {
     /// Opens a context and prepares the chosen scene.
     ///
     /// # Errors
@@ -423,7 +423,7 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
     Ok(())
 }
 
-/// Returns the mode in which a [`Painter`] draws a scene on a driver.
+/// Returns the mode in which a [`ScenePainter`] draws a scene on a driver.
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,

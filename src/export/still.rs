@@ -9,7 +9,7 @@ use image::{ColorType, ImageFormat};
 use super::alpha::straight;
 use super::error::{ExportError, refuse};
 use super::output::{Output, write_standard};
-use super::painter::{Painter, SceneChoice, require_inputs};
+use super::painter::{SceneChoice, ScenePainter, require_inputs};
 use super::panorama;
 use super::path_store::{PathStore, SharedStore};
 use super::paths::PathWatch;
@@ -150,7 +150,7 @@ fn drawn(
     song.know_for(&ready.world.scene.graph);
     sound = song.placed(request.at, sound);
     require_inputs(&[&ready.world.scene], &request.set)?;
-    let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
+    let mut painter = ScenePainter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
     painter.headless_renderer.set_song(song)?;
     painter.headless_renderer.watch_paths(watch, store);

@@ -19,7 +19,7 @@ use super::error::ExportError;
 use super::output::Output;
 use super::still::refuse_the_song;
 
-use drawing::Drawing;
+use drawing::VideoFrames;
 #[cfg(test)]
 pub(crate) use drawing::loop_too_long;
 #[cfg(test)]
@@ -30,7 +30,7 @@ pub use join::join_parts;
 pub use place::{Preset, VideoPlace};
 pub use report::{CONTINUE, PAUSE, VideoReport};
 use request::frames_in;
-pub use request::{Part, VideoRequest, Written};
+pub use request::{VideoPart, VideoRequest, Written};
 use seam::Seam;
 use sink::{FrameWriter, Sink};
 
@@ -59,7 +59,7 @@ pub fn write_video(
         _ => None,
     };
     let asked = seam.as_ref().map(Seam::needed).or(asked);
-    let mut drawing = Drawing::open(request, asked, seam.is_some())?;
+    let mut drawing = VideoFrames::open(request, asked, seam.is_some())?;
     let mut writer = FrameWriter::start(Sink::open(request, 0)?)?;
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {

@@ -162,7 +162,7 @@ impl Session {
         let is_stale = |(at, shown): (Instant, _)| now - at >= WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
-            let mut waiting = Waiting {
+            let mut waiting = WaitingWindow {
                 since: self.waits_since,
                 screen: &mut *self.screen,
                 overlay: &mut self.interface.overlay,
@@ -262,7 +262,7 @@ impl Playback {
     }
 
     /// Compiles the programs shared by all scenes while the first scene's program is compiled.
-    fn warm_up(&mut self, waiting: &mut Waiting<'_>) -> Result<(), SessionError> {
+    fn warm_up(&mut self, waiting: &mut WaitingWindow<'_>) -> Result<(), SessionError> {
         let Some(picture) = self.scene.scenes.coming_picture() else { return Ok(()) };
         let (scene, listening) = (&mut self.scene, &mut self.listening);
         let mut updated = Ok(());
@@ -434,13 +434,13 @@ impl Interface {
 }
 
 /// A window without a frame.
-struct Waiting<'a> {
+struct WaitingWindow<'a> {
     since: Instant,
     screen: &'a mut dyn Screen,
     overlay: &'a mut Overlay,
 }
 
-impl Waiting<'_> {
+impl WaitingWindow<'_> {
     /// Paints the name of the scene being prepared and the bands of the sound. Starts the song if the first frame is
     /// late.
     fn paint(

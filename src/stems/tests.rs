@@ -7,7 +7,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use super::*;
-use mariana_field::graph::{LevelList, Part};
+use mariana_field::graph::{LevelList, SongPart};
 use mariana_player::playlist::Playlist;
 use mariana_player::track::Repeat;
 use mariana_testing::wave::write_wav;
@@ -36,7 +36,7 @@ fn none() -> CachedFiles {
     parts_cache(&Folders::default())
 }
 
-fn volume(parts: &Parts, part: Part, time: f64) -> f32 {
+fn volume(parts: &Parts, part: SongPart, time: f64) -> f32 {
     let input = PartInput {
         part,
         number: mariana_field::graph::PartNumber::Sound(PartInput::sounds().next().unwrap()),
@@ -52,10 +52,10 @@ fn parts_are_numbered_as_in_scenes_and_follow_the_songs_time() {
     assert!(parts.problems.is_empty(), "{:?}", parts.problems);
     assert_eq!(parts.tracks.at(1.0).len(), PartInput::COUNT);
     assert_eq!(kept_numbers().len() + LevelList::Band.count(), PartInput::OF_ONE);
-    let heard = |parts: &Parts, time: f64| Part::ALL.map(|part| volume(parts, part, time) > 0.3);
+    let heard = |parts: &Parts, time: f64| SongPart::ALL.map(|part| volume(parts, part, time) > 0.3);
     assert_eq!(heard(&parts, 2.0), [false; 4]);
     assert_eq!(heard(&parts, 4.0), [true, false, false, false]);
-    assert_eq!(volume(&parts, Part::Vocals, 4.0), 0.0);
+    assert_eq!(volume(&parts, SongPart::Vocals, 4.0), 0.0);
     assert_eq!(parts.tracks.at(60.0), [0.0; PartInput::COUNT]);
     // A track of a cue sheet begins later in the same file, and ends earlier.
     of_song.cut = Some(Cut { start: 225, end: Some(300) });
@@ -65,7 +65,8 @@ fn parts_are_numbered_as_in_scenes_and_follow_the_songs_time() {
     // The gain of the song also applies to its stems.
     of_song.scene_gain = 0.1;
     assert!(
-        (volume(&of_song.read(&none(), &|| true, &|_| {}).unwrap(), Part::Drums, 0.5) - 0.0318).abs() < 2e-3
+        (volume(&of_song.read(&none(), &|| true, &|_| {}).unwrap(), SongPart::Drums, 0.5) - 0.0318).abs()
+            < 2e-3
     );
 }
 

@@ -6,7 +6,7 @@ use crate::support::test_renderer::silence;
 use glam::DVec3;
 use image::RgbaImage;
 use mariana::config::SdfChoice;
-use mariana::export::painter::{Painter, SceneChoice};
+use mariana::export::painter::{SceneChoice, ScenePainter};
 use mariana::frame::Frame;
 use mariana::frame::projection::{EyeRay, Projection, ProjectionKind, Stereo};
 use mariana::scenes::SceneSource;
@@ -20,14 +20,14 @@ const PLAIN: &str = "\npicture { tone_map = none  bloom = 0  grain = 0";
 const RADIUS: f64 = 5.0;
 const MODES: [SdfChoice; 2] = [SdfChoice::Interpreted, SdfChoice::Compiled];
 
-fn painter(text: &str, projection: Projection, sdf: SdfChoice) -> Painter {
+fn painter(text: &str, projection: Projection, sdf: SdfChoice) -> ScenePainter {
     // Only the corners of flat pictures become darker.
     let vignette = if projection.is_plain() { 0.0 } else { 0.5 };
     let source = SceneSource::Formula(format!("{text}{PLAIN}  vignette = {vignette} }}"));
-    Painter::open(&SceneChoice { projection, sdf, ..source.into() }).unwrap()
+    ScenePainter::open(&SceneChoice { projection, sdf, ..source.into() }).unwrap()
 }
 
-fn drawn(painter: &mut Painter, size: (u32, u32)) -> RgbaImage {
+fn drawn(painter: &mut ScenePainter, size: (u32, u32)) -> RgbaImage {
     painter.draw(0.0, silence().into(), size).unwrap();
     RgbaImage::from_raw(size.0, size.1, painter.read()).unwrap()
 }

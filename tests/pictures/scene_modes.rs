@@ -9,7 +9,7 @@ use crate::support::test_renderer::{
 };
 use image::RgbaImage;
 use mariana::config::SdfChoice;
-use mariana::export::painter::{Painter, SceneChoice, mode_on};
+use mariana::export::painter::{SceneChoice, ScenePainter, mode_on};
 use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::mode::CellUse;
@@ -365,7 +365,7 @@ fn a_painter_uses_the_requested_mode() {
     ] {
         let source = SceneSource::Formula(PLANES.into());
         let choice = SceneChoice { sdf, cells: CellUse::Always, ..SceneChoice::from(source) };
-        let mut painter = Painter::open(&choice).unwrap();
+        let mut painter = ScenePainter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence().into(), (16, 9)).unwrap();
         assert_eq!(painter.read().len(), 16 * 9 * 4);

@@ -61,7 +61,7 @@ pub enum ControllerRow {
 
 /// An editable part of a mapping, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Field {
+pub enum MappingField {
     /// The position that the parameter takes at the lower end of the control.
     From,
     /// The position that the parameter takes at the upper end of the control.
@@ -79,7 +79,7 @@ pub enum Field {
     Remove,
 }
 
-impl Field {
+impl MappingField {
     /// All parts, from left to right.
     pub const ALL: [Self; 7] =
         [Self::From, Self::To, Self::Invert, Self::Curve, Self::Smoothing, Self::PickUp, Self::Remove];
@@ -181,8 +181,8 @@ pub struct ControllersPanel {
 
 impl ControllersPanel {
     /// The selected part of a mapping.
-    pub fn field(&self) -> Field {
-        Field::ALL.get(self.field).copied().unwrap_or(Field::From)
+    pub fn field(&self) -> MappingField {
+        MappingField::ALL.get(self.field).copied().unwrap_or(MappingField::From)
     }
 
     /// Updates the rows.
@@ -213,7 +213,7 @@ impl ControllersPanel {
                 }
             }
             NamedKey::ArrowLeft | NamedKey::ArrowRight if matches!(row, Some(ControllerRow::Knob { .. })) => {
-                let last = Field::ALL.len() - 1;
+                let last = MappingField::ALL.len() - 1;
                 self.field = match named {
                     NamedKey::ArrowLeft => self.field.saturating_sub(1),
                     _ => (self.field + 1).min(last),

@@ -2,7 +2,7 @@
 
 use std::time::{Instant, SystemTime};
 
-use super::{BenchRequest, EditReport, Run, milliseconds};
+use super::{BenchRequest, EditReport, Measurement, milliseconds};
 use crate::export::error::ExportError;
 use crate::frame::Frame;
 use crate::gpu::scene_program::{drawing_variant_of, link_scene};
@@ -19,7 +19,7 @@ pub(super) fn measure_edit(
     request: &BenchRequest,
     before: &SceneResources,
     sound: Sound,
-    runs: &[Run],
+    runs: &[Measurement],
 ) -> Result<EditReport, ExportError> {
     let gl = renderer.gl().clone();
     let source = &request.scene.source;

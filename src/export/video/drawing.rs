@@ -8,7 +8,7 @@ use crate::export::show_painter::ShowPainter;
 use crate::export::showing::Holding;
 use crate::export::song_features::SongFeatures;
 
-pub(super) struct Drawing<'a> {
+pub(super) struct VideoFrames<'a> {
     request: &'a VideoRequest,
     song: SongFeatures,
     painter: ShowPainter,
@@ -18,7 +18,7 @@ pub(super) struct Drawing<'a> {
     pub(super) expected: Option<u64>,
 }
 
-impl<'a> Drawing<'a> {
+impl<'a> VideoFrames<'a> {
     /// Opens the song and the scenes. `asked` is the number of frames to draw; `None` draws to the song's end. With
     /// `needs_all`, the song must have this many frames.
     pub(super) fn open(

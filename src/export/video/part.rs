@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::drawing::Drawing;
+use super::drawing::VideoFrames;
 use super::encoder::{Encoder, Frames};
 use super::encoding::can_be_joined;
-use super::request::{Part, VideoRequest, Written, frames_in};
+use super::request::{VideoPart, VideoRequest, Written, frames_in};
 use super::sink::{FrameWriter, Sink, is_folder};
 use crate::atomic_file::Unwritable;
 use crate::export::error::{ExportError, refuse};
@@ -33,7 +33,7 @@ const MARK: &str = "mariana part ";
 /// The description of a part in its file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct PartRecord {
-    pub(super) part: Part,
+    pub(super) part: VideoPart,
     /// The first frame in the file, the number of frames in the file, and the number of the video's frames.
     pub(super) first: u64,
     pub(super) frames: u64,
@@ -153,7 +153,7 @@ fn hash_of_frames(request: &VideoRequest) -> Result<u64, ExportError> {
 /// Draws and writes a part, and calls `progress` with the frames of the part.
 pub(super) fn write_part(
     request: &VideoRequest,
-    part: Part,
+    part: VideoPart,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<Written, ExportError> {
     let refused =
@@ -174,7 +174,7 @@ pub(super) fn write_part(
         return refused("a loop, whose end fades into its beginning,", "leave out --for loop");
     }
     let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
-    let mut drawing = Drawing::open(request, asked, false)?;
+    let mut drawing = VideoFrames::open(request, asked, false)?;
     let Some(total) = drawing.expected else {
         return refused("a song of unknown length", "add --duration");
     };
@@ -209,7 +209,7 @@ fn write_pieces(
     request: &VideoRequest,
     path: &Path,
     record: &PartRecord,
-    drawing: &mut Drawing<'_>,
+    drawing: &mut VideoFrames<'_>,
     range: Range<u64>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<PathBuf, ExportError> {
@@ -242,7 +242,7 @@ fn write_pieces(
 /// Draws and writes frames up to `end` or the song's end. `picture` is the first frame, if it is drawn already. Returns
 /// the number after the last frame.
 fn write_frames(
-    drawing: &mut Drawing<'_>,
+    drawing: &mut VideoFrames<'_>,
     sink: Sink,
     mut picture: Option<Vec<u8>>,
     range: Range<u64>,

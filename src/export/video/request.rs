@@ -58,7 +58,7 @@ pub struct VideoRequest {
     /// The shutter of each frame.
     pub shutter: Shutter,
     /// The part to render; `None` for the whole video.
-    pub part: Option<Part>,
+    pub part: Option<VideoPart>,
 }
 
 /// A finished video.
@@ -72,14 +72,14 @@ pub struct Written {
 
 /// A part of a video: its number, from 1, and the number of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
+pub struct VideoPart {
     /// The number of the part, from 1.
     pub number: u64,
     /// The number of parts.
     pub of: u64,
 }
 
-impl Part {
+impl VideoPart {
     /// The first frame of the part, and the first frame after it, of a video of `total` frames.
     pub(super) fn range(self, total: u64) -> (u64, u64) {
         let at = |number: u64| (u128::from(total) * u128::from(number) / u128::from(self.of)) as u64;
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn parts_cover_each_frame_once() {
         for (total, of) in [(10, 3), (7, 7), (3, 8), (100_000, 64)] {
-            let ranges: Vec<_> = (1..=of).map(|number| Part { number, of }.range(total)).collect();
+            let ranges: Vec<_> = (1..=of).map(|number| VideoPart { number, of }.range(total)).collect();
             assert_eq!((ranges[0].0, ranges[ranges.len() - 1].1), (0, total));
             assert!(ranges.windows(2).all(|pair| pair[0].1 == pair[1].0));
         }

@@ -21,8 +21,9 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let folder =
-        arguments.first().map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/textures"), PathBuf::from);
+    let folder = arguments
+        .first()
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/textures"), PathBuf::from);
     std::fs::create_dir_all(&folder)?;
     let side = wood::SIDE as u32;
     write_png(&folder.join("wood.png"), &wood::paint(), side, ExtendedColorType::Rgb8)?;

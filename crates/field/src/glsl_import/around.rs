@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use super::calls::{Budget, HOW_TO_READ_IMAGES, Session};
+use super::calls::{Budget, GlslSession, HOW_TO_READ_IMAGES};
 use super::isf::Slider;
 use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
@@ -28,7 +28,7 @@ pub enum Shown {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneAround {
     /// The text of the scene after the line that includes the file.
-    body: String,
+    pub(crate) body: String,
     /// For a file of which two scenes can be made: which one this is, and how to get the other one.
     pub choice: Option<String>,
     /// A sentence for each part of the file that the scene leaves out.
@@ -161,7 +161,7 @@ impl TextureReader for Slopes {
 fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneAround> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
-    let mut session = Session::of_picture();
+    let mut session = GlslSession::of_picture();
     session.last_frame = Some(0);
     let colour = executed(&mut graph, &mut session, file, picture, pixel)?;
     let sky = match file.globals.is_isf {
@@ -314,7 +314,7 @@ impl Sampler {
 /// Executes a function of one vector with the values that the scene gives to uniforms.
 fn executed(
     graph: &mut Graph,
-    session: &mut Session,
+    session: &mut GlslSession,
     file: &GlslFile,
     function: &GlslFunction,
     argument: Vec<NodeId>,
@@ -341,7 +341,7 @@ impl Sampled {
     fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self> {
         let mut graph = Graph::new();
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
-        let nodes = executed(&mut graph, &mut Session::default(), file, function, point)?;
+        let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
         let too_large = |error: crate::graph::GraphError| {
             Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
         };

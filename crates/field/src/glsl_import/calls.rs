@@ -34,7 +34,7 @@ const CALLS_MAX: usize = 48;
 
 /// State between the calls of a file's functions: the first values of its globals, as nodes of one graph.
 #[derive(Debug, Default)]
-pub struct Session {
+pub struct GlslSession {
     /// True for the formulas of a picture, which know the pixel, the picture's size and the pointer.
     pub(super) in_picture: bool,
     /// The number of the texture that holds the last frame.
@@ -79,7 +79,7 @@ pub(super) struct Target {
 }
 
 /// The state of one call.
-pub(super) struct Frame<'m> {
+pub(super) struct CallFrame<'m> {
     pub function: &'m Function,
     pub infos: Rc<[Option<Info>]>,
     /// The values of the function's expressions that are evaluated.
@@ -95,7 +95,7 @@ pub(super) struct Frame<'m> {
     pub counts: Counts,
 }
 
-impl<'m> Frame<'m> {
+impl<'m> CallFrame<'m> {
     /// A call without arguments and values. `outer` is where it is live in its caller.
     fn new(function: &'m Function, outer: NodeId) -> Self {
         Self {
@@ -137,16 +137,16 @@ pub(super) struct Executor<'m, 'g> {
     pub live: NodeId,
     pub zero: NodeId,
     pub one: NodeId,
-    pub frame: Frame<'m>,
+    pub frame: CallFrame<'m>,
     pub budget: &'g mut Budget,
-    pub session: &'g mut Session,
+    pub session: &'g mut GlslSession,
     /// The condition under which the pixel is not drawn.
     pub discarded: NodeId,
     /// The functions that are being executed, each with the conditions under which it was called.
     pub open: Vec<(Handle<Function>, [NodeId; 2])>,
 }
 
-impl Session {
+impl GlslSession {
     /// Returns a session for formulas of the picture. [`Input::X`](crate::graph::Input::X) and `Y` are the pixel there.
     pub fn of_picture() -> Self {
         Self { in_picture: true, ..Self::default() }
@@ -227,10 +227,10 @@ impl<'m, 'g> Executor<'m, 'g> {
         function: &'m Function,
         graph: &'g mut Graph,
         budget: &'g mut Budget,
-        session: &'g mut Session,
+        session: &'g mut GlslSession,
     ) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-        let frame = Frame::new(function, one);
+        let frame = CallFrame::new(function, one);
         let (memory, open) = (Memory::default(), Vec::new());
         Self { file, graph, memory, live: one, zero, one, frame, budget, session, discarded: zero, open }
     }
@@ -376,13 +376,13 @@ impl<'m, 'g> Executor<'m, 'g> {
         let known = self.session.infos.entry(handle);
         let infos = known.or_insert_with(|| Rc::from(infos(&file.module, function))).clone();
         let mark = self.memory.mark();
-        let frame = Frame {
+        let frame = CallFrame {
             infos,
             arguments,
             values: vec![None; function.expressions.len()],
             base: self.memory.parts.len(),
             returns: Exits::new(mark),
-            ..Frame::new(function, self.one)
+            ..CallFrame::new(function, self.one)
         };
         let outside = (std::mem::replace(&mut self.frame, frame), self.live);
         self.live = self.one;

@@ -327,7 +327,7 @@ fn check_sizes(tokens: &[Token<'_>]) -> Result<()> {
 
 /// An open bracket in [`check_nesting`], and the depth of its content's syntax tree.
 #[derive(Default)]
-struct Level<'t, 'a> {
+struct OpenBracket<'t, 'a> {
     bracket: Option<&'t Token<'a>>,
     /// Operators and branches since the last `,` or `;`.
     operators: usize,
@@ -339,7 +339,7 @@ struct Level<'t, 'a> {
     before: usize,
 }
 
-impl Level<'_, '_> {
+impl OpenBracket<'_, '_> {
     fn depth(&self) -> usize {
         self.before.max(self.operators + self.deepest)
     }
@@ -355,7 +355,7 @@ impl Level<'_, '_> {
 /// Refuses statements that are nested so deeply that a recursive parser might use up its stack, and brackets that do
 /// not match.
 fn check_nesting(tokens: &[Token<'_>]) -> Result<()> {
-    let (mut open, mut level, mut total) = (Vec::new(), Level::default(), 0_usize);
+    let (mut open, mut level, mut total) = (Vec::new(), OpenBracket::default(), 0_usize);
     for (at, token) in tokens.iter().enumerate() {
         let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
         match token.text {

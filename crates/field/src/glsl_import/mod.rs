@@ -5,7 +5,7 @@
 //! text → tokens → preprocess → items → rewrite → naga → execute: nodes of the graph
 //! ```
 //!
-//! [`GlslFile::parse`] returns the functions of a file, [`Session::call`] executes one. Loops are unrolled and both
+//! [`GlslFile::parse`] returns the functions of a file, [`GlslSession::call`] executes one. Loops are unrolled and both
 //! sides of an unknown condition are executed; the values that they leave are selected by the condition. The graph's
 //! operators are total, so a side that is not selected cannot spoil the result. Whole numbers that depend on the point
 //! are floats: they are exact up to 2^24. Constant whole numbers have 32 bits.
@@ -30,7 +30,7 @@ mod samplers;
 mod tokens;
 
 pub use around::{SceneAround, Shown, scene_around};
-pub use calls::{Budget, Session};
+pub use calls::{Budget, GlslSession};
 pub use includes::{Whole, whole};
 pub use outside::candidate;
 pub(crate) use outside::{Channel, Meaning, meaning};

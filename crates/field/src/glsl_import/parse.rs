@@ -13,7 +13,7 @@ use super::outside::{self, Channel};
 use super::preprocess::{PRELUDE, preprocess};
 use super::problem::{Problem, Result};
 use super::quiet::catch_quietly;
-use super::rewrite::{BROKEN, DRAWING, Globals, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
+use super::rewrite::{BROKEN, DRAWING, Globals, IMAGE, IMAGE_IN_SCENES, START, ShaderItems, Written};
 use super::tokens::tokenize;
 use crate::limits::Limits;
 
@@ -122,7 +122,7 @@ impl GlslFile {
         tokens.iter_mut().for_each(|token| (token.start, token.end) = (0, 0));
         tokens.extend(tokenize(text, limits.scene_tokens_max)?);
         let expanded = preprocess(&tokens, limits.scene_tokens_max)?;
-        let program = Program::new(items::split(&expanded)?, inputs);
+        let program = ShaderItems::new(items::split(&expanded)?, inputs);
         let (mut broken, mut problems) = (BTreeMap::new(), Vec::new());
         let mut bytes = 0;
         for _ in 0..ROUNDS_MAX {
@@ -157,7 +157,12 @@ impl GlslFile {
         Err(problems.into_iter().next().unwrap_or_else(|| Problem::over_limit(place, message)))
     }
 
-    fn of(module: Module, written: Written, problems: Vec<Problem>, program: Program<'_>) -> Result<Self> {
+    fn of(
+        module: Module,
+        written: Written,
+        problems: Vec<Problem>,
+        program: ShaderItems<'_>,
+    ) -> Result<Self> {
         let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
         for (handle, function) in module.functions.iter() {
             let name = function.name.clone().unwrap_or_default();
@@ -298,7 +303,7 @@ pub(super) fn range(span: Span) -> Range<u32> {
     span.to_range().map_or(0..0, |range| range.start as u32..range.end as u32)
 }
 
-fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Problem, Option<usize>) {
+fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (Problem, Option<usize>) {
     let span = range(error.meta);
     let item = if error.meta.is_defined() { written.source(span.start).map(|found| found.1) } else { None };
     let place = written.source_range(span);

@@ -111,7 +111,7 @@ pub(super) struct Globals {
 }
 
 /// The items of a file, and their globals.
-pub(super) struct Program<'a> {
+pub(super) struct ShaderItems<'a> {
     items: Vec<Item<'a>>,
     pub globals: Globals,
     /// Statements of drawing functions that may set globals.
@@ -121,7 +121,7 @@ pub(super) struct Program<'a> {
     image: Option<(String, usize)>,
 }
 
-impl<'a> Program<'a> {
+impl<'a> ShaderItems<'a> {
     pub(super) fn new(items: Vec<Item<'a>>, inputs: Inputs) -> Self {
         let Inputs { sliders, is_isf, channels, .. } = inputs;
         let mut globals = Globals { sliders, is_isf, ..Globals::default() };

@@ -129,7 +129,7 @@ fn is_input_of_point(node: Node) -> bool {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::{Input, Point, random};
+    use super::super::{Input, Point, testing};
     use super::*;
 
     fn operators(graph: &Graph, root: NodeId) -> Vec<Op> {
@@ -145,19 +145,19 @@ mod tests {
     proptest! {
         #[test]
         fn fused_values_are_the_same_bit_for_bit(
-            steps in random::steps(40), at in proptest::array::uniform3(random::number()),
+            steps in testing::steps(40), at in proptest::array::uniform3(testing::number()),
         ) {
             let mut graph = Graph::new();
-            let built = random::build(&mut graph, &steps, true);
+            let built = testing::build(&mut graph, &steps, true);
             let mut roots: Vec<NodeId> = built.iter().rev().take(2).copied().collect();
             let before = roots.clone();
             let fused = graph.fused(&mut roots).unwrap();
-            let frame = random::frame();
+            let frame = testing::frame();
             let point = Point { position: at, normal: [0.6, -0.8, 0.0] };
             let whole = graph.evaluate(&before, &point, &frame).unwrap();
             let short = fused.evaluate(&roots, &point, &frame).unwrap();
             for (whole, short) in whole.iter().zip(&short) {
-                prop_assert!(random::same(*whole, *short), "{whole:?} {short:?}");
+                prop_assert!(testing::same(*whole, *short), "{whole:?} {short:?}");
             }
         }
     }

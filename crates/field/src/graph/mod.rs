@@ -44,7 +44,7 @@ pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
 pub use op::{Choice, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
-pub use part::{Part, PartInput, PartNumber};
+pub use part::{PartInput, PartNumber, SongPart};
 pub use screen_input::{Screen, ScreenInput};
 pub use shape_atlas::{
     AtlasShape, FRAME_SHAPES_MAX, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_ROWS_MAX, SHAPE_STEP, ShapeAtlas,
@@ -55,9 +55,9 @@ pub use table::TableData;
 pub use unit_input::{UnitInput, Wave};
 
 #[cfg(test)]
-pub(crate) mod random;
-#[cfg(test)]
 mod slope_tests;
+#[cfg(test)]
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 

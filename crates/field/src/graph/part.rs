@@ -7,7 +7,7 @@ use super::{LevelList, SoundInput};
 
 /// A separated part of a song.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Part {
+pub enum SongPart {
     /// Drums.
     Drums,
     /// The bass.
@@ -18,7 +18,7 @@ pub enum Part {
     Other,
 }
 
-impl Part {
+impl SongPart {
     /// All parts, in the order in which frames hold them.
     pub const ALL: [Self; 4] = [Self::Drums, Self::Bass, Self::Vocals, Self::Other];
 
@@ -60,7 +60,7 @@ const BANDS: usize = LevelList::Band.count();
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PartInput {
     /// The part.
-    pub part: Part,
+    pub part: SongPart,
     /// The number.
     pub number: PartNumber,
 }
@@ -69,10 +69,10 @@ impl PartInput {
     /// Number of numbers of one part.
     pub const OF_ONE: usize = SOUNDS + BANDS;
     /// Number of numbers of all parts.
-    pub const COUNT: usize = Part::ALL.len() * Self::OF_ONE;
+    pub const COUNT: usize = SongPart::ALL.len() * Self::OF_ONE;
 
     /// The first band of a part. The other bands follow.
-    pub const fn first_band(part: Part) -> Self {
+    pub const fn first_band(part: SongPart) -> Self {
         Self { part, number: PartNumber::Band(0) }
     }
 
@@ -92,7 +92,7 @@ impl PartInput {
 
     /// Returns the number with this index.
     pub fn at(index: usize) -> Option<Self> {
-        let (part, number) = (*Part::ALL.get(index / Self::OF_ONE)?, index % Self::OF_ONE);
+        let (part, number) = (*SongPart::ALL.get(index / Self::OF_ONE)?, index % Self::OF_ONE);
         let number = match number.checked_sub(SOUNDS) {
             Some(band) => PartNumber::Band(band as u8),
             None => PartNumber::Sound(*SoundInput::ALL.get(number)?),
@@ -109,7 +109,7 @@ impl PartInput {
     /// Returns the number with a name such as `drums.volume.x` or `vocals.band(3)`.
     pub fn named(name: &str) -> Option<Self> {
         let (part, number) = name.split_once('.')?;
-        let part = Part::ALL.into_iter().find(|one| one.name() == part)?;
+        let part = SongPart::ALL.into_iter().find(|one| one.name() == part)?;
         let band = number.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')'));
         let number = match band {
             Some(band) => PartNumber::Band(band.trim().parse().ok().filter(|at| usize::from(*at) < BANDS)?),

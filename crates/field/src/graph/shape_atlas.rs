@@ -471,7 +471,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::graph::random;
+    use crate::graph::testing;
 
     #[test]
     fn grids_are_read_at_their_places() {
@@ -529,7 +529,7 @@ mod tests {
             size in prop::array::uniform2(prop_oneof![0.0_f32..0.01, 0.0_f32..1.0]),
             along in prop::collection::vec(prop::array::uniform2(0.0_f32..=1.0), 8),
         ) {
-            let atlas = random::frame().shapes;
+            let atlas = testing::frame().shapes;
             let [column, row] = [0, 1].map(|axis| Interval::new(corner[axis], corner[axis] + size[axis]));
             let bounds = atlas.bounds(column, row, false);
             let any = atlas.bounds(column, row, true);

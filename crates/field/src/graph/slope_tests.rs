@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::random::{SPECIALS, frame, number};
+use super::testing::{SPECIALS, frame, number};
 use super::*;
 
 fn config() -> ProptestConfig {

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::random::{SPECIALS, Step, build, frame, number, same, steps};
+use super::testing::{SPECIALS, Step, build, frame, number, same, steps};
 use super::*;
 
 /// Returns the number of cases per property; `PROPTEST_CASES` raises this number for a long run.

@@ -210,7 +210,7 @@ mod tests {
     use super::super::lanes::{bound, cells_of};
     use super::super::program::Arg;
     use super::super::tests::{assert_regions_are_right, inputs_of};
-    use super::super::tree::{Block, bound_cells, place_in};
+    use super::super::tree::{Brick, bound_cells, place_in};
     use super::super::{Numbers, RegionPlan};
     use super::*;
     use crate::graph::{FrameInputs, Interval, Point};
@@ -291,7 +291,7 @@ mod tests {
             let world = world(kind, width, 1.0);
             let inputs = inputs_of(&world, 1.0, 0.5);
             let program = RegionPlan::new(&world).folded(&Numbers::Of(&inputs), &inputs);
-            let block = Block { low, cell: [side; 3] };
+            let block = Brick { low, cell: [side; 3] };
             let mut rows = Vec::new();
             bound_cells(&program, block, 0.0, &mut rows, &inputs);
             let mut exact = rows.clone();

@@ -192,7 +192,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::graph::{Levels, Point, TableData, random};
+    use crate::graph::{Levels, Point, TableData, testing};
 
     const SIDE: usize = 4;
 
@@ -222,7 +222,7 @@ mod tests {
 
     /// Returns a frame whose values are all in the ranges of [`FrameInputs::any`].
     fn frame() -> FrameInputs {
-        let frame = random::frame();
+        let frame = testing::frame();
         let spectrum: Vec<f32> = frame.spectrum.values().iter().map(|value| value.abs()).collect();
         FrameInputs {
             levels: Levels::each(|list, number| frame.levels.of(list)[number].abs()),
@@ -264,12 +264,12 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(192))]
         #[test]
         fn no_box_with_a_surface_is_dropped(
-            steps in random::steps(60),
+            steps in testing::steps(60),
             corner in prop::array::uniform3(-8.0f32..8.0),
             side in 0.01f32..12.0,
         ) {
             let mut graph = Graph::new();
-            let root = random::build(&mut graph, &steps, true).last().copied().unwrap();
+            let root = testing::build(&mut graph, &steps, true).last().copied().unwrap();
             assert_open_boxes_are_kept(&graph, root, &Bounds { low: corner, high: corner.map(|low| low + side) });
         }
 

@@ -10,7 +10,7 @@ use super::lanes::{CELLS, Lanes, cells_of, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
-use super::tree::{Block, RegionStats, Scale, Trunk, bound_cells, place_in};
+use super::tree::{Brick, RegionStats, Scale, Trunk, bound_cells, place_in};
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
 use crate::graph::{Interval, Op};
 use crate::rays::REGION_LEVELS;
@@ -215,7 +215,7 @@ impl<'a> Part<'a> {
     }
 
     /// Returns the cells of a block, whose program is the shortened one of `parent`.
-    fn cells(&mut self, parent: &Level, block: Block, depth: usize, is_wanted: &dyn Fn() -> bool) -> Cells {
+    fn cells(&mut self, parent: &Level, block: Brick, depth: usize, is_wanted: &dyn Fn() -> bool) -> Cells {
         let mut cells = [[0; 4]; CELLS];
         let (trunk, program, structure) = (self.trunk, &parent.short, &parent.structure);
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
@@ -299,7 +299,7 @@ impl<'a> Part<'a> {
         &mut self,
         level: &Level,
         program: Option<u64>,
-        inner: Block,
+        inner: Brick,
         depth: usize,
         is_wanted: &dyn Fn() -> bool,
     ) -> Option<u32> {
@@ -318,7 +318,7 @@ impl<'a> Part<'a> {
         Some(address)
     }
 
-    fn divisible(&self, program: &Program, block: &Block, depth: usize, cells: u64) -> u64 {
+    fn divisible(&self, program: &Program, block: &Brick, depth: usize, cells: u64) -> u64 {
         // One step reads a text or picture, which may have many edges in a cell. Dividing such cells twice would save
         // half of the remaining clauses, but the tree of a word would take 16 instead of 3 ms.
         let has_shape = || program.steps.iter().any(|step| step.op == Op::Shape);
@@ -348,7 +348,7 @@ impl<'a> Part<'a> {
 
     /// True if a cell of a block looks large from a position near the eye. Other cells are not divided: few rays reach
     /// them, and their gradients take too long to compute.
-    fn is_close(&self, block: &Block, cell: usize, eye: [f32; 3]) -> bool {
+    fn is_close(&self, block: &Brick, cell: usize, eye: [f32; 3]) -> bool {
         let place = place_in(cell);
         let away = (0..3).map(|axis| {
             let low = block.low[axis] + place[axis] as f32 * block.cell[axis];

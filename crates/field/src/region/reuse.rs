@@ -13,7 +13,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use super::encode::Texel;
 use super::program::Program;
-use super::tree::{Block, Regions};
+use super::tree::{Brick, Regions};
 use crate::graph::{Node, NodeId, Op, Properties, ShapeAtlas};
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -77,7 +77,7 @@ impl<'a> Before<'a> {
     }
 }
 
-pub(super) fn key_of(program: u64, block: &Block) -> u64 {
+pub(super) fn key_of(program: u64, block: &Brick) -> u64 {
     let [x, y, z] = block.low.map(|side| u64::from(side.to_bits()));
     let place = spread_long(x | y << 32) ^ spread_long(z).rotate_left(29);
     spread_long(program ^ place).rotate_left(17)

@@ -2,7 +2,7 @@ use crate::graph::{LevelList, SoundInput, SoundInputs};
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::{Point, random};
+use crate::graph::{Point, testing};
 use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
@@ -360,18 +360,18 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
     #[test]
     fn random_expressions_are_the_same_in_every_cell(
-        steps in random::steps(60),
+        steps in testing::steps(60),
         corner in [-8.0f32..8.0, -8.0..8.0, -8.0..8.0],
         side in 0.01f32..12.0,
     ) {
         let mut graph = Graph::new();
-        let built = random::build(&mut graph, &steps, true);
+        let built = testing::build(&mut graph, &steps, true);
         let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
         let object = graph.binary(Op::Less, from_end(1), from_end(2));
         let roots = [from_end(0), from_end(3), object];
         let bounds = (corner, corner.map(|low| low + side));
         let plan = RegionPlan::of(&graph, roots, Some(bounds), true, None);
-        let frame = FrameInputs { textures: None, ..random::frame() };
+        let frame = FrameInputs { textures: None, ..testing::frame() };
         let tree = plan.build(&frame, &RegionOptions { texels_max: 1 << 20, ..Default::default() });
         for number in 0..600 {
             let at = point(&tree, number);
@@ -379,8 +379,8 @@ proptest! {
             let asked = Point { position: at, normal: [penumbra, 0.0, 0.0] };
             let wanted = graph.evaluate(&roots, &asked, &frame).unwrap();
             let got = tree.distance(at, penumbra, &frame);
-            prop_assert!(random::same(got[0], wanted[0]), "{at:?} bound {} {}", got[0], wanted[0]);
-            prop_assert!(random::same(got[1], wanted[1]), "{at:?} estimate {} {}", got[1], wanted[1]);
+            prop_assert!(testing::same(got[0], wanted[0]), "{at:?} bound {} {}", got[0], wanted[0]);
+            prop_assert!(testing::same(got[1], wanted[1]), "{at:?} estimate {} {}", got[1], wanted[1]);
             let tape = tree.cell_at(at).map_or(tree.whole_tape, |cell| cell.tape);
             for tape in [tape, tree.whole_tape] {
                 prop_assert!(registers_of(&tree, tape) <= plan.variant().registers, "{:?}", plan.variant());
@@ -457,7 +457,7 @@ fn a_foam_of_many_parts_needed_more_than_256_registers() {
             let asked = Point::at(at[0], at[1], at[2]);
             let wanted = world.graph.evaluate(&world.roots.distance[..1], &asked, &inputs).unwrap();
             let got = regions.distance(at, 0.0, &inputs);
-            assert!(random::same(got[0], wanted[0]), "{at:?}: {} instead of {}", got[0], wanted[0]);
+            assert!(testing::same(got[0], wanted[0]), "{at:?}: {} instead of {}", got[0], wanted[0]);
         }
         assert!(registers_of(&regions, regions.whole_tape) <= plan.variant().registers);
     }
@@ -475,12 +475,12 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
         let root = graph.binary(Op::Sub, length, one);
         let roots = [root, root, zero];
         let plan = RegionPlan::of(&graph, roots, Some(([-1.0, 0.5, -1.0], [1.0, 2.5, 1.0])), true, None);
-        let frame = random::frame();
+        let frame = testing::frame();
         let tree = plan.build(&frame, &RegionOptions::default());
         for number in 0..100 {
             let at = point(&tree, number);
             let wanted = graph.evaluate(&roots, &Point::at(at[0], at[1], at[2]), &frame).unwrap();
-            assert!(random::same(tree.distance(at, 0.0, &frame)[0], wanted[0]), "{at:?}: {}", wanted[0]);
+            assert!(testing::same(tree.distance(at, 0.0, &frame)[0], wanted[0]), "{at:?}: {}", wanted[0]);
         }
     }
 }

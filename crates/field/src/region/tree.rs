@@ -103,7 +103,7 @@ const OVERLAP: f32 = 4e-6;
 pub(super) const PENUMBRA_MAX: f32 = WITHOUT_GLASS;
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Block {
+pub(super) struct Brick {
     pub(super) low: [f32; 3],
     /// Extent of one of the 4x4x4 cells.
     pub(super) cell: [f32; 3],
@@ -128,7 +128,7 @@ pub(super) struct Trunk<'a> {
 #[derive(Debug)]
 pub(super) struct Root {
     /// The root as a single block: each of its 64 cells is a block of the root.
-    pub(super) block: Block,
+    pub(super) block: Brick,
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
     pub(super) groups: Vec<u64>,
@@ -262,7 +262,7 @@ impl Root {
         let faces = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs()));
         let farthest = faces.fold(0.0, f32::max);
         Self {
-            block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
+            block: Brick { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
             rows: Vec::new(),
             decisions: ChoiceTrace::default(),
             groups: Vec::new(),
@@ -317,7 +317,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
     let mut rows = Vec::new();
     for _ in 0..TIGHTENINGS_MAX {
         let block =
-            Block { low, cell: std::array::from_fn(|axis| (high[axis] - low[axis]) / BRICK_SIDE as f32) };
+            Brick { low, cell: std::array::from_fn(|axis| (high[axis] - low[axis]) / BRICK_SIDE as f32) };
         let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
@@ -360,7 +360,7 @@ fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], 
 
 pub(super) fn bound_cells(
     program: &Program,
-    block: Block,
+    block: Brick,
     overlap: f32,
     rows: &mut Vec<Lanes>,
     frame: &FrameInputs,
@@ -383,7 +383,7 @@ pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 
-impl Block {
+impl Brick {
     pub(super) fn child(&self, place: [usize; 3]) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis] + place[axis] as f32 * self.cell[axis]),

@@ -86,13 +86,13 @@ pub(super) struct Unrolled<'a> {
 
 /// Places `first..end` whose nodes do the same as the nodes that are `length` places later.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct Repetition {
     first: usize,
     end: usize,
     length: usize,
 }
 
-impl Run {
+impl Repetition {
     /// The number of whole rounds from a place on.
     fn rounds_from(&self, start: usize) -> usize {
         (self.end + self.length).saturating_sub(start) / self.length
@@ -157,7 +157,7 @@ impl<'a> Unrolled<'a> {
         self.search(places.end..within.end, found);
     }
 
-    fn longest_run(&self, within: &Range<usize>) -> Option<Run> {
+    fn longest_run(&self, within: &Range<usize>) -> Option<Repetition> {
         let (mut best, mut most) = (None, SAVED_MIN - 1);
         for length in 2..=LENGTH_MAX.min(within.len() / 3) {
             let mut first = within.start;
@@ -165,7 +165,7 @@ impl<'a> Unrolled<'a> {
                 if place + length < within.end && self.repeats(place, length) {
                     continue;
                 }
-                let run = Run { first, end: place, length };
+                let run = Repetition { first, end: place, length };
                 if run.saves() > most {
                     (best, most) = (Some(run), run.saves());
                 }
@@ -196,7 +196,7 @@ impl<'a> Unrolled<'a> {
     }
 
     /// Returns the loop of a run whose rounds begin at `start`. The round before `start` stays outside.
-    fn rounds(&self, run: Run, start: usize) -> Option<Rounds> {
+    fn rounds(&self, run: Repetition, start: usize) -> Option<Rounds> {
         let (length, count) = (run.length, run.rounds_from(start));
         let places = start..start + count * length;
         if count < 2 || (count - 1) * length < SAVED_MIN {
@@ -271,14 +271,14 @@ impl<'a> Unrolled<'a> {
         }
     }
 
-    fn without_early_end(&self, run: Run) -> Option<Rounds> {
+    fn without_early_end(&self, run: Repetition) -> Option<Rounds> {
         let mut rounds = run.starts().find_map(|start| self.rounds(run, start))?;
         rounds.keep_what_is_read();
         Some(rounds)
     }
 
     /// Returns the loop of a run that ends by a condition. Its rounds start after the condition.
-    fn with_early_end(&self, run: Run) -> Option<Rounds> {
+    fn with_early_end(&self, run: Repetition) -> Option<Rounds> {
         let follows_max =
             |start: &usize| matches!(self.graph.node(self.order[start - 1]), Node::Binary(Op::Max, ..));
         run.starts().filter(follows_max).find_map(|start| {

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::testing::GradientIntervals;
 use super::*;
-use crate::graph::random::{Step, build, frame, number, same, steps};
+use crate::graph::testing::{Step, build, frame, number, same, steps};
 use crate::graph::{GradientInterval, Interval};
 
 fn config(cases: u32) -> ProptestConfig {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::random::{build, frame, number, same, steps};
+use crate::graph::testing::{build, frame, number, same, steps};
 use crate::graph::{Compounds, Interval, Point};
 use mariana_testing::thesis::TABLE_1;
 

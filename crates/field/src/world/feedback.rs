@@ -98,13 +98,13 @@ const STEP: f32 = 0.05;
 const STEPS: u32 = 8;
 
 /// A colour that reads the last frame.
-struct Reader {
+struct FeedbackColor {
     colors: Tape,
     /// The texture coordinates of the colour's last read.
     place: Tape,
 }
 
-impl Reader {
+impl FeedbackColor {
     fn new(world: &World, texture: usize, colors: impl IntoIterator<Item = NodeId>) -> Option<Self> {
         let graph = &world.scene.graph;
         let roots: Vec<NodeId> = colors.into_iter().collect();
@@ -199,9 +199,12 @@ impl World {
         let textures = &self.scene.textures;
         let (number, texture) = textures.iter().enumerate().find(|(_, texture)| texture.is_last_frame())?;
         let count = self.frame_tape.feedback.as_ref()?.frames;
-        let emission =
-            Reader::new(self, number, self.scene.materials.iter().flat_map(|material| material.emission));
-        let sky = Reader::new(self, number, self.scene.sky.color);
+        let emission = FeedbackColor::new(
+            self,
+            number,
+            self.scene.materials.iter().flat_map(|material| material.emission),
+        );
+        let sky = FeedbackColor::new(self, number, self.scene.sky.color);
         let middle = |number: u16, of: u16| (f32::from(number) + 0.5) / f32::from(of);
         let (columns, rows) = TRIED;
         let places: Vec<[f32; 2]> = (0..columns * rows)

@@ -44,7 +44,7 @@ pub struct TapeBuffers {
     /// The programs of sky, ambient light, glow, media, the materials' surfaces and the materials' bodies, in this
     /// order. If no material uses the fields of a body, all materials share the last program, which only interpreters
     /// for several scenes run.
-    programs: Vec<Program>,
+    programs: Vec<SurfaceTape>,
     of_objects: Vec<[usize; 2]>,
     /// The plan of the grid over the media; `None` without media.
     pub medium: Option<MediumPlan>,
@@ -60,7 +60,7 @@ pub struct TapeBuffers {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Program {
+struct SurfaceTape {
     tape: Tape,
     /// The number of each texture, and the tape of its coordinates u and v.
     textures: Vec<(u16, Tape)>,
@@ -81,7 +81,7 @@ pub struct Cost {
     pub total: usize,
 }
 
-impl Program {
+impl SurfaceTape {
     fn build(graph: &Graph, roots: &[NodeId], over: Over) -> Result<Self, TapeError> {
         // Few programs sample textures. The others need no copy of the graph.
         let samples = !graph.inputs_used(roots)?.textures.is_empty();
@@ -263,7 +263,7 @@ impl World {
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = WorldError::of(&self.name);
         let program =
-            |(roots, over): (&[NodeId], Over)| Program::build(&self.graph, roots, over).map_err(failed);
+            |(roots, over): (&[NodeId], Over)| SurfaceTape::build(&self.graph, roots, over).map_err(failed);
         let tape =
             |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
         let of_light = [
@@ -293,14 +293,14 @@ impl World {
             [material, body].map(|program| PROGRAMS_OF_LIGHT + program)
         };
         let of_objects = self.scene.objects.iter().map(|object| of_material(object.material)).collect();
-        let clauses = |programs: &[Program]| programs.iter().map(Program::clauses).sum::<usize>();
+        let clauses = |programs: &[SurfaceTape]| programs.iter().map(SurfaceTape::clauses).sum::<usize>();
         let (of_light, of_materials) = programs[..run].split_at(PROGRAMS_OF_LIGHT);
         let distance = tape(&self.roots.distance)?.clauses().len();
         let object = tape(&[self.roots.object])?.clauses().len();
         let materials = clauses(of_materials);
         let cost = Cost { distance, materials, total: distance + object + materials + clauses(of_light) };
         let [on_gpu, on_processor] = {
-            let tapes = programs[..run].iter().flat_map(Program::tapes);
+            let tapes = programs[..run].iter().flat_map(SurfaceTape::tapes);
             let compounds = Tape::compounds_that_pay(tapes.clone());
             [false, true].map(|every_case| {
                 let variant = Variant::of(tapes.clone(), every_case);
@@ -352,7 +352,9 @@ mod tests {
         ] {
             let program = texels[grid as usize + 2][0];
             let mut alone = Vec::new();
-            Program::build(&world.graph, roots, Over::Points).unwrap().append(&inputs, compounds, &mut alone);
+            SurfaceTape::build(&world.graph, roots, Over::Points)
+                .unwrap()
+                .append(&inputs, compounds, &mut alone);
             assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
         assert!(texels.len() <= world.tape_buffers().unwrap().texels_max());
@@ -365,7 +367,7 @@ mod tests {
         let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));
         let nested = graph.texture(1, 2, first[0], x);
         let sum = graph.add(first[1], nested);
-        let program = Program::build(&graph, &[sum], Over::Points).unwrap();
+        let program = SurfaceTape::build(&graph, &[sum], Over::Points).unwrap();
         let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
         assert_eq!(pictures, [3, 1]);
         let mut texels = Vec::new();

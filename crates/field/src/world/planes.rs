@@ -46,12 +46,12 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>)> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
     let mut planes = Vec::new();
-    let mut rest: Vec<Part> = Vec::new();
+    let mut rest: Vec<Solid> = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         let glass = scene.materials.get(object.material).map(|material| material.glass);
         let away = glass.map(|glass| away_of(&mut scene.graph, glass)).transpose()?.flatten();
         if let Some(bound) = object.bound {
-            rest.push(Part { object: index, shape: object.shape, bound: Some(bound), away });
+            rest.push(Solid { object: index, shape: object.shape, bound: Some(bound), away });
             continue;
         }
         let mut others = Vec::new();
@@ -64,14 +64,14 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>)> {
         }
         let graph = &mut scene.graph;
         if let Some(shape) = others.into_iter().reduce(|a, b| graph.min(a, b)) {
-            rest.push(Part { object: index, shape, bound: None, away });
+            rest.push(Solid { object: index, shape, bound: None, away });
         }
     }
     let graph = &mut scene.graph;
     Ok((planes, combine(graph, &rest)))
 }
 
-struct Part {
+struct Solid {
     object: usize,
     shape: NodeId,
     bound: Option<NodeId>,
@@ -79,7 +79,7 @@ struct Part {
     away: Option<NodeId>,
 }
 
-impl Part {
+impl Solid {
     /// The shape; glass is moved away.
     fn moved(&self, graph: &mut Graph) -> NodeId {
         self.away.map_or(self.shape, |away| graph.add(self.shape, away))
@@ -109,7 +109,7 @@ const CLEAR_OF_SHADOWS: f32 = 1e6;
 ///
 /// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
-fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
+fn combine(graph: &mut Graph, parts: &[Solid]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
     let (first, others) = parts.split_first()?;
     let mut object = graph.constant(first.object as f32);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::{LevelList, Point, SoundInput, SoundInputs, random};
+use crate::graph::{LevelList, Point, SoundInput, SoundInputs, testing};
 use crate::region::Surfaces;
 use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
@@ -117,7 +117,7 @@ fn assert_these_are_the_same(world: &World, frame: &FrameInputs, short: &[[u32; 
             let (wanted, length) = run(&whole, place, over, &at, frame);
             let (got, shorter) = run(short, place, over, &at, frame);
             for (got, wanted) in got.iter().zip(&wanted).take(outputs) {
-                assert!(random::same(*got, *wanted), "{place} at {at:?}: {got} and not {wanted}");
+                assert!(testing::same(*got, *wanted), "{place} at {at:?}: {got} and not {wanted}");
             }
             assert!(shorter <= length, "{place} at {at:?}: {shorter} texels and not {length}");
             (ran, whole_ran) = (ran + shorter, whole_ran + length);
@@ -256,17 +256,17 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
     #[test]
     fn random_programs_are_the_same_in_every_cell(
-        steps in random::steps(80),
+        steps in testing::steps(80),
         corner in [-8.0f32..8.0, -8.0..8.0, -8.0..8.0],
         side in 0.01f32..12.0,
         directions in any::<bool>(),
     ) {
         let mut graph = Graph::new();
-        let built = random::build(&mut graph, &steps, true);
+        let built = testing::build(&mut graph, &steps, true);
         let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
         let roots = [0, 3, 1, 7].map(from_end);
         let over = if directions { Over::Directions } else { Over::Points };
-        let program = Program::build(&graph, &roots, over).unwrap();
+        let program = SurfaceTape::build(&graph, &roots, over).unwrap();
         let variant = Variant::of(program.tapes(), false);
         let buffers = TapeBuffers {
             medium: None,
@@ -278,7 +278,7 @@ proptest! {
             bounds: Some(Bounds { low: corner, high: corner.map(|low| low + side) }),
             cost: Cost::default(),
         };
-        let frame = FrameInputs { textures: random::frame().textures.as_ref().map(Arc::clone), ..random::frame() };
+        let frame = FrameInputs { textures: testing::frame().textures.as_ref().map(Arc::clone), ..testing::frame() };
         let options = ShortenOptions { texels_max: 1 << 20, ..Default::default() };
         let texels = buffers.texels(&frame, &shortened(&buffers, &frame, &options));
         let whole = whole_texels(&buffers, &frame);
@@ -288,7 +288,7 @@ proptest! {
             let wanted = run(&whole, 0, over, &at, &frame).0;
             let got = run(&texels, 0, over, &at, &frame).0;
             for (got, wanted) in got.iter().zip(wanted).take(roots.len()) {
-                prop_assert!(random::same(*got, wanted), "{at:?}: {got} and not {wanted}");
+                prop_assert!(testing::same(*got, wanted), "{at:?}: {got} and not {wanted}");
             }
         }
     }

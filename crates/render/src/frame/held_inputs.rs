@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use mariana_field::graph::{FrameInputs, Level, LevelList, Part, PartInput, SoundInput};
+use mariana_field::graph::{FrameInputs, Level, LevelList, PartInput, SongPart, SoundInput};
 use mariana_field::lang::Scene;
 
 /// The name of an input, and the finite value at which the input is held.
@@ -49,7 +49,7 @@ enum Place {
     Time,
     Sound(SoundInput),
     Level(Level),
-    Part(PartInput),
+    SongPart(PartInput),
     Param(usize),
 }
 
@@ -64,7 +64,7 @@ impl HeldInputs {
             Place::Time => (f32::MIN, f32::MAX),
             Place::Sound(input) => input.range(),
             Place::Level(level) => level.range(),
-            Place::Part(input) => input.range(),
+            Place::SongPart(input) => input.range(),
             Place::Param(number) => {
                 scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
             }
@@ -93,7 +93,7 @@ impl HeldInputs {
                 Place::Time => Some(&mut inputs.time),
                 Place::Sound(input) => Some(&mut inputs.sound[input]),
                 Place::Level(level) => Some(&mut inputs.levels[level]),
-                Place::Part(input) => {
+                Place::SongPart(input) => {
                     // Without stems, the numbers of the parts are missing.
                     inputs.parts.resize(PartInput::COUNT, 0.0);
                     inputs.parts.get_mut(input.index())
@@ -120,7 +120,7 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
         return Some(Place::Sound(input));
     }
     if let Some(input) = PartInput::named(name) {
-        return Some(Place::Part(input));
+        return Some(Place::SongPart(input));
     }
     let (list, number) = name.strip_suffix(')')?.split_once('(')?;
     LevelList::named(list)?.level(number.trim().parse().ok()?).map(Place::Level)
@@ -142,8 +142,8 @@ impl fmt::Display for InputNames<'_> {
         for list in LevelList::ALL {
             write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
         }
-        let parts = Part::ALL.map(Part::name).join(", ");
-        write!(f, ", or a number of a part of the song ({parts}), such as {}.beat", Part::Drums.name())
+        let parts = SongPart::ALL.map(SongPart::name).join(", ");
+        write!(f, ", or a number of a part of the song ({parts}), such as {}.beat", SongPart::Drums.name())
     }
 }
 

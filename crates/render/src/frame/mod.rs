@@ -375,7 +375,7 @@ mod tests {
             let levels = super::levels_of(list, &Features::SILENCE, &SongMoment::UNKNOWN);
             assert_eq!(levels.len(), list.count(), "{list:?}");
         }
-        let parts = mariana_field::graph::Part::ALL.map(mariana_field::graph::Part::name);
+        let parts = mariana_field::graph::SongPart::ALL.map(mariana_field::graph::SongPart::name);
         assert_eq!(parts, mariana_music::PART_NAMES);
     }
 }

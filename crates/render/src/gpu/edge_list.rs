@@ -21,7 +21,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::target::{Target, Texel};
-use super::tiles::Part;
+use super::tiles::Tile;
 
 /// Side of a square in pixels. Pixels are listed square by square, so that pixels drawn together show similar surfaces.
 const TILE: usize = 8;
@@ -83,7 +83,7 @@ impl EdgeList {
 
     /// Lists the marked pixels. `beams` holds the distance up to which each pixel's beam meets no surface. Returns the
     /// areas of the target into which samples must be drawn.
-    pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>> {
+    pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Tile>> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
         let row = self.row() as usize;
@@ -114,8 +114,8 @@ impl EdgeList {
         let (rows, rest) = ((listed.len() / row) as u32, (listed.len() % row) as u32);
         let (across, down) = self.block;
         Ok(vec![
-            Part { x: 0, y: 0, width: across * row as u32, height: down * rows },
-            Part { x: 0, y: down * rows, width: across * rest, height: down },
+            Tile { x: 0, y: 0, width: across * row as u32, height: down * rows },
+            Tile { x: 0, y: down * rows, width: across * rest, height: down },
         ])
     }
 

@@ -37,12 +37,12 @@ fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
     texels
 }
 
-struct Level {
+struct MipLevel {
     size: (u32, u32),
     texels: Vec<[f32; 4]>,
 }
 
-impl Level {
+impl MipLevel {
     /// The first level below the full image; `None` if the image is a single texel.
     fn below(picture: &RgbaImage) -> Option<Self> {
         let (light, pixels) = (srgb::linear_of_bytes(), picture.as_raw().as_chunks::<4>().0);
@@ -60,7 +60,7 @@ impl Level {
 }
 
 /// Halves width and height, rounded down. Each texel is the mean of the area that it covers. `None` for a single texel.
-fn halved<T>(size: (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
+fn halved<T>(size: (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<MipLevel> {
     let (width, height) = size;
     if width.max(height) < 2 {
         return None;
@@ -82,7 +82,7 @@ fn halved<T>(size: (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> 
             below.push(mean);
         }
     }
-    Some(Level { size, texels: below })
+    Some(MipLevel { size, texels: below })
 }
 
 /// Returns weights for reducing a side from `above` to `below` texels: for each new texel, the first old texel that it
@@ -212,7 +212,7 @@ fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
 
 /// Uploads the lower mip levels of the bound texture.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
-    let levels = std::iter::successors(Level::below(picture), Level::next);
+    let levels = std::iter::successors(MipLevel::below(picture), MipLevel::next);
     for (number, level) in (1..).zip(levels) {
         let texel = (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT);
         // SAFETY: the caller has bound the texture, and the slice holds all RGBA texels of the level.
@@ -257,7 +257,8 @@ mod tests {
                     ]
                 })
                 .collect();
-            let levels: Vec<Level> = std::iter::successors(Level::below(&picture), Level::next).collect();
+            let levels: Vec<MipLevel> =
+                std::iter::successors(MipLevel::below(&picture), MipLevel::next).collect();
             assert_eq!(levels.last().map(|level| level.size), Some((1, 1)));
             assert_eq!(levels.len(), width.max(height).ilog2() as usize);
             for level in &levels {
@@ -267,7 +268,7 @@ mod tests {
             }
         }
         let picture = RgbaImage::from_raw(3, 1, [[0; 4], [255; 4], [0; 4]].concat()).unwrap_or_default();
-        let level = Level::below(&picture).map(|level| level.texels);
+        let level = MipLevel::below(&picture).map(|level| level.texels);
         assert_eq!(level, Some(vec![[1.0 / 3.0; 4]]));
     }
 }

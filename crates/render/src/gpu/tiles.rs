@@ -37,16 +37,16 @@ const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
 /// Number of probes after which the time of a frame can be predicted.
 const TELLING: u32 = 9;
 
-/// A part of a target, in pixels from its lower left corner.
+/// A tile of a target, in pixels from its lower left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct Tile {
     pub(super) x: u32,
     pub(super) y: u32,
     pub(super) width: u32,
     pub(super) height: u32,
 }
 
-impl Part {
+impl Tile {
     pub(super) fn whole(size: (u32, u32)) -> Self {
         let (width, height) = size;
         Self { x: 0, y: 0, width, height }
@@ -167,9 +167,9 @@ impl Costs {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
-    areas: Vec<Part>,
+    areas: Vec<Tile>,
     /// What remains to be drawn of the current row of parts.
-    row: Option<Part>,
+    row: Option<Tile>,
     /// True if the next draw is not measured, because the driver may compile the program during it.
     warms_up: bool,
     /// True if the last part was the unmeasured draw.
@@ -189,7 +189,7 @@ struct Measured {
 }
 
 impl Parts {
-    pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
+    pub(super) fn of(areas: Vec<Tile>, size: (u32, u32), cost: PixelCost) -> Self {
         let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
         let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
         let warms_up = !cost.is_known() && pixels > 0;
@@ -208,7 +208,7 @@ impl Parts {
         self.areas.iter().chain(&self.row).map(|area| area.pixels()).sum()
     }
 
-    pub(super) fn next(&mut self, cost: PixelCost) -> Option<Part> {
+    pub(super) fn next(&mut self, cost: PixelCost) -> Option<Tile> {
         self.warming_up = std::mem::take(&mut self.warms_up);
         if self.warming_up {
             return Some(self.probe());
@@ -225,7 +225,7 @@ impl Parts {
         let row = self.row.as_mut()?;
         let across = u32::try_from(pixels / u64::from(row.height.max(1))).unwrap_or(u32::MAX);
         let width = if across >= row.width { row.width } else { (across / GRAIN * GRAIN).max(GRAIN) };
-        let part = Part { width: width.min(row.width), ..*row };
+        let part = Tile { width: width.min(row.width), ..*row };
         row.x += part.width;
         row.width -= part.width;
         if row.width == 0 {
@@ -234,7 +234,7 @@ impl Parts {
         Some(part)
     }
 
-    fn next_row(&mut self, pixels: u64) -> Option<Part> {
+    fn next_row(&mut self, pixels: u64) -> Option<Tile> {
         let area = loop {
             let area = self.areas.last_mut()?;
             if area.pixels() > 0 {
@@ -252,14 +252,14 @@ impl Parts {
         } else {
             ((pixels as f64).sqrt() as u32 / GRAIN * GRAIN).max(GRAIN)
         };
-        let row = Part { height: height.min(area.height), ..*area };
+        let row = Tile { height: height.min(area.height), ..*area };
         area.y += row.height;
         area.height -= row.height;
         Some(row)
     }
 
     /// A square in the image. Probes are spread over the image, so the first few probes are representative.
-    fn probe(&self) -> Part {
+    fn probe(&self) -> Tile {
         // 7 and 36 have no common divisor, so each square is probed once.
         let number = (self.probes * 7 + 3) % (PROBES * PROBES);
         let place = |index: u32, side: u32| {
@@ -267,10 +267,10 @@ impl Parts {
             (middle / GRAIN * GRAIN).min(side.saturating_sub(GRAIN))
         };
         let (x, y) = (place(number % PROBES, self.size.0), place(number / PROBES, self.size.1));
-        Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
+        Tile { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    pub(super) fn record(&mut self, part: Part, mut time: DrawTime, cost: &mut PixelCost) {
+    pub(super) fn record(&mut self, part: Tile, mut time: DrawTime, cost: &mut PixelCost) {
         if self.warming_up {
             return;
         }
@@ -304,7 +304,7 @@ mod tests {
     }
 
     /// Draws all parts, with each pixel taking `cost` seconds, and counts how often each pixel is drawn.
-    fn drawn(areas: Vec<Part>, size: (u32, u32), cost: impl Fn(u32, u32) -> f64) -> (Vec<u32>, f64) {
+    fn drawn(areas: Vec<Tile>, size: (u32, u32), cost: impl Fn(u32, u32) -> f64) -> (Vec<u32>, f64) {
         let mut seen = vec![0; (size.0 * size.1) as usize];
         let (mut known, mut longest) = (PixelCost::default(), 0.0_f64);
         let mut parts = Parts::of(areas, size, known);
@@ -328,7 +328,7 @@ mod tests {
     fn every_pixel_is_drawn_once_at_any_cost() {
         for size in [(1, 1), (7, 300), (161, 91), (640, 360)] {
             for cost in [0.0, 1e-7, 2e-5, 3e-3] {
-                let (seen, _) = drawn(vec![Part::whole(size)], size, |_, _| cost);
+                let (seen, _) = drawn(vec![Tile::whole(size)], size, |_, _| cost);
                 assert!(seen.iter().all(|count| *count == 1), "{size:?} at {cost}");
             }
         }
@@ -345,7 +345,7 @@ mod tests {
         next.expect(&last);
         let Some((7, expected)) = next.0.get() else { panic!("{next:?}") };
         let size = (640, 360);
-        let mut parts = Parts::of(vec![Part::whole(size)], size, expected);
+        let mut parts = Parts::of(vec![Tile::whole(size)], size, expected);
         assert!(!parts.warms_up && parts.probes == 0);
         let part = parts.next(expected).unwrap();
         let most_expensive = 4.0 * cost.seconds(part.pixels());
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn only_the_areas_are_drawn() {
         let areas =
-            vec![Part { x: 0, y: 0, width: 90, height: 10 }, Part { x: 0, y: 10, width: 30, height: 2 }];
+            vec![Tile { x: 0, y: 0, width: 90, height: 10 }, Tile { x: 0, y: 10, width: 30, height: 2 }];
         let (seen, _) = drawn(areas, (100, 20), |_, _| 1e-4);
         assert_eq!(seen.iter().sum::<u32>(), 960);
         assert!(seen.iter().all(|count| *count <= 1) && seen[0] == 1 && seen[10 * 100 + 29] == 1);
@@ -366,10 +366,10 @@ mod tests {
         // A scene of foam that takes 2.8 ms per pixel, with sky above or below the foam.
         for foam_is_below in [true, false] {
             let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
-            let (_, longest) = drawn(vec![Part::whole((320, 180))], (320, 180), cost);
+            let (_, longest) = drawn(vec![Tile::whole((320, 180))], (320, 180), cost);
             assert!(longest <= 0.25, "one draw takes {longest} s");
         }
-        let (_, longest) = drawn(vec![Part::whole((1280, 720))], (1280, 720), |_, _| 4e-6);
+        let (_, longest) = drawn(vec![Tile::whole((1280, 720))], (1280, 720), |_, _| 4e-6);
         assert!(longest <= 0.25, "one draw takes {longest} s");
     }
 
@@ -377,7 +377,7 @@ mod tests {
     fn the_first_probes_predict_the_time_of_an_expensive_frame() {
         let size = (320, 180);
         let mut cost = PixelCost::default();
-        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        let mut parts = Parts::of(vec![Tile::whole(size)], size, cost);
         assert_eq!(parts.seconds(), None);
         for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
@@ -391,7 +391,7 @@ mod tests {
     fn a_scene_is_not_too_expensive_because_other_programs_are_busy() {
         let size = (320, 180);
         let mut cost = PixelCost::default();
-        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        let mut parts = Parts::of(vec![Tile::whole(size)], size, cost);
         for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
             let own = OVERHEAD + part.pixels() as f64 * 2e-5;
@@ -417,7 +417,7 @@ mod tests {
     fn compilation_at_the_first_draw_does_not_count_as_cost() {
         for size in [(160, 90), (30, 20)] {
             let mut cost = PixelCost::default();
-            let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+            let mut parts = Parts::of(vec![Tile::whole(size)], size, cost);
             let first = parts.next(cost).unwrap();
             parts.record(first, undisturbed(Duration::from_secs(5)), &mut cost);
             let mut drawn = 0;
@@ -427,7 +427,7 @@ mod tests {
                 assert!(parts.seconds().is_none_or(|seconds| seconds < 0.5), "{:?}", parts.seconds());
                 drawn += u64::from(!parts.probing) * part.pixels();
             }
-            assert_eq!(drawn, Part::whole(size).pixels());
+            assert_eq!(drawn, Tile::whole(size).pixels());
         }
     }
 
@@ -435,7 +435,7 @@ mod tests {
     fn one_slow_part_on_a_busy_system_does_not_split_the_rest() {
         let size = (320, 180);
         let mut cost = PixelCost::default();
-        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        let mut parts = Parts::of(vec![Tile::whole(size)], size, cost);
         let mut draws = 0;
         while let Some(part) = parts.next(cost) {
             draws += 1;
@@ -453,8 +453,8 @@ mod tests {
         cost.finish_picture();
         cost.record(7_000, Duration::from_millis(1));
         cost.finish_picture();
-        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
-        assert_eq!(parts.next(cost), Some(Part::whole(size)));
+        let mut parts = Parts::of(vec![Tile::whole(size)], size, cost);
+        assert_eq!(parts.next(cost), Some(Tile::whole(size)));
         assert_eq!(parts.next(cost), None);
     }
 }

@@ -84,10 +84,10 @@ fn every_target_has_a_row_with_its_mappings_below() {
 #[test]
 fn an_endless_knob_can_be_made_absolute() {
     let endless = Mapping { encoding: Some(Encoding::Offset), ..knob(size()) };
-    assert_eq!(Field::PickUp.words(&endless), "endless");
+    assert_eq!(MappingField::PickUp.words(&endless), "endless");
     let absolute = Mapping { encoding: Some(Encoding::Absolute), ..knob(size()) };
-    assert_eq!(Field::PickUp.words(&absolute), "picks up");
-    let request = Field::PickUp.request(&endless, None);
+    assert_eq!(MappingField::PickUp.words(&absolute), "picks up");
+    let request = MappingField::PickUp.request(&endless, None);
     assert_eq!(request, Some(Command::EditMappings(KnobEdit::Change(endless, absolute))));
 }
 
@@ -155,7 +155,7 @@ fn a_row_that_moves_stays_selected() {
 #[test]
 fn every_field_shows_its_value_and_cycles() {
     let mut mapping = knob(size());
-    for field in [Field::Curve, Field::Smoothing, Field::PickUp] {
+    for field in [MappingField::Curve, MappingField::Smoothing, MappingField::PickUp] {
         let first = field.words(&mapping);
         let mut seen = Vec::new();
         loop {
@@ -172,8 +172,8 @@ fn every_field_shows_its_value_and_cycles() {
         }
         assert!(seen.len() > 1, "{field:?}");
     }
-    assert_eq!(Field::To.request(&mapping, None), None, "the present value is unknown");
-    assert_eq!(Field::To.words(&mapping), "to 100 %");
+    assert_eq!(MappingField::To.request(&mapping, None), None, "the present value is unknown");
+    assert_eq!(MappingField::To.words(&mapping), "to 100 %");
 }
 
 #[test]

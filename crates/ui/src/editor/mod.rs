@@ -16,7 +16,7 @@
 //! | `HeldNumbers` | turned numbers, picked colours, dragged positions |
 //! | `Finding` | the search line |
 //! | `Proposals` | the completion list and its previews |
-//! | `Picture` | information about the frame: the clicked point, highlights, costs |
+//! | `ProbedPicture` | information about the frame: the clicked point, highlights, costs |
 //! | `Focus` | keyboard focus and input methods |
 //! | `Notice` | the message line |
 
@@ -53,7 +53,7 @@ use mariana_control::SoundBinding;
 use mariana_editing::{Number, Refused, TurnSpeed};
 use notice::Notice;
 pub(crate) use object_previews::ObjectPreview;
-use probed::Picture;
+use probed::ProbedPicture;
 pub(crate) use probed::{Light, parts_of};
 use proposing::Proposals;
 pub(crate) use proposing::Proposing;
@@ -77,7 +77,7 @@ pub struct Editor {
     pub(crate) finding: Finding,
     pub(crate) proposals: Proposals,
     pub(crate) held_numbers: HeldNumbers,
-    pub(crate) picture: Picture,
+    pub(crate) picture: ProbedPicture,
     pub(crate) notice: Notice,
     to_write: Option<ToWrite>,
     pub(crate) revision: u64,
@@ -109,7 +109,7 @@ impl Editor {
             finding: Finding::default(),
             proposals: Proposals::new(wake),
             held_numbers: HeldNumbers::default(),
-            picture: Picture::default(),
+            picture: ProbedPicture::default(),
             notice: Notice::default(),
             to_write: None,
             revision: 0,

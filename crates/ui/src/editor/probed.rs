@@ -13,7 +13,7 @@ use mariana_render::placement::Map;
 use mariana_scenes::probing::Probed;
 
 #[derive(Default)]
-pub(crate) struct Picture {
+pub(crate) struct ProbedPicture {
     /// Maps positions in the window to positions in the frame.
     map: Option<Map>,
     camera: Option<Camera>,
@@ -31,7 +31,7 @@ pub(crate) struct Light {
     pub cells: Vec<bool>,
 }
 
-impl Picture {
+impl ProbedPicture {
     /// Sets the frame's position in the window, and the camera. For each of the two, returns true if it has changed.
     pub(super) fn set_view(&mut self, map: Map, camera: Option<Camera>) -> (bool, bool) {
         let is_new = (self.map != Some(map), self.camera != camera);
@@ -109,7 +109,7 @@ impl Picture {
     }
 }
 
-impl Picture {
+impl ProbedPicture {
     /// Maps positions in the window to positions in the frame, both as fractions.
     pub(crate) fn map(&self) -> Option<&Map> {
         self.map.as_ref()

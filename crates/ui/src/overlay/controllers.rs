@@ -4,7 +4,7 @@ use egui::{Color32, Order, Pos2, Rect, Response, ScrollArea, Sense, Ui, WidgetIn
 
 use super::acts::Pass;
 use super::{assisted, pairing_address, style, words};
-use crate::controllers_panel::{ControllerRow, ControllersPanel, Field};
+use crate::controllers_panel::{ControllerRow, ControllersPanel, MappingField};
 use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;
 use mariana_settings::KnobEdit;
@@ -52,7 +52,7 @@ fn draw_row(
     ui: &mut Ui,
     row: &ControllerRow,
     is_selected: bool,
-    field: Field,
+    field: MappingField,
     ask: &mut impl FnMut(Command),
 ) -> Response {
     match row {
@@ -104,7 +104,7 @@ fn draw_knob(
     mapping: &Mapping,
     words: &str,
     stands: Option<f32>,
-    selected: Option<Field>,
+    selected: Option<MappingField>,
     ask: &mut impl FnMut(Command),
 ) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * LINE), Sense::hover());
@@ -114,7 +114,7 @@ fn draw_knob(
     put(ui, pos2(left, line.center().y), words, style::BUTTON, rect.right() - left);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
     let mut at = pos2(left, rect.top() + LINE);
-    for field in Field::ALL {
+    for field in MappingField::ALL {
         let text = field.words(mapping);
         let galley = style::line(ui.painter(), &text, style::SMALL_SIZE, style::TEXT, f32::MAX);
         let place = Rect::from_min_size(at, vec2(galley.size().x + 14.0, LINE)).shrink2(vec2(1.0, 2.0));
@@ -136,10 +136,10 @@ fn draw_knob(
             ask(request);
         }
         let button = match field {
-            Field::From | Field::To if stands.is_some() => {
+            MappingField::From | MappingField::To if stands.is_some() => {
                 button.on_hover_text("click to set this end to the parameter's present value")
             }
-            Field::PickUp => {
+            MappingField::PickUp => {
                 button.on_hover_text("picks up: acts once the knob reaches the value · jumps: acts at once")
             }
             _ => button,

@@ -55,7 +55,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mu
     })
 }
 
-struct Row {
+struct KeyRow {
     binding: &'static Binding,
     caps: Vec<Arc<Galley>>,
     meaning: Arc<Galley>,
@@ -63,27 +63,27 @@ struct Row {
     place: usize,
 }
 
-impl Row {
+impl KeyRow {
     fn height(&self) -> f32 {
         self.meaning.size().y.max(ROW)
     }
 }
 
-struct Block {
+struct KeyGroup {
     heading: Arc<Galley>,
     group: Group,
-    rows: Vec<Row>,
+    rows: Vec<KeyRow>,
 }
 
-impl Block {
+impl KeyGroup {
     fn height(&self) -> f32 {
-        HEADING + self.rows.iter().map(Row::height).sum::<f32>()
+        HEADING + self.rows.iter().map(KeyRow::height).sum::<f32>()
     }
 }
 
 /// The laid out table. Lengths are in points.
 struct Table {
-    columns: Vec<Vec<Block>>,
+    columns: Vec<Vec<KeyGroup>>,
     caps_width: f32,
     column_width: f32,
 }
@@ -104,13 +104,13 @@ impl Table {
         let column_width = natural.min(room);
         let meaning_room = (column_width - caps_width - CAP_GAP).max(1.0);
         let mut place = 0;
-        let blocks = help.found().into_iter().map(|(group, rows)| Block {
+        let blocks = help.found().into_iter().map(|(group, rows)| KeyGroup {
             heading: style::line(painter, group.name(), style::TEXT_SIZE, style::ACCENT, column_width),
             group,
             rows: rows
                 .into_iter()
                 .map(|binding| {
-                    let row = Row {
+                    let row = KeyRow {
                         binding,
                         caps: caps(painter, binding),
                         meaning: meaning(painter, binding.help, meaning_room),
@@ -147,7 +147,7 @@ impl Table {
     }
 
     fn draw(&self, ui: &mut Ui, selected: usize, acts: &mut Acts) {
-        let height = |column: &Vec<Block>| column.iter().map(Block::height).sum::<f32>();
+        let height = |column: &Vec<KeyGroup>| column.iter().map(KeyGroup::height).sum::<f32>();
         let height = self.columns.iter().map(height).fold(0.0, f32::max).max(ROW);
         let (all, _) = ui.allocate_exact_size(vec2(self.width(), height), Sense::hover());
         for (number, column) in self.columns.iter().enumerate() {
@@ -173,7 +173,7 @@ impl Table {
         }
     }
 
-    fn draw_row(&self, ui: &Ui, row: &Row, rect: Rect, is_selected: bool, acts: &mut Acts) {
+    fn draw_row(&self, ui: &Ui, row: &KeyRow, rect: Rect, is_selected: bool, acts: &mut Acts) {
         let response = ui.interact(rect, ui.scope_id().with(row.binding.written), Sense::click());
         let painter = ui.painter();
         style::light(painter, rect.expand2(vec2(4.0, 0.0)), is_selected || response.hovered());
@@ -202,8 +202,8 @@ impl Table {
 }
 
 /// Divides the groups among `columns` columns so that the longest column is as short as possible.
-fn balanced(blocks: Vec<Block>, columns: usize) -> Vec<Vec<Block>> {
-    let heights: Vec<f32> = blocks.iter().map(Block::height).collect();
+fn balanced(blocks: Vec<KeyGroup>, columns: usize) -> Vec<Vec<KeyGroup>> {
+    let heights: Vec<f32> = blocks.iter().map(KeyGroup::height).collect();
     let (mut first, mut rest) = (blocks, Vec::new());
     if columns > 1 && first.len() > 1 {
         let longest = |split: &usize| {

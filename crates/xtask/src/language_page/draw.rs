@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::field::Field;
+use super::field::SampledField;
 
 pub const WIDTH: usize = 200;
 pub const HEIGHT: usize = 150;
@@ -64,7 +64,7 @@ impl Camera {
 }
 
 /// Draws the shape. Returns RGB pixels row by row; `None` if there is no shape.
-pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
+pub fn draw(field: &mut SampledField<'_>) -> Option<Vec<u8>> {
     let extent = field.extent()?;
     let camera = Camera::around(&extent.points);
     let middle = extent.points.iter().sum::<Vec3>() / extent.points.len() as f32;
@@ -108,7 +108,13 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
 }
 
 /// Returns the distance along each ray to the shape; `None` if the ray reaches its end.
-fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends: &[f32]) -> Vec<Option<f32>> {
+fn march(
+    field: &mut SampledField<'_>,
+    starts: &[Vec3],
+    rays: &[Vec3],
+    from: f32,
+    ends: &[f32],
+) -> Vec<Option<f32>> {
     let mut hits = vec![None; rays.len()];
     let mut under_way: Vec<(usize, f32)> = (0..rays.len()).map(|index| (index, from)).collect();
     for _ in 0..STEPS {
@@ -137,7 +143,7 @@ fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends:
 }
 
 /// Returns the fraction of the key light that reaches each point, with a soft edge.
-fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
+fn shadows(field: &mut SampledField<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let ray = TO_LIGHT.normalize();
     let mut light = vec![1.0_f32; points.len()];
     let mut under_way: Vec<(usize, f32)> = (0..points.len())
@@ -173,7 +179,7 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
 }
 
 /// Returns the ambient occlusion factor of each point, 0..1, from distances along the point's normal.
-fn openness(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3], size: f32) -> Vec<f32> {
+fn openness(field: &mut SampledField<'_>, points: &[Vec3], normals: &[Vec3], size: f32) -> Vec<f32> {
     let mut closed = vec![0.0_f32; points.len()];
     for (tap, weight) in [(0.04, 0.30), (0.09, 0.26), (0.16, 0.24), (0.26, 0.20), (0.40, 0.18)] {
         let reach = tap * size;

@@ -21,7 +21,7 @@ pub fn tape(name: &str, formula: &str) -> Result<Tape, String> {
         .map_err(|error| format!("{name}: {error}"))
 }
 
-pub struct Field<'a> {
+pub struct SampledField<'a> {
     batch: Batch<'a>,
     /// Factor that turns a value of the function into a lower bound of the true distance.
     pub step: f32,
@@ -38,7 +38,7 @@ pub struct Extent {
     pub floor: f32,
 }
 
-impl<'a> Field<'a> {
+impl<'a> SampledField<'a> {
     /// Creates a distance function from a tape and measures the function's slopes.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let batch = Batch::new(tape, frame);

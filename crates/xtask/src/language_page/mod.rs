@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
 fn picture(folder: &Path, name: &str, formula: &str) -> Result<usize, String> {
     let tape = field::tape(name, formula)?;
     let frame = FrameInputs::default();
-    let mut field = field::Field::new(&tape, &frame);
+    let mut field = field::SampledField::new(&tape, &frame);
     let pixels = draw::draw(&mut field).ok_or_else(|| format!("{name}: {formula} has no visible surface"))?;
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter)

@@ -47,7 +47,7 @@ fn a_call_does_not_change_the_globals_of_the_next_call() {
     let function = &file.functions()[0];
     let mut graph = Graph::new();
     let arguments = vec![[Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec()];
-    let mut session = super::Session::default();
+    let mut session = super::GlslSession::default();
     let mut call = || session.call(&file, function, &arguments, &mut graph, &mut budget(), &[]).unwrap();
     assert_eq!(call(), call());
 }
@@ -217,7 +217,7 @@ fn small_limits_end_in_errors_of_their_own() {
         let arguments = vec![[Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec()];
         let mut budget = super::Budget { steps, rounds_max, memory_max };
         let result =
-            super::Session::default().call(&file, function, &arguments, &mut graph, &mut budget, &[]);
+            super::GlslSession::default().call(&file, function, &arguments, &mut graph, &mut budget, &[]);
         assert_eq!(result.unwrap_err().kind, Fault::OverLimit);
     }
 }

@@ -7,7 +7,7 @@ mod generated;
 mod witness;
 mod witness_math;
 
-use super::{Budget, GlslFile, GlslFunction, GlslType, Problem, Session};
+use super::{Budget, GlslFile, GlslFunction, GlslSession, GlslType, Problem};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use crate::limits::LIMITS;
 
@@ -29,7 +29,7 @@ fn executed(file: &GlslFile, function: &GlslFunction) -> Result<(Graph, Vec<Node
         .iter()
         .map(|parameter| rest.by_ref().take(width(parameter.of)).copied().collect())
         .collect();
-    let nodes = Session::default().call(file, function, &arguments, &mut graph, &mut budget(), &[])?;
+    let nodes = GlslSession::default().call(file, function, &arguments, &mut graph, &mut budget(), &[])?;
     Ok((graph, nodes))
 }
 

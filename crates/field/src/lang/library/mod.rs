@@ -13,7 +13,7 @@ use super::diagnostic::Diagnostics;
 use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
 use super::{lexer, parser};
-use crate::graph::{LevelList, Part, PartInput};
+use crate::graph::{LevelList, PartInput, SongPart};
 use crate::limits::LIMITS;
 
 /// The group of the built-in functions.
@@ -62,7 +62,7 @@ pub(super) struct Library {
     /// Reserved words, inputs, built-in functions and the library's names, in this order.
     pub names: Interner,
     /// The names of the song's parts.
-    pub parts: [Symbol; Part::ALL.len()],
+    pub parts: [Symbol; SongPart::ALL.len()],
     pub ast: Ast,
     pub functions: Vec<Function>,
     /// For each symbol: 1 + the function's index; 0 if the symbol is no function.
@@ -92,7 +92,7 @@ fn build() -> Library {
     for name in brought {
         names.intern(name);
     }
-    let parts = Part::ALL.map(|part| names.intern(part.name()));
+    let parts = SongPart::ALL.map(|part| names.intern(part.name()));
     // Ignore the diagnostics: a test checks that these texts have no mistakes.
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
     let (mut ast, mut functions) = (Ast::default(), Vec::new());
@@ -124,12 +124,12 @@ pub fn inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// Returns the name and description of each part of the song.
 pub fn parts() -> impl Iterator<Item = (&'static str, &'static str)> {
-    Part::ALL.into_iter().map(|part| (part.name(), part.doc()))
+    SongPart::ALL.into_iter().map(|part| (part.name(), part.doc()))
 }
 
 /// True for the name of a part of the song, such as `drums`.
 pub fn is_part(name: &str) -> bool {
-    Part::ALL.iter().any(|part| part.name() == name)
+    SongPart::ALL.iter().any(|part| part.name() == name)
 }
 
 /// Returns the name and description of each input that a part of the song has: `volume` in `drums.volume`.

@@ -11,7 +11,7 @@ use super::super::value::Value;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::Read;
-use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, Session, image_sampler};
+use crate::glsl_import::{Budget, GlslFunction, GlslSession, GlslType, Problem, image_sampler};
 use crate::graph::{Input, NodeId};
 
 /// The functions of all included GLSL files.
@@ -19,7 +19,7 @@ use crate::graph::{Input, NodeId};
 pub(super) struct Foreign<'a> {
     files: &'a [ForeignFile],
     /// For each file, the session of shapes and materials and the session of the picture.
-    sessions: Vec<[Session; 2]>,
+    sessions: Vec<[GlslSession; 2]>,
     /// For each name, the index of the file and of the function.
     by_name: HashMap<Symbol, Vec<(usize, usize)>>,
     /// True if a file could not be read.
@@ -36,7 +36,7 @@ impl<'a> Foreign<'a> {
                 }
             }
         }
-        let sessions = files.iter().map(|_| [Session::default(), Session::of_picture()]).collect();
+        let sessions = files.iter().map(|_| [GlslSession::default(), GlslSession::of_picture()]).collect();
         Self { files, sessions, by_name, is_broken }
     }
 
@@ -107,11 +107,11 @@ impl ForeignCall<'_, '_> {
             });
         }
         let (span, in_picture) = (self.span, self.is_in_picture(function));
-        let kept = |this: &mut Self, session: Session| {
+        let kept = |this: &mut Self, session: GlslSession| {
             let sessions = this.outer.declared.foreign.sessions.get_mut(index)?;
             Some(std::mem::replace(&mut sessions[usize::from(in_picture)], session))
         };
-        let Some(mut session) = kept(self, Session::default()) else { return Value::Unknown };
+        let Some(mut session) = kept(self, GlslSession::default()) else { return Value::Unknown };
         if in_picture && session.last_frame.is_none() && foreign.file.reads_last_frame() {
             let (outer, mark) = (&mut *self.outer, self.mark);
             session.last_frame = Read { outer, name: "previous", mark, first: 0, span }.last_frame_number();

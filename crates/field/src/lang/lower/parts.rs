@@ -11,16 +11,16 @@ use super::builtins::Number;
 use super::declared::GlobalValue;
 use super::expr::is_swizzle;
 use super::lowering::Lowering;
-use crate::graph::{Graph, LevelList, NodeId, Op, Part, PartInput, PartNumber};
+use crate::graph::{Graph, LevelList, NodeId, Op, PartInput, PartNumber, SongPart};
 
 impl Lowering<'_> {
     /// Returns the part with this name, unless the scene declares a value of the same name.
-    pub(super) fn part(&self, symbol: Symbol) -> Option<Part> {
+    pub(super) fn part(&self, symbol: Symbol) -> Option<SongPart> {
         let place = self.library.parts.iter().position(|part| *part == symbol)?;
         let global = self.declared.global(symbol);
         let is_own = self.reports.library_call.is_none()
             && (global.broken || !matches!(global.value, GlobalValue::None));
-        if is_own || self.scope.local(symbol).is_some() { None } else { Part::ALL.get(place).copied() }
+        if is_own || self.scope.local(symbol).is_some() { None } else { SongPart::ALL.get(place).copied() }
     }
 
     /// Returns the value of `of.name` if `of` is a part of the song. Returns `None` for components of a vector.
@@ -50,7 +50,7 @@ impl Lowering<'_> {
     pub(super) fn part_band(&mut self, of: Symbol, index: ExprId, span: Span) -> Value {
         let Some(part) = self.part(of) else {
             let message = format!("`{}` has no function `band`", self.name(of));
-            let names = Part::ALL.map(Part::name).join("`, `");
+            let names = SongPart::ALL.map(SongPart::name).join("`, `");
             let hint =
                 format!("the parts of the song have it: `{names}`, unless the scene uses the name otherwise");
             return self.reports.add(Diagnostic::new(span, message).hint(hint));

@@ -5,7 +5,7 @@ use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
 use super::super::{library, suggest};
-use crate::graph::Part;
+use crate::graph::SongPart;
 use crate::limits::Limits;
 
 const CALLS_SHOWN: usize = 3;
@@ -145,7 +145,7 @@ impl Reports<'_> {
     }
 
     #[cold]
-    pub(super) fn no_such_number(&mut self, part: Part, name: &str, span: Span) -> Value {
+    pub(super) fn no_such_number(&mut self, part: SongPart, name: &str, span: Span) -> Value {
         let names: Vec<&str> = library::part_inputs().map(|(name, _)| name).collect();
         let near = suggest::nearest(name, names.iter().copied());
         let short: String = name.chars().take(60).collect();

@@ -16,7 +16,7 @@ use crate::gpu::error::Result;
 use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
-use crate::gpu::tiles::{DrawTimer, PART_SECONDS, Part, Parts, PixelCost};
+use crate::gpu::tiles::{DrawTimer, PART_SECONDS, Parts, PixelCost, Tile};
 use crate::gpu::trails::TrailSource;
 
 /// The progress of a frame.
@@ -97,7 +97,7 @@ impl Making {
             self.pass = Pass::Media;
         }
         let size = media.map_or(&targets.first, |media| &media.rays).size();
-        self.parts = Parts::of(vec![Part::whole(size)], size, cost);
+        self.parts = Parts::of(vec![Tile::whole(size)], size, cost);
         self.parts.are_one(cost)
     }
 
@@ -136,7 +136,7 @@ impl Making {
         targets: &Targets,
         program: &Program,
         cost: &mut PixelCost,
-        part: Part,
+        part: Tile,
     ) {
         let gl = &sampling.gl;
         // If the GPU measures a pass of a single draw, do not measure it here: measuring would wait for the draw.
@@ -169,14 +169,14 @@ impl Making {
                 if let Some(media) = &targets.media {
                     sampling.media_filter.draw(&tools.post.passes, media)?;
                 }
-                (Pass::First, Parts::of(vec![Part::whole(size)], size, cost))
+                (Pass::First, Parts::of(vec![Tile::whole(size)], size, cost))
             }
             (Pass::First, Edges::Stencil(sum)) => {
                 sampling.mark_in_stencil(&targets.first, sum)?;
-                (Pass::Further(0), Parts::of(vec![Part::whole(size)], size, cost))
+                (Pass::Further(0), Parts::of(vec![Tile::whole(size)], size, cost))
             }
             (Pass::Further(sample), Edges::Stencil(_)) if sample + 1 < sampling.edge_samples.count() => {
-                (Pass::Further(sample + 1), Parts::of(vec![Part::whole(size)], size, cost))
+                (Pass::Further(sample + 1), Parts::of(vec![Tile::whole(size)], size, cost))
             }
             (Pass::First, Edges::List(list)) => {
                 sampling.mark_in_list(&targets.first, &list.marks)?;
@@ -192,7 +192,7 @@ impl Making {
         Ok(false)
     }
 
-    fn draw_part(&self, sampling: &Sampling, targets: &Targets, program: &Program, part: Part) {
+    fn draw_part(&self, sampling: &Sampling, targets: &Targets, program: &Program, part: Tile) {
         let is_view = self.product == Product::View;
         match (&targets.edges, self.pass) {
             _ if is_view => targets.post.finished.bind(),

@@ -21,7 +21,7 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::target::{Target, Texel};
-use crate::gpu::tiles::{Costs, Part};
+use crate::gpu::tiles::{Costs, Tile};
 use crate::gpu::timer::PictureClock;
 
 /// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile separate variants
@@ -174,7 +174,7 @@ impl Painter {
         let mut cost = costs.of(program);
         if making.spent == Duration::ZERO {
             if let Some(time) = self.clock.cost.take() {
-                cost.record(Part::whole(targets.first.size()).pixels(), time);
+                cost.record(Tile::whole(targets.first.size()).pixels(), time);
                 cost.finish_picture();
             }
             if making.plan(&targets, cost) {

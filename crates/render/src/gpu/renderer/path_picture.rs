@@ -17,7 +17,7 @@ use crate::gpu::error::Result;
 use crate::gpu::path_state::PathState;
 use crate::gpu::program::Program;
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
-use crate::gpu::tiles::{Part, PixelCost};
+use crate::gpu::tiles::{PixelCost, Tile};
 
 /// An image that several calls draw ([`super::Renderer::refine`]).
 pub struct PathPicture {
@@ -33,7 +33,7 @@ pub struct PathPicture {
 impl PathPicture {
     /// The number of pixels of the image.
     pub fn pixels(&self) -> u64 {
-        Part::whole(self.frame.size).pixels()
+        Tile::whole(self.frame.size).pixels()
     }
 }
 
@@ -116,7 +116,7 @@ impl Renderer {
         let (painter, patience) = (&mut self.painter, (Instant::now(), patience));
         let PathPicture { frame, order, run, guides, cost, shown } = picture;
         let Some(targets) = painter.prepare_paths(frame, scene)? else { return Ok(None) };
-        let area = Part::whole(frame.size);
+        let area = Tile::whole(frame.size);
         let (sampling, passes) = (&painter.sampling, &painter.post.passes);
         let drawing = PathArea { sampling, passes, program, order: *order, area };
         let most = order.samples.clamp(1, PATHS_MAX);
@@ -160,7 +160,7 @@ impl Renderer {
         scene.bind(&painter.gl);
         let sampling = PathSampling::Both;
         let order = PathOrder { samples: 1, noise: 0.0, first: 0, sampling, is_filtered: false };
-        let (sampling, passes, area) = (&painter.sampling, &painter.post.passes, Part::whole(size));
+        let (sampling, passes, area) = (&painter.sampling, &painter.post.passes, Tile::whole(size));
         let drawing = PathArea { sampling, passes, program, order, area };
         drawing.draw(&mut painter.run(size)?, &mut PixelCost::default(), &mut |_, _| false);
         painter.gl.check("drawing paths")

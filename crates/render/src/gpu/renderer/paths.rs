@@ -16,7 +16,7 @@ use crate::gpu::path_state::{KeptPaths, PathState};
 use crate::gpu::program::{LazyProgram, Program, unit_of};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::{Target, Texel};
-use crate::gpu::tiles::{DrawTimer, Part, Parts, PixelCost};
+use crate::gpu::tiles::{DrawTimer, Parts, PixelCost, Tile};
 
 /// The shaders that compute an image from paths, and their defines. Tests compile all of them.
 pub const PATH_RESULT_SHADERS: [(&str, &[&str]); 4] = [
@@ -121,10 +121,10 @@ const GUIDE_PASSES: u32 = 8;
 const LOOK_PASSES: u32 = 16;
 
 /// Returns the areas of an image: bands of whole rows, the lowest first.
-pub(super) fn areas(size: (u32, u32)) -> Vec<Part> {
+pub(super) fn areas(size: (u32, u32)) -> Vec<Tile> {
     let (width, height) = size;
     let rows = (AREA_PIXELS / width.max(1)).max(1);
-    let area = |y: u32| Part { x: 0, y, width, height: rows.min(height - y) };
+    let area = |y: u32| Tile { x: 0, y, width, height: rows.min(height - y) };
     (0..height).step_by(rows as usize).map(area).collect()
 }
 
@@ -132,8 +132,8 @@ pub(super) fn areas(size: (u32, u32)) -> Vec<Part> {
 pub(super) struct PathRun {
     pub(super) state: PathState,
     /// The areas of the next pass, and those with unfinished pixels at the last look.
-    parts: Vec<Part>,
-    unfinished_before: Option<Vec<Part>>,
+    parts: Vec<Tile>,
+    unfinished_before: Option<Vec<Tile>>,
     /// The rest of the current pass.
     queue: Option<Parts>,
     passes: u32,
@@ -141,7 +141,7 @@ pub(super) struct PathRun {
 
 impl PathRun {
     pub(super) fn over(state: PathState) -> Self {
-        let parts = vec![Part::whole(state.size)];
+        let parts = vec![Tile::whole(state.size)];
         Self { state, parts, unfinished_before: None, queue: None, passes: 0 }
     }
 
@@ -173,7 +173,7 @@ pub(super) struct PathArea<'a> {
     pub(super) passes: &'a Passes,
     pub(super) program: &'a Program,
     pub(super) order: PathOrder,
-    pub(super) area: Part,
+    pub(super) area: Tile,
 }
 
 impl PathArea<'_> {
@@ -297,7 +297,7 @@ impl PathArea<'_> {
     ) -> Result<()> {
         let gl = &self.sampling.gl;
         let corner = [self.area.x as f32, self.area.y as f32];
-        let Part { x, y, width, height } = self.area;
+        let Tile { x, y, width, height } = self.area;
         let area = [x, y, width, height].map(u32::cast_signed);
         state.bind_current("path_state");
         let Some(guides) = guides else {
@@ -318,9 +318,9 @@ impl PathArea<'_> {
 }
 
 /// Returns rows of blocks with pixels whose paths are not all finished.
-fn unfinished_blocks(pixels: &[(u32, bool)], size: (u32, u32)) -> Vec<Part> {
+fn unfinished_blocks(pixels: &[(u32, bool)], size: (u32, u32)) -> Vec<Tile> {
     let (width, height) = size;
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<Tile> = Vec::new();
     for y in (0..height).step_by(BLOCK as usize) {
         let rows = BLOCK.min(height - y);
         for x in (0..width).step_by(BLOCK as usize) {
@@ -334,7 +334,7 @@ fn unfinished_blocks(pixels: &[(u32, bool)], size: (u32, u32)) -> Vec<Part> {
             }
             match parts.last_mut() {
                 Some(last) if last.y == y && last.x + last.width == x => last.width += columns,
-                _ => parts.push(Part { x, y, width: columns, height: rows }),
+                _ => parts.push(Tile { x, y, width: columns, height: rows }),
             }
         }
     }
@@ -369,7 +369,7 @@ mod tests {
             pixels[y * 80 + x].1 = true;
         }
         let expected =
-            [Part { x: 32, y: 0, width: 48, height: 32 }, Part { x: 0, y: 32, width: 32, height: 8 }];
+            [Tile { x: 32, y: 0, width: 48, height: 32 }, Tile { x: 0, y: 32, width: 32, height: 8 }];
         assert_eq!(unfinished_blocks(&pixels, size), expected);
     }
 }
