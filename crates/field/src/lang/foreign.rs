@@ -1,9 +1,9 @@
-//! GLSL files that a scene includes.
+//! GLSL files that a scene includes, and texts in GLSL in place of a scene.
 
 use std::ops::Range;
 
 use super::diagnostic::Diagnostic;
-use super::source::Span;
+use super::source::{BYTE_ORDER_MARK, Span};
 use crate::glsl_import::{GlslFile, Problem, Whole};
 
 /// Endings of the names of GLSL files.
@@ -13,6 +13,43 @@ const ENDINGS: [&str; 6] = [".glsl", ".frag", ".fs", ".fsh", ".glslf", ".shadert
 pub fn is_glsl(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     ENDINGS.iter().any(|ending| name.ends_with(ending))
+}
+
+/// First words of texts in GLSL; no scene begins with one of them.
+const DECLARING: &str = "void float int uint bool vec2 vec3 vec4 ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4 \
+    mat2 mat3 mat4 struct const uniform precision in out inout varying attribute layout flat smooth lowp mediump highp";
+
+/// True if a text is GLSL: behind comments and lines for the preprocessor, which scenes read as comments, something is
+/// declared, and the last line ends a declaration. Scenes with habits from GLSL end with a formula or a block.
+pub(super) fn is_shader(text: &str) -> bool {
+    let code = |line: &str| line.split("//").next().is_some_and(|code| !code.trim().is_empty());
+    let last = text.lines().rfind(|line| !line.starts_with('#') && code(line)).unwrap_or_default();
+    let last = last.split("//").next().unwrap_or_default().trim_end();
+    if !text.contains(';') || !last.ends_with(['}', ';', '/']) {
+        return false;
+    }
+    let mut rest = text.trim_start_matches(BYTE_ORDER_MARK);
+    loop {
+        rest = rest.trim_start();
+        if let Some(comment) = rest.strip_prefix("/*") {
+            rest = comment.split_once("*/").map_or("", |(_, rest)| rest);
+        } else if rest.starts_with('#') || rest.starts_with("//") {
+            let mut length = 0;
+            for line in rest.split_inclusive('\n') {
+                length += line.len();
+                if !line.trim_end().ends_with('\\') {
+                    break;
+                }
+            }
+            rest = rest.get(length..).unwrap_or_default();
+        } else {
+            break;
+        }
+    }
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let (first, follows) = rest.split_at(rest.find(|c| !is_of_word(c)).unwrap_or(rest.len()));
+    DECLARING.split(' ').any(|word| word == first)
+        && (first == "layout" || follows.trim_start().starts_with(is_of_word))
 }
 
 /// A parsed GLSL file with all that it includes, and the offset of its own text in the sources.

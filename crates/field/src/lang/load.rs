@@ -2,11 +2,11 @@
 
 use super::ast::{Ast, Item, Name};
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::foreign::{self, ForeignFile, is_glsl};
+use super::foreign::{self, ForeignFile, is_glsl, is_shader};
 use super::source::{Sources, Span};
 use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
-use crate::glsl_import::{GlslFile, whole};
+use crate::glsl_import::{GlslFile, Shown, scene_around, whole};
 use crate::limits::Limits;
 
 #[derive(Default)]
@@ -41,7 +41,11 @@ pub(super) fn load(
         Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
     // A file that includes itself is in the scene's folder.
     loader.open.extend(name.rsplit(['/', '\\']).next().map(str::to_owned));
-    loader.file(name, text, None);
+    if is_shader(text) {
+        loader.shader(name, text);
+    } else {
+        loader.file(name, text, None);
+    }
     loader.loaded
 }
 
@@ -60,7 +64,13 @@ struct Loader<'a, 'b> {
 impl Loader<'_, '_> {
     /// Recurses no deeper than the limit for includes.
     fn file(&mut self, name: &str, text: &str, included: Option<Span>) {
-        let Some(base) = self.keep(name, text, included) else { return };
+        if let Some(base) = self.keep(name, text, included) {
+            self.parse(text, base);
+        }
+    }
+
+    /// Parses a scene's text, whose first byte has the offset `base`.
+    fn parse(&mut self, text: &str, base: u32) {
         let mut tokens = Vec::new();
         let left = self.limits.scene_tokens_max.saturating_sub(self.tokens);
         lexer::tokenize(text, base, left, &mut self.loaded.names, &mut tokens, self.diagnostics);
@@ -99,13 +109,35 @@ impl Loader<'_, '_> {
         base
     }
 
-    /// Reads an included GLSL file.
-    fn glsl(&mut self, name: &str, text: &str, included: Span) {
-        let Some(base) = self.keep(name, text, Some(included)) else {
+    /// Reads a text in GLSL as the scene that the import of shaders makes of it.
+    fn shader(&mut self, name: &str, text: &str) {
+        self.glsl(name, text, None);
+        let Some(ForeignFile { whole, base, .. }) = self.loaded.foreign.last() else { return };
+        match scene_around(&whole.text, Shown::default()) {
+            Ok(around) => {
+                if !around.left_out.is_empty() {
+                    let message = format!("the shader's scene leaves out {}", around.left_out.join("; "));
+                    self.diagnostics.warn(Diagnostic::warning(Span::default(), message));
+                }
+                if let Some(base) = self.sources.end() {
+                    self.parse(&around.body, base);
+                }
+            }
+            Err(problem) => {
+                self.loaded.foreign_broken = true;
+                self.diagnostics.push(foreign::diagnostic(*base, whole, &problem, Span::default()));
+            }
+        }
+    }
+
+    /// Reads a GLSL file: an included one, or the text itself.
+    fn glsl(&mut self, name: &str, text: &str, included: Option<Span>) {
+        let Some(base) = self.keep(name, text, included) else {
             self.loaded.foreign_broken = true;
             return;
         };
-        let folder = name.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
+        let folder = included.and_then(|_| name.rsplit_once('/'));
+        let folder = folder.map_or(String::new(), |(folder, _)| format!("{folder}/"));
         let resolve = &mut *self.resolve;
         let whole = whole(text, self.limits, &mut |name| {
             path::checked(&format!("{folder}{name}")).ok().and_then(|path| resolve(&path).ok())
@@ -120,7 +152,8 @@ impl Loader<'_, '_> {
             }
             Err(problem) => {
                 self.loaded.foreign_broken = true;
-                self.diagnostics.push(foreign::diagnostic(base, &whole, &problem, included));
+                let place = included.unwrap_or_default();
+                self.diagnostics.push(foreign::diagnostic(base, &whole, &problem, place));
             }
         }
     }
@@ -163,7 +196,7 @@ impl Loader<'_, '_> {
             Ok(text) => {
                 self.loaded.includes.push(name.clone());
                 if is_glsl(&name) {
-                    return self.glsl(&name, &text, span);
+                    return self.glsl(&name, &text, Some(span));
                 }
                 self.open.push(name.clone());
                 self.file(&name, &text, Some(span));

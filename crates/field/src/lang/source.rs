@@ -61,14 +61,15 @@ pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 impl Sources {
     /// Adds a text and returns its first offset; `None` if offsets no longer fit into 32 bits.
     pub fn add(&mut self, name: &str, text: &str) -> Option<u32> {
-        let base = match self.files.last() {
-            Some(last) => last.base as usize + last.text.len() + 1,
-            None => 0,
-        };
-        u32::try_from(base + text.len() + 1).ok()?;
-        let base = base as u32;
+        let base = self.end()?;
+        u32::try_from(base as usize + text.len() + 1).ok()?;
         self.files.push(SourceFile { name: name.to_owned(), text: text.to_owned(), base });
         Some(base)
+    }
+
+    /// Returns the offset after all files. What begins there is shown at the end of the last file.
+    pub(super) fn end(&self) -> Option<u32> {
+        u32::try_from(self.files.last().map_or(0, |last| last.base as usize + last.text.len() + 1)).ok()
     }
 
     /// Returns the files in the order in which they were read.

@@ -141,3 +141,79 @@ fn an_imported_shader_is_a_scene_without_mistakes() {
     let none = scene_around("float noise(vec2 p) { return p.x; }", Shown::Picture).unwrap_err();
     assert!(none.hint.contains("noise"), "{none:?}");
 }
+
+/// A whole text, without an include.
+fn whole(text: &str) -> Compiled {
+    compile("folder/test.scene", text, &mut |name| match name {
+        "near.glsl" => Ok("float near = 2.0;".to_owned()),
+        other => Err(format!("there is no {other}")),
+    })
+}
+
+#[test]
+fn a_text_in_glsl_is_the_scene_that_an_import_makes_of_it() {
+    for (text, objects) in [
+        ("void mainImage(out vec4 c, in vec2 f) { c = vec4(f / iResolution.xy, 0.5, 1.0); }", 0),
+        (
+            "\u{feff}// a ball\n#define R \\\n 2.0\n/* of\nradius R */ float map(vec3 p) { return length(p) - R; }",
+            1,
+        ),
+        ("#include \"near.glsl\"\nfloat map(vec3 p) { return length(p) - near; }", 1),
+        (
+            "#version 330\nlayout(location = 0) out vec4 c; void main() { c = vec4(gl_FragCoord.xy / 9e2, 0, 1); }",
+            0,
+        ),
+    ] {
+        let compiled = whole(text);
+        let scene = compiled.scene.as_ref().unwrap_or_else(|| panic!("{text}\n{}", compiled.render(false)));
+        assert_eq!(scene.objects.len(), objects, "{text}");
+        let body = scene_around(text.trim_start_matches('\u{feff}'), Shown::default());
+        if let (1, Ok(body)) = (objects, body) {
+            let imported = with_glsl(&body.text("a.glsl"), text);
+            let at = [0.3, 2.5, -1.0];
+            assert_eq!(distance(scene, at), distance(&imported.scene.unwrap(), at), "{text}");
+        }
+    }
+}
+
+#[test]
+fn mistakes_in_a_text_in_glsl_are_reported_at_its_lines() {
+    for (text, line, wanted) in [
+        ("float map(vec3 p) {\n  return lenth(p) - 1.0;\n}", 2, "lenth"),
+        ("float map(vec3 p) {\n  float r = 1.0;\n  return length(p) - r\n}", 4, "Expected Semicolon"),
+        ("float halved(float a) { return a / 2.0; }", 1, "no function of this file looks like the distance"),
+    ] {
+        let compiled = whole(text);
+        let all: Vec<_> = compiled.diagnostics.iter().map(|one| one.message.clone()).collect();
+        let first = compiled.diagnostics.first().unwrap_or_else(|| panic!("no mistake found in {text}"));
+        let place = compiled.sources.place(first.span.start).unwrap();
+        assert_eq!(
+            (all.len(), place.file.name.as_str(), place.line),
+            (1, "folder/test.scene", line),
+            "{all:?}"
+        );
+        assert!(first.message.contains(wanted), "{all:?}");
+    }
+}
+
+#[test]
+fn what_the_scene_of_a_shader_leaves_out_is_a_warning() {
+    let compiled = whole("uniform float speed;\nfloat map(vec3 p) { return length(p) - speed; }");
+    let warning = compiled.warnings.first().map(|warning| warning.message.as_str()).unwrap_or_default();
+    assert!(warning.contains("leaves out values of `speed`"), "{warning}");
+}
+
+#[test]
+fn a_scene_is_not_taken_for_glsl() {
+    for text in [
+        "# void main() {\nlength(p) - 1",
+        "vec3(1).x - length(p)",
+        "#define\n",
+        "",
+        "floaty",
+        "float f(vec3 p) { 1 }",
+    ] {
+        let messages: Vec<_> = whole(text).diagnostics.into_iter().map(|one| one.message).collect();
+        assert!(!messages.iter().any(|message| message.contains("function of this file")), "{messages:?}");
+    }
+}
