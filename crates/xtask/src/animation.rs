@@ -1,10 +1,10 @@
-//! Pictures of scenes with the demo track: still ones, and animated ones as WebP files, which need ffmpeg.
+//! Pictures of scenes with a song: still ones, and animated ones as WebP files, which need ffmpeg.
 
 use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, ensure};
-use image::RgbaImage;
+use image::{DynamicImage, RgbaImage};
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::paths::PathWatch;
 use mariana::export::still::{StillRequest, write_still};
@@ -12,18 +12,30 @@ use mariana::export::video::{EncodingQuality, VideoRequest, write_video};
 use mariana::export::{Output, Showing, Shutter};
 use mariana::scenes::SceneSource;
 use mariana_music::Gain;
+use mariana_player::song::Song;
 
-/// Draws a shipped scene at `at` seconds, in the same way as `mariana still`.
-pub(crate) fn still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
+/// Draws a shipped scene at `at` seconds of the demo track.
+pub(crate) fn demo_still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
+    let source = SceneSource::Shipped(name.to_owned());
+    Ok(still(&DEMO_TRACK, &source, at, size)?.into_rgba8())
+}
+
+/// Draws a scene at `at` seconds of a song, in the same way as `mariana still`.
+pub(crate) fn still(
+    song: &Song,
+    source: &SceneSource,
+    at: f64,
+    size: (u32, u32),
+) -> anyhow::Result<DynamicImage> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("still.png");
     let request = StillRequest {
-        song: DEMO_TRACK,
+        song: song.clone(),
         at,
         size,
         gain: Gain::Auto,
         output: Output::Path(path.clone()),
-        scene: SceneSource::Shipped(name.to_owned()).into(),
+        scene: source.clone().into(),
         show: None,
         blend: None,
         set: Vec::new(),
@@ -31,7 +43,7 @@ pub(crate) fn still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<Rgb
         shutter: Shutter::MOMENT,
     };
     write_still(&request, PathWatch::default())?;
-    Ok(image::open(&path)?.into_rgba8())
+    Ok(image::open(&path)?)
 }
 
 /// The size and length of an animation.

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::animation::{Animation, still};
+use crate::animation::{Animation, demo_still};
 use anyhow::Context as _;
 use figures::Figures;
 use image::codecs::jpeg::JpegEncoder;
@@ -103,11 +103,11 @@ columns `black` and `white` give the largest percentages of black and white pixe
 ";
 
 fn draw(name: &str, folder: &Path) -> anyhow::Result<()> {
-    write_jpeg(&folder.join(format!("{name}.jpg")), still(name, MOMENTS[LARGE], LARGE_SIZE)?)?;
+    write_jpeg(&folder.join(format!("{name}.jpg")), demo_still(name, MOMENTS[LARGE], LARGE_SIZE)?)?;
     let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
     for (moment, time) in MOMENTS.into_iter().enumerate() {
         let left = i64::from(STRIP_SIZE.0) * moment as i64;
-        imageops::replace(&mut strip, &still(name, time, STRIP_SIZE)?, left, 0);
+        imageops::replace(&mut strip, &demo_still(name, time, STRIP_SIZE)?, left, 0);
     }
     write_jpeg(&folder.join(format!("{name}-strip.jpg")), strip)
 }
