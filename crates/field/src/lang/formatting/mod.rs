@@ -12,12 +12,16 @@ mod spacing;
 mod tests;
 
 use super::check_syntax;
+use super::foreign::is_shader;
 use super::pieces::pieces;
 use super::source::BYTE_ORDER_MARK;
 
 /// Returns the text with regular indentation and blanks; `None` if it has mistakes in its tokens or grammar. The
-/// result means the same as `text`, and formatting it again changes nothing.
+/// result means the same as `text`, and formatting it again changes nothing. A text in GLSL stays as it is.
 pub fn formatted(text: &str) -> Option<String> {
+    if is_shader(text) {
+        return Some(text.to_owned());
+    }
     let (mistakes, _) = check_syntax("", text);
     if !mistakes.is_empty() {
         return None;

@@ -57,6 +57,12 @@ fn check(text: &str) -> Result<(), TestCaseError> {
 }
 
 #[test]
+fn a_text_in_glsl_was_formatted_as_a_scene() {
+    let text = "#define R 1.\nfloat map(vec3 p) {\n    int i=0; i++;\n  return length(p)-R;\n}\n";
+    assert_eq!(formatted(text).as_deref(), Some(text));
+}
+
+#[test]
 fn shipped_texts_are_formatted() {
     for (name, text) in shipped() {
         assert_eq!(formatted(&text).as_ref(), Some(&text), "{name}");
