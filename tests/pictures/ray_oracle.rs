@@ -36,7 +36,8 @@ const OF_MODELLERS: [(&str, &str); 2] = [
     ("polynomial", "(1.5*x)^4-5*(1.5*x)^2 + (1.5*y)^4-5*(1.5*y)^2 + (1.5*z)^4-5*(1.5*z)^2 + 11.8"),
 ];
 
-const REPEATING: [&str; 7] = ["city", "forest", "lattice", "rain", "reef", "spiral", "village"];
+const REPEATING: [&str; 9] =
+    ["city", "forest", "lattice", "library", "nave", "rain", "reef", "spiral", "village"];
 
 type Span = (f64, f64);
 

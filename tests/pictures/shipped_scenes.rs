@@ -48,10 +48,14 @@ tests_of! {
     ink
     kaleidoscope
     lattice
+    lava_lamp
     letters
+    library
     mandelbulb
+    marbling
     metaballs
     moonrise
+    nave
     orb
     quadric
     rain
