@@ -4,13 +4,11 @@
 //! [`CachedFiles`] are about songs. The name of a file is a hash of the songs' bytes and of what else decides about the
 //! contents.
 
-use std::ffi::OsStr;
-use std::fs::{self, File, Metadata};
 use std::hash::{DefaultHasher, Hash, Hasher as _};
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::PathBuf;
 
 use crate::atomic_file::AtomicFile;
+use crate::caches::{make_room, touch};
 use crate::reading::read_at_most;
 use mariana_player::song::Song;
 
@@ -91,32 +89,6 @@ impl CachedFiles {
     pub(crate) fn forget_oldest(&self) {
         if let Some(folder) = &self.folder {
             make_room(folder, &[self.ending], |_| 1, self.kept_max as u64);
-        }
-    }
-}
-
-/// Marks a file as used. If that fails, the file may be deleted too early.
-pub fn touch(path: &Path) {
-    let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
-}
-
-/// Deletes the least recently used of the files with these `endings`, until the others cost at most `most` together.
-pub fn make_room(folder: &Path, endings: &[&str], cost: impl Fn(&Metadata) -> u64, most: u64) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    let file = |path: PathBuf| {
-        let is_ours = endings.iter().any(|ending| path.extension() == Some(OsStr::new(ending)));
-        let about = path.symlink_metadata().ok().filter(|about| is_ours && about.is_file())?;
-        Some((about.modified().ok()?, cost(&about), path))
-    };
-    let mut files: Vec<_> = entries.flatten().filter_map(|entry| file(entry.path())).collect();
-    files.sort();
-    let mut sum: u64 = files.iter().map(|(_, its, _)| its).sum();
-    for (_, its, path) in files {
-        if sum <= most {
-            break;
-        }
-        if fs::remove_file(path).is_ok() {
-            sum -= its;
         }
     }
 }

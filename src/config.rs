@@ -3,9 +3,9 @@
 pub use mariana_files::Folders;
 pub use mariana_settings::limits as setting_limits;
 pub use mariana_settings::{
-    Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, KnobsError,
-    LastShow, PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile,
-    Snapshot, Values, with_settings,
+    Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, LastShow,
+    PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile, Snapshot,
+    Values, with_settings,
 };
 
 use crate::program_cache::ProgramCache;

@@ -5,7 +5,7 @@
 //! modules and the rules between them.
 
 pub use mariana_commands::{self as commands, input};
-pub use mariana_files::{atomic_file, attempt, child, documents, ending, file_names, reading};
+pub use mariana_files::{atomic_file, attempt, caches, child, documents, ending, file_names, reading};
 pub use mariana_render::{
     faults, flash, frame, placement, ray_diagram, reading_order, srgb, system_fonts, view,
 };

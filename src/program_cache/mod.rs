@@ -27,7 +27,8 @@ use std::sync::{Arc, Mutex};
 
 use crate::atomic_file::AtomicFile;
 use crate::attempt::{self, Attempt};
-use crate::cached_files::{CHECKSUM_LINE, make_room, sealed, touch, unsealed};
+use crate::cached_files::{CHECKSUM_LINE, sealed, unsealed};
+use crate::caches::{make_room, touch};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits;
 use crate::reading::read_at_most;

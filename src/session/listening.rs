@@ -278,7 +278,7 @@ impl Listening {
             return false;
         }
         let Some(parts) = self.parts.arrived(self.track) else { return false };
-        parts.problems.iter().for_each(|problem| self.sound.report(&problem.to_string()));
+        parts.problems.iter().for_each(|problem| self.sound.report(problem));
         true
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
+use crate::reading::{TextError, read_text};
 use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
 use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
@@ -30,29 +31,13 @@ pub enum ShowSource {
 /// Errors that leave no show to play.
 #[derive(Debug, thiserror::Error)]
 pub enum ShowError {
-    /// The file cannot be read.
-    #[error("the show {} cannot be read ({reason}): check the path", .path.display())]
-    Unreadable {
+    /// The file is not a readable text.
+    #[error("the show {} {problem}", .path.display())]
+    File {
         /// The file.
         path: PathBuf,
-        /// The system's error.
-        reason: String,
-    },
-    /// The file exceeds the limit.
-    #[error("the show {} is larger than {max} bytes: split it into several shows", .path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit.
-        max: usize,
-    },
-    /// The file is not UTF-8.
-    #[error("the show {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-        /// Offset of the first invalid byte.
-        position: usize,
+        /// The reason.
+        problem: TextError,
     },
     /// The show file has mistakes.
     #[error(transparent)]
@@ -282,15 +267,8 @@ fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
 }
 
 fn read(path: &Path) -> Result<String, ShowError> {
-    let unreadable =
-        |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    let max = show_limits::BYTES_MAX;
-    let bytes = crate::reading::read_at_most(path, max).map_err(unreadable)?;
-    let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
-    String::from_utf8(bytes).map_err(|error| {
-        let position = error.utf8_error().valid_up_to();
-        ShowError::NotText { path: path.to_owned(), position }
-    })
+    read_text(path, show_limits::BYTES_MAX)
+        .map_err(|problem| ShowError::File { path: path.to_owned(), problem })
 }
 
 #[cfg(test)]
@@ -362,12 +340,18 @@ mod tests {
         std::fs::write(&path, [b'a', 0xff]).unwrap();
         let refused =
             |path: PathBuf| PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err();
-        assert!(matches!(refused(path.clone()), ShowError::NotText { position: 1, .. }));
+        assert!(matches!(refused(path.clone()), ShowError::File { problem: TextError::NotText(1), .. }));
         std::fs::write(&path, vec![b'#'; show_limits::BYTES_MAX + 1]).unwrap();
-        assert!(matches!(refused(path), ShowError::TooLarge { .. }));
-        assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
+        assert!(matches!(refused(path), ShowError::File { problem: TextError::TooLarge(_), .. }));
+        assert!(matches!(
+            refused(folder.path().join("none.show")),
+            ShowError::File { problem: TextError::Unreadable(_), .. }
+        ));
         // Reading a device or a pipe may never end.
-        assert!(matches!(refused(PathBuf::from("/dev/zero")), ShowError::Unreadable { .. }));
+        assert!(matches!(
+            refused(PathBuf::from("/dev/zero")),
+            ShowError::File { problem: TextError::Unreadable(_), .. }
+        ));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use mariana_music::{KeptNumber, PART_TRACK_VERSION, PartListener, PartTracks};
 use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::playlist::Cut;
 use mariana_player::song::Song;
-use mariana_player::stems::{Stem, StemsError, stems_of};
+use mariana_player::stems::{Stem, stems_of};
 use mariana_player::track::{TrackInfo, scale};
 
 use crate::cached_files::{CachedFiles, FileKey};
@@ -36,62 +36,10 @@ pub fn parts_cache(folders: &Folders) -> CachedFiles {
 pub struct Parts {
     /// The features of the parts.
     pub tracks: PartTracks,
-    /// Everything that is wrong with the stems, once they are complete.
-    pub problems: Vec<StemProblem>,
+    /// Messages about everything that is wrong with the stems, once they are complete.
+    pub problems: Vec<String>,
     /// False while only the beginning of the song is known.
     pub are_complete: bool,
-}
-
-/// Reasons why a part of a song is silent, or silent at its end.
-#[derive(Debug, thiserror::Error)]
-pub enum StemProblem {
-    /// The stems cannot be found.
-    #[error(transparent)]
-    Stems(#[from] StemsError),
-    /// A stem cannot be opened.
-    #[error("the part {part} stays silent: {source}")]
-    Open {
-        /// The part's name.
-        part: &'static str,
-        /// The decoder's error.
-        source: DecodeError,
-    },
-    /// A stem ends with a decoding error.
-    #[error("the part {part} is silent from {seconds:.1} s on: {source}")]
-    Decode {
-        /// The part's name.
-        part: &'static str,
-        /// The position of the error, in seconds.
-        seconds: f64,
-        /// The decoder's error.
-        source: DecodeError,
-    },
-    /// A stem exceeds the limit.
-    #[error(
-        "{file} is longer than {:.0} minutes, so the part {part} is silent from there on: cut the song into shorter \
-         pieces",
-        limit / 60.0
-    )]
-    TooLong {
-        /// The part's name.
-        part: &'static str,
-        /// The stem's file.
-        file: String,
-        /// The limit in seconds.
-        limit: f64,
-    },
-    /// A stem is shorter or longer than its song.
-    #[error(
-        "{file} lasts {seconds:.1} s, but its song lasts {song:.1} s: check that it is a stem of this song"
-    )]
-    Length {
-        /// The stem's file.
-        file: String,
-        /// The stem's length in seconds.
-        seconds: f64,
-        /// The song's length in seconds.
-        song: f64,
-    },
 }
 
 /// The song whose parts are read.
@@ -115,19 +63,18 @@ impl SongOfParts<'_> {
     /// a damaged stem is a silent part. Passes the parts of the beginning to `publish`, first after [`FIRST_SECONDS`]
     /// of the song and then each time their length has doubled. Returns `None` if `go_on` returns false.
     pub fn read(&self, cache: &CachedFiles, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)) -> Option<Parts> {
-        let (stems, errors) = stems_of(self.song);
+        let (stems, mut problems) = stems_of(self.song);
         let key = self.key(&stems, cache, go_on);
         let decode = |bytes: &[u8]| PartTracks::from_bytes(&kept_numbers(), bytes);
-        if let Some(tracks) = key.and_then(|key| cache.load(key, decode)).filter(|_| errors.is_empty()) {
+        if let Some(tracks) = key.and_then(|key| cache.load(key, decode)).filter(|_| problems.is_empty()) {
             return Some(Parts { tracks, problems: Vec::new(), are_complete: true });
         }
-        let mut problems: Vec<StemProblem> = errors.into_iter().map(StemProblem::from).collect();
         let (from, until) = self.cut.map_or((0.0, f64::INFINITY), Cut::seconds);
         let mut readings: Vec<StemReading<'_>> = Vec::new();
         for stem in &stems {
             match StemReading::open(stem, from, self.scene_gain) {
                 Ok(reading) => readings.push(reading),
-                Err(source) => problems.push(StemProblem::Open { part: stem.name(), source }),
+                Err(error) => problems.push(format!("the part {} stays silent: {error}", stem.name())),
             }
         }
         let mut length = FIRST_SECONDS;
@@ -193,7 +140,7 @@ struct StemReading<'a> {
     is_over: bool,
     /// True if the stem ended at its last frame.
     is_whole: bool,
-    problems: Vec<StemProblem>,
+    problems: Vec<String>,
 }
 
 impl<'a> StemReading<'a> {
@@ -219,16 +166,20 @@ impl<'a> StemReading<'a> {
             match self.decoder.next_block(&mut block) {
                 Ok(0) => (self.is_over, self.is_whole) = (true, true),
                 Ok(count) => self.frames += count,
-                Err(source) => {
+                Err(error) => {
                     let (part, seconds) = (self.stem.name(), self.seconds());
-                    self.problems.push(StemProblem::Decode { part, seconds, source });
+                    self.problems.push(format!("the part {part} is silent from {seconds:.1} s on: {error}"));
                     self.is_over = true;
                 }
             }
             scale(&mut block, self.scene_gain);
             if !self.listener.push(&block) {
-                let (part, limit) = (self.stem.name(), music_limits::PART_SECONDS_MAX);
-                self.problems.push(StemProblem::TooLong { part, file: self.file(), limit });
+                let (file, part) = (self.file(), self.stem.name());
+                let minutes = music_limits::PART_SECONDS_MAX / 60.0;
+                self.problems.push(format!(
+                    "{file} is longer than {minutes:.0} minutes, so the part {part} is silent from there on: cut the \
+                     song into shorter pieces"
+                ));
                 self.is_over = true;
             }
         }
@@ -239,7 +190,9 @@ impl<'a> StemReading<'a> {
         self.listener.finish();
         if let Some(song) = song.filter(|song| self.is_whole && (self.seconds() - song).abs() > SAME_LENGTH) {
             let (file, seconds) = (self.file(), self.seconds());
-            self.problems.push(StemProblem::Length { file, seconds, song });
+            self.problems.push(format!(
+                "{file} lasts {seconds:.1} s, but its song lasts {song:.1} s: check that it is a stem of this song"
+            ));
         }
     }
 

@@ -100,7 +100,7 @@ fn the_beginning_is_known_before_the_end() {
     for begun in published.borrow().iter() {
         assert_eq!(begun.tracks.at(7.3), parts.tracks.at(7.3), "a later reading changes the beginning");
     }
-    assert!(matches!(&parts.problems[..], [StemProblem::Length { .. }]), "{:?}", parts.problems);
+    assert!(parts.problems.len() == 1 && parts.problems[0].contains("lasts"), "{:?}", parts.problems);
 }
 
 #[test]

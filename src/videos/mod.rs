@@ -14,7 +14,9 @@ mod worker;
 use std::io;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
+
+use mariana_work::lock;
 
 use crate::commands::JobAction;
 use crate::config::Folders;
@@ -98,7 +100,7 @@ impl Videos {
 
     /// Reads the state of the queue.
     pub fn with_shown<T>(&self, read: impl FnOnce(&Shown) -> T) -> T {
-        read(&self.shared.lock().unwrap_or_else(PoisonError::into_inner))
+        read(&lock(&self.shared))
     }
 
     /// Returns the next message for the user, if any.

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use mariana_work::lock;
 use tempfile::TempDir;
 
 use super::Shown;
@@ -346,7 +347,7 @@ impl Worker {
             self.shown.jobs.clone_from(&self.queue.jobs);
             self.published = Some(now);
         }
-        let mut shared = self.shares.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut shared = lock(&self.shares.0);
         let is_new = *shared != self.shown || !self.told.is_empty();
         shared.clone_from(&self.shown);
         drop(shared);

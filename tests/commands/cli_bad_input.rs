@@ -298,7 +298,7 @@ fn flags_without_an_effect_were_ignored_in_silence() {
 fn a_scene_that_is_a_pipe_is_refused() {
     let place = Workplace::new();
     output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();
-    place.run(&["check", "pipe.scene"]).refused(&["pipe.scene", "not a regular file"]);
+    place.run(&["check", "pipe.scene"]).refused(&["pipe.scene", "it is not a file"]);
 }
 
 #[test]

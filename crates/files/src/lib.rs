@@ -19,6 +19,7 @@
 
 pub mod atomic_file;
 pub mod attempt;
+pub mod caches;
 pub mod child;
 pub mod documents;
 pub mod ending;

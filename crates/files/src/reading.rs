@@ -18,6 +18,29 @@ pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() <= max).then_some(bytes))
 }
 
+/// The reason why a text cannot be read. Each message follows the name of the file.
+#[derive(Debug, thiserror::Error)]
+pub enum TextError {
+    /// The system refuses to read the file.
+    #[error("cannot be read ({0}): check the path")]
+    Unreadable(io::Error),
+    /// The file has more bytes than this limit.
+    #[error("is larger than {0} bytes: split it")]
+    TooLarge(usize),
+    /// This byte, counted from 0, is not UTF-8.
+    #[error("is not text: byte {0} is not UTF-8; save it as UTF-8")]
+    NotText(usize),
+}
+
+/// Reads a text of at most `max` bytes.
+///
+/// # Errors
+/// Fails like [`read_at_most`], and for a file that is too large or is not UTF-8.
+pub fn read_text(path: &Path, max: usize) -> Result<String, TextError> {
+    let bytes = read_at_most(path, max).map_err(TextError::Unreadable)?.ok_or(TextError::TooLarge(max))?;
+    String::from_utf8(bytes).map_err(|error| TextError::NotText(error.utf8_error().valid_up_to()))
+}
+
 #[cfg(test)]
 #[cfg(target_os = "linux")]
 mod tests {

@@ -2,12 +2,13 @@
 //! and the window reads them. Each of these threads holds the lock only briefly; the callback never takes the lock.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use super::clock::Audible;
 use super::track::TrackInfo;
 use crate::limits;
 use mariana_music::{FeatureTrack, Features, Recent, Sound, TimedFeatures};
+use mariana_work::lock;
 
 const SEGMENTS_KEPT: usize = 8;
 
@@ -77,7 +78,7 @@ pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
 impl SharedAudibleSegments {
     /// Locks the segments, even if a thread panicked while it held the lock. Hold the lock only briefly.
     pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
 }
 

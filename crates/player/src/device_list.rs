@@ -2,14 +2,14 @@
 //! changes that the sound servers announce. A poll makes four queries to the server.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::devices::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::error::Direction;
-use mariana_work::Background;
+use mariana_work::{Background, lock};
 
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
@@ -123,9 +123,8 @@ impl DeviceList {
 
 #[derive(Default)]
 struct Shared {
-    device_list: Mutex<Arc<DeviceList>>,
-    /// A number that grows with each change of the device list; 0 before the first poll.
-    generation: AtomicU64,
+    /// The device list, and a number that grows with each of its changes; 0 before the first poll.
+    latest: Mutex<(u64, Arc<DeviceList>)>,
     looks: AtomicU64,
     stop: AtomicBool,
 }
@@ -144,7 +143,7 @@ impl DeviceWatch {
     /// # Errors
     /// Fails if the thread cannot be started.
     pub fn shared() -> std::io::Result<Arc<Self>> {
-        let mut slot = WATCH.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = lock(&WATCH);
         if let Some(watch) = slot.upgrade() {
             return Ok(watch);
         }
@@ -169,17 +168,15 @@ impl DeviceWatch {
 
     /// Returns the latest list and its generation. If the generation differs from before, the list has changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
-        let generation = self.shared.generation.load(Ordering::Acquire);
-        (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())
+        lock(&self.shared.latest).clone()
     }
 }
 
 impl Shared {
     fn publish(&self, device_list: DeviceList) {
-        let mut slot = self.device_list.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.generation.load(Ordering::Relaxed) == 0 || **slot != device_list {
-            *slot = Arc::new(device_list);
-            self.generation.fetch_add(1, Ordering::Release);
+        let mut latest = lock(&self.latest);
+        if latest.0 == 0 || *latest.1 != device_list {
+            *latest = (latest.0 + 1, Arc::new(device_list));
         }
     }
 }
@@ -187,7 +184,7 @@ impl Shared {
 impl Drop for DeviceWatch {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
-        let worker = self.worker.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let mut worker = lock(&self.worker);
         worker.unpark();
         worker.finish(END_LIMIT);
     }
@@ -242,9 +239,9 @@ mod tests {
         let shared = Shared::default();
         shared.publish(DeviceList::default());
         shared.publish(DeviceList::default());
-        assert_eq!(shared.generation.load(Ordering::Relaxed), 1);
+        assert_eq!(lock(&shared.latest).0, 1);
         shared.publish(DeviceList { known: true, ..DeviceList::default() });
-        assert_eq!(shared.generation.load(Ordering::Relaxed), 2);
+        assert_eq!(lock(&shared.latest).0, 2);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! address that their input names. Inputs can be added only by [`CommandLine::input`]. It names the demuxers that may
 //! read the input, and the single protocol that reaches the input. These demuxers open only their own input.
 
+pub(crate) mod probe;
 pub(crate) mod process;
 
 use std::ffi::{OsStr, OsString};

@@ -5,9 +5,10 @@
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use futures_executor::block_on;
+use mariana_work::lock;
 use pulseaudio::{Client, ClientError};
 
 /// The connection for queries about other connections. It stays open, because connections last as long as the server.
@@ -25,7 +26,7 @@ pub(crate) struct ServerConnection {
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {
-    let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut asking = lock(&ASKING);
     let before = own_connections(&mut asking);
     let made = open()?;
     let connection = before.and_then(|(server, before)| {
@@ -40,7 +41,7 @@ pub(super) fn opened_by<T, E>(
 impl ServerConnection {
     /// Asks the server to close the connection. This wakes all threads that wait for it. May block like the server.
     pub(crate) fn end(self) {
-        let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut asking = lock(&ASKING);
         let is_there = own_connections(&mut asking)
             .is_some_and(|(server, own)| server == self.server && own.contains(&self.client));
         if let Some(client) = asking.as_ref().filter(|_| is_there)

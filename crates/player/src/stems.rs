@@ -25,38 +25,6 @@ use crate::song::Song;
 /// The parts in the tracks of a stem file, after the track with the mix.
 const TRACKS: [&str; 4] = ["drums", "bass", "other", "vocals"];
 
-/// Reasons why stems cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum StemsError {
-    /// A folder of stems has no usable file.
-    #[error("{} has no stems: name its audio files drums, bass, vocals and other, for example drums.wav", .0.display())]
-    None(PathBuf),
-    /// A folder cannot be read.
-    #[error("cannot read the stems in {}: check the folder's permissions", folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// A stem is a link, or in a linked folder, outside of the song's folder.
-    #[error("{} is not read, because it leads out of the folder {}: copy the stem into that folder", stem.display(), folder.display())]
-    Outside {
-        /// The stem.
-        stem: PathBuf,
-        /// The song's folder.
-        folder: PathBuf,
-    },
-    /// Two files have the name of the same part.
-    #[error("{} is not used, because {} is the stem of the same part: remove one of them", unused.display(), used.display())]
-    Two {
-        /// The file that is used.
-        used: PathBuf,
-        /// The other file.
-        unused: PathBuf,
-    },
-}
-
 /// A stem of a song.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stem {
@@ -90,18 +58,24 @@ impl Stem {
     }
 }
 
-/// Returns the stems of a song, in the order of [`PART_NAMES`], and everything that is wrong with them. Both
-/// are empty for a song without stems.
-pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<StemsError>) {
+/// Returns the stems of a song, in the order of [`PART_NAMES`], and a message about everything that is wrong with them.
+/// Both are empty for a song without stems.
+pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<String>) {
     let Song::File(path) = song else { return (Vec::new(), Vec::new()) };
     let mut errors = Vec::new();
     for folder in folders(path) {
         let known = errors.len();
         match in_folder(&folder, folder_of(path), &mut errors) {
             Ok(stems) if stems.is_empty() && errors.len() > known => {}
-            Ok(stems) if stems.is_empty() => errors.push(StemsError::None(folder)),
+            Ok(stems) if stems.is_empty() => errors.push(format!(
+                "{} has no stems: name its audio files drums, bass, vocals and other, for example drums.wav",
+                folder.display()
+            )),
             Ok(stems) => return (stems, errors),
-            Err(source) => errors.push(StemsError::Folder { folder, source }),
+            Err(_) => errors.push(format!(
+                "cannot read the stems in {}: check the folder's permissions",
+                folder.display()
+            )),
         }
     }
     let mut stems = Vec::new();
@@ -144,7 +118,7 @@ fn folders(song: &Path) -> Vec<PathBuf> {
     folders
 }
 
-fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
+fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<String>) -> io::Result<Vec<Stem>> {
     let root = of_song.canonicalize()?;
     let is_inside = |path: &&PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(&root));
     let entries = fs::read_dir(folder)?.flatten().take(limits::STEM_FILES_MAX);
@@ -156,12 +130,23 @@ fn in_folder(folder: &Path, of_song: &Path, errors: &mut Vec<StemsError>) -> io:
             path.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case(name)) && is_audio(path)
         };
         let (inside, outside): (Vec<_>, Vec<_>) = files.iter().filter(is_stem).partition(is_inside);
-        let outside = outside.into_iter().cloned();
-        errors.extend(outside.map(|stem| StemsError::Outside { stem, folder: of_song.to_owned() }));
+        errors.extend(outside.into_iter().map(|stem| {
+            format!(
+                "{} is not read, because it leads out of the folder {}: copy the stem into that folder",
+                stem.display(),
+                of_song.display()
+            )
+        }));
         let mut of_part = inside.into_iter();
         let Some(used) = of_part.next() else { continue };
         stems.push(Stem { part, path: used.clone(), track: None });
-        errors.extend(of_part.map(|unused| StemsError::Two { used: used.clone(), unused: unused.clone() }));
+        errors.extend(of_part.map(|unused| {
+            format!(
+                "{} is not used, because {} is the stem of the same part: remove one of them",
+                unused.display(),
+                used.display()
+            )
+        }));
     }
     Ok(stems)
 }
@@ -204,7 +189,7 @@ mod tests {
         }
         let (stems, errors) = stems_of(&song);
         assert_eq!(places(&stems), [("drums", "DRUMS.Wav".into(), None)]);
-        assert!(matches!(&errors[..], [StemsError::Two { .. }]), "{errors:?}");
+        assert!(errors.len() == 1 && errors[0].contains("the stem of the same part"), "{errors:?}");
 
         let song = Song::File(file("set.STEM.mp4"));
         let tracks: Vec<_> = stems_of(&song).0.iter().map(|stem| (stem.name(), stem.track)).collect();
@@ -213,7 +198,7 @@ mod tests {
         let song = Song::File(file("bare.wav"));
         file("bare.stems/mix.wav");
         let (stems, errors) = stems_of(&song);
-        assert!(stems.is_empty() && errors[0].to_string().contains("drums.wav"), "{errors:?}");
+        assert!(stems.is_empty() && errors[0].contains("drums.wav"), "{errors:?}");
     }
 
     #[cfg(unix)]
@@ -230,7 +215,7 @@ mod tests {
         symlink(folder.join("kept.wav"), folder.join("a.stems/bass.wav")).unwrap();
         let (stems, errors) = stems_of(&Song::File(folder.join("a.wav")));
         assert_eq!(places(&stems), [("bass", "bass.wav".into(), None)], "a link inside the folder is read");
-        let told = errors.iter().map(ToString::to_string).collect::<String>();
+        let told = errors.concat();
         assert!(
             errors.len() == 1 && told.contains("drums.wav is not read") && told.contains("copy"),
             "{told}"
@@ -240,7 +225,8 @@ mod tests {
         fs::write(place.path().join("others/vocals.wav"), "").unwrap();
         symlink(place.path().join("others"), folder.join("b.stems")).unwrap();
         let (stems, errors) = stems_of(&Song::File(folder.join("b.wav")));
-        assert!(stems.is_empty() && matches!(&errors[..], [StemsError::Outside { .. }]), "{errors:?}");
+        assert!(stems.is_empty() && errors.len() == 1, "{errors:?}");
+        assert!(errors[0].contains("leads out of the folder"), "{errors:?}");
         // The song itself may be a link.
         symlink(place.path().join("secret.wav"), folder.join("c.wav")).unwrap();
         fs::create_dir(folder.join("c.stems")).unwrap();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use mariana_field::lang::{self, Diagnostic, Sources, Turning};
+use mariana_files::reading::TextError;
 use mariana_work::lock;
 
 use super::folder::Folder;
@@ -126,7 +127,7 @@ impl Findings {
             }
             Err(error) => {
                 let (range, message, hint) = match error {
-                    SceneError::NotText { position, .. } => (
+                    SceneError::File { problem: TextError::NotText(position), .. } => (
                         *position..position + 1,
                         "this byte is not UTF-8".to_owned(),
                         "delete it, or save the text as UTF-8 with another editor",

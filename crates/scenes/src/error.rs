@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mariana_field::lang::{Diagnostic, Sources};
 use mariana_field::world::{BlendError, WorldError};
+use mariana_files::reading::TextError;
 
 /// Mistakes, or warnings, together with the texts that contain them.
 #[derive(Debug, Default)]
@@ -35,32 +36,13 @@ pub enum SceneError {
     /// The file is a shader.
     #[error("{} is a shader, not a scene: write a scene around it with `mariana import {}`", .0.display(), .0.display())]
     Shader(PathBuf),
-    /// The system refuses to read the file.
-    #[error("the scene {} cannot be read ({reason}): check the path", .path.display())]
-    Unreadable {
+    /// The file is not a readable text.
+    #[error("the scene {} {problem}", .path.display())]
+    File {
         /// The file.
         path: PathBuf,
-        /// The error from the system.
-        reason: String,
-    },
-    /// The path is a folder, a pipe or a device.
-    #[error("the scene {} is not a regular file: save it to a file first", .0.display())]
-    NoFile(PathBuf),
-    /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
-    #[error("the scene {} is larger than {max} bytes: split it, or use functions and loops", .path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit.
-        max: usize,
-    },
-    /// The file is not UTF-8.
-    #[error("the scene {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-        /// The first byte that is not UTF-8, from 0.
-        position: usize,
+        /// The reason.
+        problem: TextError,
     },
     /// The text has mistakes.
     #[error("{name} has mistakes: correct what is underlined\n{}", .plain.trim_end())]

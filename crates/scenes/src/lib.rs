@@ -25,10 +25,9 @@ mod shader_import;
 mod shapes;
 mod sources;
 pub mod thumbnails;
-mod watch;
 mod world;
 
-use mariana_files::reading::read_at_most;
+use mariana_files::reading::{TextError, read_text};
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -229,8 +228,10 @@ fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<
 }
 
 fn text_of<'a>(file: &Path, draft: &'a [u8]) -> Result<&'a str, SceneError> {
-    std::str::from_utf8(draft)
-        .map_err(|error| SceneError::NotText { path: file.to_owned(), position: error.valid_up_to() })
+    std::str::from_utf8(draft).map_err(|error| SceneError::File {
+        path: file.to_owned(),
+        problem: TextError::NotText(error.valid_up_to()),
+    })
 }
 
 /// True if the path has the extension of scene files.
@@ -259,19 +260,8 @@ fn shipped(name: &str) -> Option<&'static str> {
 }
 
 fn read(path: &Path) -> Result<String, SceneError> {
-    let unreadable =
-        |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Check before opening: opening a pipe blocks until another program writes to it.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(SceneError::NoFile(path.to_owned()));
-    }
-    let max = FIELD_LIMITS.scene_bytes_max;
-    let bytes = read_at_most(path, max).map_err(unreadable)?;
-    let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
-    String::from_utf8(bytes).map_err(|error| {
-        let position = error.utf8_error().valid_up_to();
-        SceneError::NotText { path: path.to_owned(), position }
-    })
+    read_text(path, FIELD_LIMITS.scene_bytes_max)
+        .map_err(|problem| SceneError::File { path: path.to_owned(), problem })
 }
 
 #[cfg(test)]
@@ -317,9 +307,13 @@ mod tests {
         std::fs::write(path("large.scene"), vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).unwrap();
         std::fs::write(path("binary.scene"), [b'x', 0xff, 0xfe]).unwrap();
         let error = |name: &str| SceneSource::File(path(name)).compile().unwrap_err();
-        assert!(matches!(error("missing.scene"), SceneError::Unreadable { .. }));
-        assert!(matches!(error("large.scene"), SceneError::TooLarge { .. }));
-        assert!(matches!(error("binary.scene"), SceneError::NotText { position: 1, .. }));
+        let problem = |name: &str| match error(name) {
+            SceneError::File { problem, .. } => problem,
+            other => panic!("{other}"),
+        };
+        assert!(matches!(problem("missing.scene"), TextError::Unreadable(_)));
+        assert!(matches!(problem("large.scene"), TextError::TooLarge(_)));
+        assert!(matches!(problem("binary.scene"), TextError::NotText(1)));
     }
 
     #[test]

@@ -1,15 +1,14 @@
 //! Loads scenes on a background thread, and loads a scene again when its files change.
 //!
-//! The loader passes finished values to the show, so a large or broken scene delays no frame. It watches folders
-//! instead of files, because most editors save by replacing the file.
+//! The loader passes finished values to the show, so a large or broken scene delays no frame.
 //!
-//! A file counts as changed when its bytes differ from the loaded bytes. A save without changes does not reload the
-//! scene, and two events of one save reload the scene once. A file is read 20 ms after its last event, but not while
-//! its writer has it open. The loader waits for a missing file for at most 400 ms, because some editors delete a file
-//! before they write a new one. Every two seconds the loader checks all files, because replaced parent folders and
-//! files on a network cause no events. If the system has no watches left, the loader checks five times a second.
+//! Ten times a second, the loader compares length and modification time of each file of the scene. This finds every
+//! kind of save, also of files on a network and in replaced folders. A file counts as changed when its bytes differ
+//! from the loaded bytes, so that a save without changes does not reload the scene. Changed files are read as soon as
+//! they have been quiet for 20 ms. The loader waits for a missing or empty file for at most 400 ms, because some
+//! editors delete or empty a file before they write it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -24,7 +23,6 @@ use mariana_files::reading::read_at_most;
 use mariana_work::{Background, lock};
 
 use super::SceneSource;
-use super::watch::{Changes, Kind, Tell, Waits, Watch};
 use crate::limits;
 
 /// The result of loading a source.
@@ -57,8 +55,6 @@ struct Shared<T> {
 enum Message {
     Load(SceneSource),
     Again,
-    Changed(PathBuf, Kind),
-    End,
 }
 
 impl<T: Send + 'static> Loader<T> {
@@ -72,23 +68,18 @@ impl<T: Send + 'static> Loader<T> {
         load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
-        Self::start_with(load, wake, Waits::USUAL, Watch::new)
+        Self::start_with(load, wake, PATIENCE)
     }
 
     fn start_with(
         load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
         wake: impl Fn() + Send + 'static,
-        waits: Waits,
-        watch: impl FnOnce(Tell) -> Watch + Send + 'static,
+        patience: Duration,
     ) -> io::Result<Self> {
         let (requests, inbox) = channel();
         let shared = Arc::new(Shared { newest: Mutex::new(None), ended: AtomicBool::new(false) });
-        let (changes, results) = (requests.clone(), Arc::clone(&shared));
+        let results = Arc::clone(&shared);
         Background::start("scene loader", move || {
-            let watch = watch(Box::new(move |file, kind| {
-                // The receiver may be gone at exit.
-                let _ = changes.send(Message::Changed(file, kind));
-            }));
             let publish = move |loaded| {
                 if !results.ended.load(Ordering::Acquire) {
                     // Drop the old value outside the lock, because it may be large.
@@ -97,8 +88,7 @@ impl<T: Send + 'static> Loader<T> {
                     wake();
                 }
             };
-            let changes = Changes::default();
-            Worker { load, publish, watch, waits, changes, current: None, gone_since: None }.run(&inbox);
+            Worker { load, publish, patience, current: None, noticed: None }.run(&inbox);
         })?;
         Ok(Self { requests, shared })
     }
@@ -131,14 +121,9 @@ impl<T: Send + 'static> Loader<T> {
 
 impl<T> Drop for Loader<T> {
     fn drop(&mut self) {
+        // The thread ends when it finds no sender of requests.
         self.shared.ended.store(true, Ordering::Release);
-        let _ = self.requests.send(Message::End);
     }
-}
-
-enum Asked {
-    Source(SceneSource),
-    Again,
 }
 
 /// The current source, and for each of its files the state before the load; `None` if the file may have changed during
@@ -148,24 +133,35 @@ struct Current {
     seen: BTreeMap<PathBuf, Option<Look>>,
 }
 
-impl Current {
-    fn files(&self) -> Vec<PathBuf> {
-        self.seen.keys().cloned().collect()
-    }
-}
-
 struct Worker<Load, Publish> {
     load: Load,
     publish: Publish,
-    watch: Watch,
-    waits: Waits,
-    changes: Changes,
+    patience: Duration,
     current: Option<Current>,
-    gone_since: Option<Instant>,
+    noticed: Option<Noticed>,
 }
+
+/// A change that is not loaded yet, because its writer may not have finished.
+struct Noticed {
+    since: Instant,
+    /// The stamps of all files in the last check.
+    stamps: Vec<Stamp>,
+}
+
+/// Interval of the checks for changed files.
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Time without changes before changed files are read.
+const QUIET: Duration = Duration::from_millis(20);
+
+/// Maximum delay of a read while changes continue or a file is missing.
+const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Maximum lag of a file's modification time behind the clock. File systems use the time of the last kernel tick.
 const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
+
+/// The largest step of the modification times of any usual file system.
+const COARSE_CLOCK_STEP: Duration = Duration::from_secs(2);
 
 impl<T, Load, Publish> Worker<Load, Publish>
 where
@@ -173,40 +169,26 @@ where
     Publish: Fn(Loaded<T>),
 {
     fn run(&mut self, inbox: &Receiver<Message>) {
-        let mut asked: Option<Asked> = None;
-        let mut looked = Instant::now();
+        let mut asked: Option<Message> = None;
         loop {
             let watching = self.current.as_ref().is_some_and(|current| !current.seen.is_empty());
-            let every = if self.watch.complete { self.waits.look } else { self.waits.look_blind };
-            let look = watching.then_some(looked + every);
-            let given_up = self.gone_since.map(|since| since + self.waits.patience);
-            let due = [self.changes.due(&self.waits), given_up, look].into_iter().flatten().min();
+            let wait = if self.noticed.is_some() { QUIET } else { CHECK_INTERVAL };
             // Handle all messages before due work, so that the last of several requests wins.
-            let message = match (&asked, due) {
-                (Some(_), _) => inbox.recv_timeout(Duration::ZERO),
-                (None, Some(due)) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
-                (None, None) => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            let message = match &asked {
+                Some(_) => inbox.recv_timeout(Duration::ZERO),
+                None if watching => inbox.recv_timeout(wait),
+                None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
             };
             match message {
-                Ok(Message::Load(source)) => asked = Some(Asked::Source(source)),
-                Ok(Message::Again) => asked = asked.or(Some(Asked::Again)),
-                Ok(Message::Changed(file, kind)) => self.changes.record(file, kind, Instant::now()),
-                Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
+                // The waiting request loads all files anyway.
+                Ok(Message::Again) if asked.is_some() => {}
+                Ok(message) => asked = Some(message),
+                Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => match asked.take() {
-                    Some(Asked::Source(source)) => self.begin(source),
+                    Some(Message::Load(source)) => self.begin(source),
                     // The source is the same, so the same files stay watched.
-                    Some(Asked::Again) => {
-                        if let Some(current) = self.current.take() {
-                            self.load(current);
-                        }
-                    }
-                    None => {
-                        if look.is_some_and(|look| look <= Instant::now()) {
-                            looked = Instant::now();
-                            self.check_files();
-                        }
-                        self.check();
-                    }
+                    Some(Message::Again) => self.load(),
+                    None => self.check(),
                 },
             }
         }
@@ -215,71 +197,51 @@ where
     /// Loads another source, or the same source from scratch.
     fn begin(&mut self, source: SceneSource) {
         let before = self.current.take().filter(|current| current.source == source);
-        let mut files = before.map_or_else(Vec::new, |current| current.files());
+        let mut files = before.map_or_else(Vec::new, |current| current.seen.into_keys().collect());
         files.extend(source.file().map(PathBuf::from));
-        self.watch.set(&files);
-        self.changes.drain();
         let seen = files.into_iter().map(|file| (file.clone(), Some(Look::at(&file)))).collect();
-        self.load(Current { source, seen });
+        self.current = Some(Current { source, seen });
+        self.load();
     }
 
-    /// Finds files that look changed although no event arrived.
-    fn check_files(&mut self) {
-        let Some(current) = &self.current else { return };
-        self.watch.set(&current.files());
-        for (file, seen) in &current.seen {
-            if seen.as_ref().is_none_or(|seen| seen.stamp != Stamp::of(file)) {
-                self.changes.record(file.clone(), Kind::Touched, Instant::now());
-            }
-        }
-    }
-
-    /// Loads the source again if a changed file is due.
+    /// Loads the source again if its files have changed and their writers seem to have finished.
     fn check(&mut self) {
-        let now = Instant::now();
-        let given_up = self.gone_since.is_some_and(|since| since + self.waits.patience <= now);
-        let due = self.changes.due(&self.waits).is_some_and(|due| due <= now);
-        if !due && !given_up {
+        let Some(current) = &mut self.current else { return };
+        let stamps: Vec<Stamp> = current.seen.keys().map(|file| Stamp::of(file)).collect();
+        let noticed = self.noticed.take();
+        let known = |seen: &Option<Look>, stamp| seen.as_ref().is_some_and(|seen| seen.proves(stamp));
+        let files = current.seen.iter().zip(&stamps).filter(|((_, seen), stamp)| !known(seen, stamp));
+        let doubtful: Vec<PathBuf> = files.map(|((file, _), _)| file.clone()).collect();
+        if doubtful.is_empty() {
             return;
         }
-        let mut touched: BTreeSet<PathBuf> = self.changes.drain();
-        let Some(mut current) = self.current.take() else { return };
-        // Watch the files before reading them, so that a change in between is reported.
-        self.watch.set(&current.files());
-        if self.gone_since.is_some() {
-            // The last check postponed its changes because a file was missing. Check all files again.
-            touched.extend(current.seen.keys().cloned());
+        let since = noticed.as_ref().map_or_else(Instant::now, |noticed| noticed.since);
+        let quiet = noticed.is_some_and(|noticed| noticed.stamps == stamps);
+        let patient = since.elapsed() < self.patience;
+        if patient && !quiet {
+            self.noticed = Some(Noticed { since, stamps });
+            return;
         }
-        let mut changed = BTreeMap::new();
-        let mut gone = false;
-        for file in touched {
-            let Some(seen) = current.seen.get_mut(&file) else { continue };
-            let look = Look::at(&file);
-            match seen {
-                Some(seen) if seen.content == look.content => *seen = look,
-                _ => {
-                    let was_there = |seen: &Look| look.content.is_gone_since(&seen.content);
-                    gone |= seen.as_ref().is_some_and(was_there);
-                    changed.insert(file, Some(look));
-                }
-            }
+        let looks: BTreeMap<PathBuf, Look> =
+            doubtful.into_iter().map(|file| (file.clone(), Look::at(&file))).collect();
+        let before = |file| current.seen.get(file)?.as_ref().map(|seen| &seen.content);
+        let gone =
+            |(file, look): (_, &Look)| before(file).is_some_and(|before| look.content.is_gone_since(before));
+        if patient && looks.iter().any(gone) {
+            self.noticed = Some(Noticed { since, stamps });
+            return;
         }
-        if gone && !given_up {
-            self.gone_since.get_or_insert(now);
-            self.current = Some(current);
-        } else if changed.is_empty() {
-            self.gone_since = None;
-            self.current = Some(current);
-        } else {
-            current.seen.extend(changed);
-            self.load(current);
+        let changed = looks.iter().any(|(file, look)| before(file) != Some(&look.content));
+        current.seen.extend(looks.into_iter().map(|(file, look)| (file, Some(look))));
+        if changed {
+            self.load();
         }
     }
 
-    /// Loads `current`. The caller has already watched and read the known files of `current`.
-    fn load(&mut self, current: Current) {
-        self.gone_since = None;
-        let Current { source, mut seen } = current;
+    /// Loads the current source. The caller has already read its known files.
+    fn load(&mut self) {
+        self.noticed = None;
+        let Some(Current { source, mut seen }) = self.current.take() else { return };
         let began = SystemTime::now().checked_sub(FILE_CLOCK_STEP).unwrap_or(SystemTime::UNIX_EPOCH);
         let load = &mut self.load;
         let begun = Instant::now();
@@ -289,22 +251,15 @@ where
             Ok((_, files)) => files.clone(),
             Err(_) => seen.keys().cloned().collect(),
         };
-        self.watch.set(&files);
-        let mut looks = BTreeMap::new();
-        for file in &files {
-            let look = seen.remove(file).unwrap_or_else(|| {
-                // This dependency was unknown until now. If the file changed during the load, the loaded version is
-                // uncertain.
-                let look = Look::at(file);
-                let doubtful = look.stamp.is_since(began);
-                if doubtful {
-                    self.changes.record(file.clone(), Kind::Touched, Instant::now());
-                }
-                Some(look).filter(|_| !doubtful)
-            });
-            looks.insert(file.clone(), look);
-        }
-        self.current = Some(Current { source: source.clone(), seen: looks });
+        let look = |file: &PathBuf| {
+            // A dependency that was unknown until now may have changed during the load.
+            let look = seen
+                .remove(file)
+                .unwrap_or_else(|| Some(Look::at(file)).filter(|look| !look.stamp.is_since(began)));
+            (file.clone(), look)
+        };
+        let seen = files.iter().map(look).collect();
+        self.current = Some(Current { source: source.clone(), seen });
         match outcome {
             Ok((value, files)) => (self.publish)(Loaded { source, value, files, took }),
             Err(_) => tracing::error!("loading {} failed: this is a bug in Mariana", source.name()),
@@ -315,13 +270,15 @@ where
 // The content of a file at one time, to decide if the file has really changed.
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Look {
-    pub content: Content,
-    pub stamp: Stamp,
+struct Look {
+    content: Content,
+    stamp: Stamp,
+    /// True if the file was modified so recently that another change may have the same stamp.
+    fresh: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Content {
+enum Content {
     Missing,
     /// Length and hash of a file. If the file is larger than any scene may read, `hash` is 0.
     Bytes {
@@ -332,25 +289,25 @@ pub(super) enum Content {
     Unreadable(String),
 }
 
-/// Length and modification time, known without reading the file. Equal stamps do not prove that a file is unchanged:
-/// two saves within one tick of the file system's clock have equal stamps.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Stamp(Option<(u64, Option<SystemTime>)>);
+/// Length and modification time, known without reading the file. Two saves within one tick of the file system's clock
+/// may have equal stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stamp(Option<(u64, Option<SystemTime>)>);
 
 impl Stamp {
-    pub(super) fn of(path: &Path) -> Self {
+    fn of(path: &Path) -> Self {
         let metadata = fs::metadata(path).ok();
         Self(metadata.map(|metadata| (metadata.len(), metadata.modified().ok())))
     }
 
     /// True if the file may have changed at `time` or later.
-    pub(super) fn is_since(&self, time: SystemTime) -> bool {
+    fn is_since(&self, time: SystemTime) -> bool {
         matches!(self.0, Some((_, Some(modified))) if modified >= time)
     }
 }
 
 impl Look {
-    pub(super) fn at(path: &Path) -> Self {
+    fn at(path: &Path) -> Self {
         // Take the stamp first: if the file changes in between, the next check finds a different stamp.
         let stamp = Stamp::of(path);
         let content = match hash(path) {
@@ -358,13 +315,24 @@ impl Look {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Content::Missing,
             Err(error) => Content::Unreadable(error.to_string()),
         };
-        Self { content, stamp }
+        let now = SystemTime::now();
+        let age = |modified| now.duration_since(modified).unwrap_or_else(|error| error.duration());
+        let fresh = stamp
+            .0
+            .and_then(|(_, modified)| modified)
+            .is_some_and(|modified| age(modified) <= COARSE_CLOCK_STEP);
+        Self { content, stamp, fresh }
+    }
+
+    /// True if a file with this stamp has the same content for certain.
+    fn proves(&self, stamp: &Stamp) -> bool {
+        !self.fresh && self.stamp == *stamp
     }
 }
 
 impl Content {
     /// True if the file has become missing or empty, as in a save that first empties or deletes the file.
-    pub(super) fn is_gone_since(&self, before: &Self) -> bool {
+    fn is_gone_since(&self, before: &Self) -> bool {
         let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
         nothing(self) && !nothing(before)
     }

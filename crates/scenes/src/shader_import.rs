@@ -1,7 +1,6 @@
 //! Makes scenes of shaders in a folder of scenes, without replacing any file.
 
-use mariana_files::reading::read_at_most;
-use std::io;
+use mariana_files::reading::{TextError, read_text};
 use std::path::{Path, PathBuf};
 
 use mariana_field::glsl_import::{Problem, SceneAround, Shown, Whole, scene_around, whole};
@@ -21,29 +20,13 @@ pub enum ShaderError {
     /// The name does not end like that of a shader.
     #[error("{} is not called like a GLSL file: rename it to end in .glsl or .frag", .0.display())]
     NoShader(PathBuf),
-    /// The system refuses to read the file.
-    #[error("{} cannot be read ({reason}): check the path", .path.display())]
-    Unreadable {
+    /// The file is not a readable text.
+    #[error("{} {problem}", .path.display())]
+    File {
         /// The file.
         path: PathBuf,
-        /// The error from the system.
-        reason: io::Error,
-    },
-    /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
-    #[error("{} is larger than {max} bytes: split it", .path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit.
-        max: usize,
-    },
-    /// The file is not UTF-8.
-    #[error("{} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-        /// The first byte that is not UTF-8, from 0.
-        position: usize,
+        /// The reason.
+        problem: TextError,
     },
     /// No scene can be made of the text.
     #[error("{} cannot become a scene: {}", .path.display(), sentence(.text, .problem))]
@@ -108,13 +91,8 @@ pub fn read_shader(path: &Path) -> Result<Shader, ShaderError> {
         return Err(ShaderError::NoShader(path.to_owned()));
     }
     let max = FIELD_LIMITS.scene_bytes_max;
-    let unreadable = |reason| ShaderError::Unreadable { path: path.to_owned(), reason };
-    let bytes = read_at_most(path, max).map_err(unreadable)?;
-    let bytes = bytes.ok_or_else(|| ShaderError::TooLarge { path: path.to_owned(), max })?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let position = error.utf8_error().valid_up_to();
-        ShaderError::NotText { path: path.to_owned(), position }
-    })?;
+    let text =
+        read_text(path, max).map_err(|problem| ShaderError::File { path: path.to_owned(), problem })?;
     let folder = Folder::of(path);
     let whole = whole(&text, &FIELD_LIMITS, &mut |file| folder.text(file, max).ok());
     Ok(Shader { text, whole })
@@ -248,7 +226,7 @@ mod tests {
         assert!(reason("b.glsl", b"\xff").contains("byte 0 is not UTF-8"));
         assert!(reason("c.glsl", &vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).contains("split it"));
         let missing = import_shader(&place.path().join("none.glsl"), &scenes).unwrap_err();
-        assert!(matches!(missing, ShaderError::Unreadable { .. }), "{missing}");
+        assert!(matches!(missing, ShaderError::File { problem: TextError::Unreadable(_), .. }), "{missing}");
         fs::create_dir(place.path().join("folder.glsl")).unwrap();
         let folder = import_shader(&place.path().join("folder.glsl"), &scenes).unwrap_err();
         assert!(folder.to_string().contains("not a file"), "{folder}");

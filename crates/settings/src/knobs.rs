@@ -2,14 +2,11 @@
 //! writer thread applies it to the file's current contents, so that changes by other windows or by an editor are
 //! kept. A damaged file is renamed before a new one is written.
 
-use mariana_files::reading::read_at_most;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::stored_file::{self, SystemError, aside};
-use mariana_control::limits as control_limits;
-use mariana_control::midi::{Mapping, MappingFile, MappingsError};
+use super::stored_file::{KNOBS, StoredFileError};
+use mariana_control::midi::{Mapping, MappingFile};
 use mariana_files::Folders;
 use mariana_work::{Worker, in_order};
 
@@ -33,35 +30,17 @@ pub struct KnobMemory {
     file: MappingFile,
 }
 
-type Kept = Result<MappingFile, KnobsError>;
-
-/// The error when mappings cannot be read or written.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum KnobsError {
-    /// The file is damaged.
-    #[error("the knobs in {} cannot be understood ({reason}); no mapping is active. Correct the file, or learn new mappings, which renames this file to {}", path.display(), aside.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// The mistake in the file.
-        reason: MappingsError,
-        /// The new name of the file.
-        aside: PathBuf,
-    },
-    /// The system reports an error.
-    #[error(transparent)]
-    System(#[from] SystemError),
-}
+type Kept = Result<MappingFile, StoredFileError>;
 
 impl KnobMemory {
     /// Opens the user's file and returns its problem, if any. A missing file counts as empty.
-    pub fn among(folders: &Folders) -> (Self, Option<KnobsError>) {
+    pub fn among(folders: &Folders) -> (Self, Option<StoredFileError>) {
         Self::open(folders.config.as_ref().map(|config| config.join("knobs.toml")))
     }
 
     /// Opens the file at `path`.
-    pub fn open(path: Option<PathBuf>) -> (Self, Option<KnobsError>) {
-        let (file, trouble) = match path.as_deref().map(read) {
+    pub fn open(path: Option<PathBuf>) -> (Self, Option<StoredFileError>) {
+        let (file, trouble) = match path.as_deref().map(|path| KNOBS.read(path, parse)) {
             None => (MappingFile::default(), None),
             Some(Ok(file)) => (file, None),
             Some(Err(trouble)) => (MappingFile::default(), Some(trouble)),
@@ -93,12 +72,12 @@ impl KnobMemory {
     ///
     /// # Errors
     /// Fails if the file cannot be read or written. The change then lasts until the program ends.
-    pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
+    pub fn poll(&mut self) -> Option<Result<(), StoredFileError>> {
         let kept = self.writer_thread.poll()?;
         Some(self.apply(kept))
     }
 
-    fn apply(&mut self, kept: Kept) -> Result<(), KnobsError> {
+    fn apply(&mut self, kept: Kept) -> Result<(), StoredFileError> {
         let after = kept?;
         if self.writer_thread.is_idle() && after.mappings.list() != self.file.mappings.list() {
             self.file = after;
@@ -108,17 +87,15 @@ impl KnobMemory {
 }
 
 fn keep(path: &Path, edit: &KnobEdit) -> Kept {
-    let mut after = match read(path) {
-        Ok(there) => there,
-        Err(KnobsError::Damaged { aside, .. }) => {
-            std::fs::rename(path, aside).map_err(|error| refused(path, "written", &error))?;
-            MappingFile::default()
-        }
-        Err(error) => return Err(error),
-    };
+    let mut after = KNOBS.read_or_rename(path, parse)?.unwrap_or_default();
     apply(&mut after, edit);
-    write(path, &after)?;
+    let text = after.text().map_err(|error| KNOBS.refused(path, "written", &error))?;
+    KNOBS.write(path, &text)?;
     Ok(after)
+}
+
+fn parse(text: &str) -> Result<MappingFile, String> {
+    MappingFile::read(text).map_err(|error| error.to_string())
 }
 
 fn apply(file: &mut MappingFile, edit: &KnobEdit) {
@@ -140,25 +117,6 @@ fn apply(file: &mut MappingFile, edit: &KnobEdit) {
     }
 }
 
-fn refused(path: &Path, doing: &'static str, reason: &dyn std::fmt::Display) -> SystemError {
-    SystemError::new("knobs", path, doing, reason)
-}
-
-fn read(path: &Path) -> Result<MappingFile, KnobsError> {
-    let read = match read_at_most(path, control_limits::MAPPING_BYTES_MAX) {
-        Ok(Some(bytes)) => MappingFile::read(&bytes),
-        Ok(None) => Err(MappingsError::TooLarge),
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(MappingFile::default()),
-        Err(error) => return Err(refused(path, "read", &error).into()),
-    };
-    read.map_err(|reason| KnobsError::Damaged { path: path.to_owned(), reason, aside: aside(path) })
-}
-
-fn write(path: &Path, file: &MappingFile) -> Result<(), KnobsError> {
-    let text = file.text().map_err(|error| refused(path, "written", &error))?;
-    Ok(stored_file::write("knobs", path, &text)?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,7 +127,7 @@ mod tests {
         Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
     }
 
-    fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
+    fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), StoredFileError> {
         memory.change(&edit);
         let kept = memory.writer_thread.within(Duration::MAX).unwrap();
         memory.apply(kept)

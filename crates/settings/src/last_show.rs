@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::stored_file::{self, SystemError};
+use super::stored_file::{SETTINGS, StoredFileError};
 
 /// The state of the last show. A missing field has its default value.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ pub(super) fn tracks_file(settings: &Path) -> PathBuf {
 
 /// Writes the track list next to the settings file `settings`. Removes the old list if there are no `tracks`, or if a
 /// path does not fit into M3U8 because the path contains a line break or is not valid UTF-8.
-pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SystemError> {
+pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), StoredFileError> {
     let file = tracks_file(settings);
     let lines = tracks.filter(|tracks| !tracks.is_empty()).and_then(|tracks| {
         let line = |path: &PathBuf| {
@@ -54,13 +54,13 @@ pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result
     let Some(lines) = lines else {
         return match std::fs::remove_file(&file) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(SystemError::new("settings", &file, "removed", &error))
+                Err(SETTINGS.refused(&file, "removed", &error))
             }
             _ => Ok(()),
         };
     };
     let text = format!("#EXTM3U\n{}\n", lines.join("\n"));
-    stored_file::write("settings", &file, &text)
+    SETTINGS.write(&file, &text)
 }
 
 #[cfg(test)]

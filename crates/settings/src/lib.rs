@@ -31,12 +31,12 @@ mod understood;
 
 pub use choices::{Choice, Choices, DisplayChoices, Setting};
 pub use kept_settings::KeptSettings;
-pub use knobs::{KnobEdit, KnobMemory, KnobsError};
+pub use knobs::{KnobEdit, KnobMemory};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
 pub use setting_rows::{SettingGroup, SettingRow, Values};
 pub use settings::{Settings, SettingsError, SettingsFile, Snapshot};
-pub use stored_file::SystemError;
+pub use stored_file::StoredFileError;
 
 /// The rendering quality in the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -16,10 +16,8 @@
 //! Mariana continues with the defaults; the next write keeps the unreadable file under another name. Entries of a newer
 //! version are kept in the file.
 
-use mariana_files::reading::read_at_most;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -29,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use super::choices::{Choices, is_default};
 use super::last_show::{self, LastShow};
-use super::stored_file::{self, SystemError, aside};
+use super::stored_file::{SETTINGS, StoredFileError};
 use super::understood::{rewrite, understood};
 use crate::limits;
 use mariana_files::Folders;
@@ -109,16 +107,6 @@ const NAME_LETTERS_MAX: usize = 40;
 /// The error when settings cannot be read or written completely. The show continues with the current settings.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The file is not a settings file.
-    #[error("the settings in {} cannot be understood ({reason}). The defaults apply; the first change renames this file to {}", path.display(), aside.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// The mistake in the file.
-        reason: String,
-        /// The new name of the file.
-        aside: PathBuf,
-    },
     /// A newer version has written the file, or an entry is misspelt.
     #[error("the settings in {} have entries that this version does not know ({names}). They are kept; all other settings apply", path.display())]
     Newer {
@@ -127,17 +115,9 @@ pub enum SettingsError {
         /// The unknown keys, separated by commas.
         names: String,
     },
-    /// The file is too large for settings.
-    #[error("the settings in {} are larger than {} bytes. The defaults apply; the first change renames this file to {}", path.display(), limits::SETTINGS_BYTES_MAX, aside.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The new name of the file.
-        aside: PathBuf,
-    },
-    /// The system reports an error.
+    /// The file is damaged, or the system refuses to read or write it.
     #[error(transparent)]
-    System(#[from] SystemError),
+    Stored(#[from] StoredFileError),
 }
 
 /// The settings file and its contents.
@@ -156,13 +136,13 @@ impl SettingsFile {
 
     /// Opens the file at `path`; with `None`, settings last until the program ends.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
-        let read = path.as_deref().map_or_else(|| Ok(Found::default()), read);
+        let read = path.as_deref().map_or_else(|| Ok(Found::default()), |path| SETTINGS.read(path, parse));
         let (settings, error) = match (read, &path) {
             (Ok(Found { settings, strange, .. }), Some(path)) if !strange.is_empty() => {
                 (settings, Some(newer(path, &strange)))
             }
             (Ok(found), _) => (found.settings, None),
-            (Err(error), _) => (Settings::default(), Some(error)),
+            (Err(error), _) => (Settings::default(), Some(error.into())),
         };
         (Self { path, settings }, error)
     }
@@ -193,13 +173,8 @@ impl SettingsFile {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
         let _turn = turn_of(path);
-        let Found { mut table, settings: before, .. } = match read(path) {
-            Ok(found) => found,
-            Err(SettingsError::Malformed { aside, .. } | SettingsError::TooLarge { aside, .. }) => {
-                std::fs::rename(path, aside).map_err(|error| refused(path, "written", &error))?;
-                return write(path, &mut toml::Table::new(), &Settings::default(), &self.settings);
-            }
-            Err(error) => return Err(error),
+        let Some(Found { mut table, settings: before, .. }) = SETTINGS.read_or_rename(path, parse)? else {
+            return write(path, &mut toml::Table::new(), &Settings::default(), &self.settings);
         };
         let mut after = before.clone();
         change(&mut after);
@@ -244,22 +219,9 @@ fn newer(path: &Path, strange: &[String]) -> SettingsError {
     SettingsError::Newer { path: path.to_owned(), names: names.join(", ") }
 }
 
-fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SystemError {
-    SystemError::new("settings", path, doing, error)
-}
-
-fn read(path: &Path) -> Result<Found, SettingsError> {
-    let bytes = match read_at_most(path, limits::SETTINGS_BYTES_MAX) {
-        Ok(Some(bytes)) => bytes,
-        Ok(None) => return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) }),
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::default()),
-        Err(error) => return Err(refused(path, "read", &error).into()),
-    };
-    let malformed =
-        |reason: String| SettingsError::Malformed { path: path.to_owned(), reason, aside: aside(path) };
-    let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
+fn parse(text: &str) -> Result<Found, String> {
     let table: toml::Table =
-        toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
+        toml::from_str(text).map_err(|error| error.message().trim().replace('\n', " "))?;
     let (mut settings, strange): (Settings, _) = understood(&table);
     let range = -player_limits::LATENCY_MS_MAX..=player_limits::LATENCY_MS_MAX;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
@@ -282,10 +244,10 @@ fn write(
     before: &Settings,
     after: &Settings,
 ) -> Result<(), SettingsError> {
-    let failed = |error: &dyn std::fmt::Display| refused(path, "written", error);
+    let failed = |error: &dyn std::fmt::Display| SETTINGS.refused(path, "written", error);
     rewrite(table, before, after).map_err(|error| failed(&error))?;
     let text = toml::to_string(table).map_err(|error| failed(&error))?;
-    Ok(stored_file::write("settings", path, &text)?)
+    Ok(SETTINGS.write(path, &text)?)
 }
 
 #[cfg(test)]
@@ -312,7 +274,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("settings.toml");
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-        assert!(matches!(SettingsFile::open(Some(path)).1, Some(SettingsError::System(_))));
+        assert!(matches!(
+            SettingsFile::open(Some(path)).1,
+            Some(SettingsError::Stored(StoredFileError::Refused { .. }))
+        ));
     }
 
     #[test]

@@ -269,22 +269,10 @@ impl Performance {
         let Some(played) = self.scenes.last_mut() else { return };
         let known = PICTURE_NUMBERS.into_iter().zip(picture.numbers).zip(&mut self.finish);
         for ((name, value), known) in known {
-            let last = std::mem::replace(known, value);
-            if !played.lines.contains_key(name) {
-                let is_moved = played.moves.iter().any(|one| one.param == name);
-                if (is_moved && picture.is_shown) || last.to_bits() == value.to_bits() {
-                    continue;
-                }
-                if played.lines.len() >= limits::SETTINGS_MAX {
-                    self.is_full = true;
-                    continue;
-                }
-                let points = vec![if is_moved { (time, value) } else { (played.start, last) }];
-                played.lines.insert(name.to_owned(), Line { own: last, points });
-            }
-            if let Some(line) = played.lines.get_mut(name) {
-                line.record(time, before, value);
-            }
+            let own = std::mem::replace(known, value);
+            let is_shown = (played.is_moved(name) && picture.is_shown) || own.to_bits() == value.to_bits();
+            let turned = Turned { name, value, own, is_shown };
+            self.is_full |= played.record_one(time, before, turned, own);
         }
     }
 
@@ -406,26 +394,32 @@ impl Played {
     /// Records values of this entry's scene at `time`; `before` is the previous recorded moment. Returns true if a
     /// limit was reached.
     fn record<'a>(&mut self, time: f64, before: f64, values: impl Iterator<Item = Turned<'a>>) -> bool {
-        let mut is_full = false;
-        for Turned { name, value, own, is_shown } in values {
-            if !self.lines.contains_key(name) {
-                if is_shown {
-                    // Keep the show's animation, which is smoother than recorded frames.
-                    continue;
-                }
-                if self.lines.len() >= limits::SETTINGS_MAX {
-                    is_full = true;
-                    continue;
-                }
-                let is_moved = self.moves.iter().any(|one| one.param == name);
-                let points = vec![(if is_moved { time } else { self.start }, value)];
-                self.lines.insert(name.to_owned(), Line { own, points });
+        values.fold(false, |is_full, turned| is_full | self.record_one(time, before, turned, turned.value))
+    }
+
+    /// Records a value, which was `first` when the entry started. Returns true if a limit was reached.
+    fn record_one(&mut self, time: f64, before: f64, turned: Turned<'_>, first: f32) -> bool {
+        let Turned { name, value, own, is_shown } = turned;
+        if !self.lines.contains_key(name) {
+            if is_shown {
+                // Keep the show's animation, which is smoother than recorded frames.
+                return false;
             }
-            if let Some(line) = self.lines.get_mut(name) {
-                line.record(time, before, value);
+            if self.lines.len() >= limits::SETTINGS_MAX {
+                return true;
             }
+            let point = if self.is_moved(name) { (time, value) } else { (self.start, first) };
+            self.lines.insert(name.to_owned(), Line { own, points: vec![point] });
         }
-        is_full
+        if let Some(line) = self.lines.get_mut(name) {
+            line.record(time, before, value);
+        }
+        false
+    }
+
+    /// True if the show moves the parameter during this entry.
+    fn is_moved(&self, param: &str) -> bool {
+        self.moves.iter().any(|one| one.param == param)
     }
 
     fn is_of(&self, seen: &OnStage<'_>) -> bool {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, ensure};
-use image::{DynamicImage, RgbaImage};
+use image::RgbaImage;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::paths::PathWatch;
 use mariana::export::still::{StillRequest, write_still};
@@ -14,19 +14,8 @@ use mariana::scenes::SceneSource;
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
-/// Draws a shipped scene at `at` seconds of the demo track.
-pub(crate) fn demo_still(name: &str, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
-    let source = SceneSource::Shipped(name.to_owned());
-    Ok(still(&DEMO_TRACK, &source, at, size)?.into_rgba8())
-}
-
 /// Draws a scene at `at` seconds of a song, in the same way as `mariana still`.
-pub(crate) fn still(
-    song: &Song,
-    source: &SceneSource,
-    at: f64,
-    size: (u32, u32),
-) -> anyhow::Result<DynamicImage> {
+pub(crate) fn still(song: &Song, scene: SceneSource, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("still.png");
     let request = StillRequest {
@@ -35,7 +24,7 @@ pub(crate) fn still(
         size,
         gain: Gain::Auto,
         output: Output::Path(path.clone()),
-        scene: source.clone().into(),
+        scene: scene.into(),
         show: None,
         blend: None,
         set: Vec::new(),
@@ -43,7 +32,7 @@ pub(crate) fn still(
         shutter: Shutter::MOMENT,
     };
     write_still(&request, PathWatch::default())?;
-    Ok(image::open(&path)?)
+    Ok(image::open(&path)?.into_rgba8())
 }
 
 /// The size and length of an animation.

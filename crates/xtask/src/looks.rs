@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use image::imageops::{FilterType, replace, resize};
-use image::{RgbImage, Rgba32FImage};
+use image::{DynamicImage, RgbImage, Rgba32FImage};
 use mariana::export::song_features::SongFeatures;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::SongStructure;
@@ -34,9 +34,11 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
         let source = SceneSource::find(name)?;
         let mut seen = Vec::new();
         for (column, (_, at)) in moments.into_iter().enumerate() {
-            let picture = still(&song, &source, at, SIZE).with_context(|| format!("drawing {name}"))?;
+            let picture =
+                still(&song, source.clone(), at, SIZE).with_context(|| format!("drawing {name}"))?;
             let place = [column as u32 * SIZE.0, row as u32 * SIZE.1].map(i64::from);
-            seen.push(Seen::of(&picture.clone().into_rgba32f()));
+            let picture = DynamicImage::from(picture);
+            seen.push(Seen::of(&picture.to_rgba32f()));
             replace(&mut sheet, &picture.into_rgb8(), place[0], place[1]);
         }
         let [quiet, loud, ..] = &seen[..] else { continue };

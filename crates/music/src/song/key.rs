@@ -141,25 +141,31 @@ pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
         None => CHORD_MIN,
         Some(chord) => chord.fit_as_triad(&unit.chroma),
     };
-    let mut best = vec![0.0_f32; chords.len()];
-    let mut came_from = Vec::with_capacity(units.len());
-    for unit in units {
+    let scores = units.iter().map(|unit| chords.iter().map(|chord| fits(unit, chord)).collect());
+    let path = likeliest_states(&scores.collect::<Vec<_>>(), CHANGE_COST);
+    path.into_iter().map(|chord| chords[chord]).collect()
+}
+
+/// Returns the likeliest sequence of states (Viterbi 1967). The rows of `scores` belong to successive times, and contain
+/// the score of each state. Every change of the state costs `change`.
+pub(super) fn likeliest_states(scores: &[Vec<f32>], change: f32) -> Vec<usize> {
+    let mut best = vec![0.0_f32; scores.first().map_or(0, Vec::len)];
+    let mut came_from = Vec::with_capacity(scores.len());
+    for score in scores {
         let likeliest = largest(&best);
-        let floor = best[likeliest] - CHANGE_COST;
-        let from: Vec<usize> =
-            (0..chords.len()).map(|chord| if best[chord] >= floor { chord } else { likeliest }).collect();
-        best =
-            chords.iter().zip(&best).map(|(chord, before)| before.max(floor) + fits(unit, chord)).collect();
-        came_from.push(from);
+        let floor = best[likeliest] - change;
+        let from = |state: usize| if best[state] >= floor { state } else { likeliest };
+        came_from.push((0..best.len()).map(from).collect::<Vec<usize>>());
+        best = best.iter().zip(score).map(|(before, score)| before.max(floor) + score).collect();
     }
-    let mut chord = largest(&best);
-    let mut path = Vec::with_capacity(units.len());
+    let mut state = largest(&best);
+    let mut states = Vec::with_capacity(scores.len());
     for from in came_from.iter().rev() {
-        path.push(chords[chord]);
-        chord = from[chord];
+        states.push(state);
+        state = from[state];
     }
-    path.reverse();
-    path
+    states.reverse();
+    states
 }
 
 pub(super) fn largest(values: &[f32]) -> usize {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::heard::{Heard, Moment, SLOW_HOPS};
-use super::key::largest;
+use super::key::likeliest_states;
 use super::units::{chroma, distance, standardised};
 use crate::onset::FLUX_MIN;
 
@@ -126,39 +126,13 @@ pub(super) fn leveled(heard: &Heard, beats: &[usize], odds: &[f32]) -> Vec<usize
     };
     let scores: Vec<Vec<f32>> = (0..count).map(of).collect();
     let mut found: Vec<usize> = Vec::new();
-    for (stretch, choice) in choices(&scores).into_iter().enumerate() {
+    for (stretch, choice) in likeliest_states(&scores, CHANGE).into_iter().enumerate() {
         let mine = levels.get(choice).map_or(&[][..], |level| &level[inside(level, stretch)]);
         let apart = mine.windows(2).next().map_or(1, |pair| 3 * (pair[1] - pair[0]) / 5);
         let after = found.last().map_or(0, |last| last + apart);
         found.extend(mine.iter().filter(|beat| **beat >= after));
     }
     found
-}
-
-/// Returns the likeliest level of each stretch (Viterbi 1967).
-fn choices(scores: &[Vec<f32>]) -> Vec<usize> {
-    let mut best: Vec<f32> = Vec::new();
-    let mut came_from = Vec::new();
-    for score in scores {
-        let leap = largest(&best);
-        let stays = |level: usize| best.get(level).is_none_or(|own| *own >= best[leap] - CHANGE);
-        let from: Vec<usize> =
-            (0..score.len()).map(|level| if stays(level) { level } else { leap }).collect();
-        let value = |level: usize| match best.get(from[level]) {
-            Some(value) if from[level] == level => value + score[level],
-            Some(value) => value - CHANGE + score[level],
-            None => score[level],
-        };
-        best = (0..score.len()).map(value).collect();
-        came_from.push(from);
-    }
-    let mut level = largest(&best);
-    let mut choices = vec![0; scores.len()];
-    for (choice, from) in choices.iter_mut().zip(&came_from).rev() {
-        *choice = level;
-        level = from.get(level).copied().unwrap_or_default();
-    }
-    choices
 }
 
 /// Measures how likely beats are. The strengths are the largest nearby, relative to the usual strength.

@@ -16,18 +16,18 @@ const GAIN_DB: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 
 /// The gains in a file's tags, in decibels towards -18 LUFS.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
-pub(super) struct Loudness {
+pub(crate) struct Loudness {
     track: Option<f64>,
     album: Option<f64>,
 }
 
 impl Loudness {
-    pub(super) fn replay_gain(&mut self, of_album: bool, text: &str) {
+    pub(crate) fn replay_gain(&mut self, of_album: bool, text: &str) {
         let number = text.trim().trim_end_matches(['d', 'D', 'b', 'B']).trim_end();
         self.set(of_album, number.parse().ok());
     }
 
-    pub(super) fn r128(&mut self, of_album: bool, text: &str) {
+    pub(crate) fn r128(&mut self, of_album: bool, text: &str) {
         let towards_r128 = text.trim().parse::<i32>().ok().map(|q7_8| f64::from(q7_8) / 256.0);
         self.set(of_album, towards_r128.map(|db| db + REPLAY_GAIN_LUFS - R128_LUFS));
     }
@@ -38,7 +38,7 @@ impl Loudness {
         *(if of_album { &mut self.album } else { &mut self.track }) = Some(db);
     }
 
-    pub(super) fn scene_gain(self) -> f32 {
+    pub(crate) fn scene_gain(self) -> f32 {
         let towards_scene = self.track.or(self.album).map(|db| db + SCENE_LUFS - REPLAY_GAIN_LUFS);
         towards_scene.map_or(1.0, |db| 10_f64.powf(db / 20.0) as f32)
     }

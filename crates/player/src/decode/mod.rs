@@ -22,7 +22,7 @@ mod error;
 mod ffmpeg;
 mod gapless;
 mod input;
-mod loudness;
+pub(crate) mod loudness;
 mod mended;
 mod native;
 mod old_tags;

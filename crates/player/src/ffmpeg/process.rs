@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use mariana_files::child::{ChildLimits, ChildProcess};
 use mariana_work::{Background, lock};
-use serde::de::DeserializeOwned;
 
 use super::{CommandLine, file_address};
 use crate::limits;
@@ -27,9 +26,6 @@ const LIMITS: ChildLimits = ChildLimits { memory: Some(4 << 30), cpu_seconds: No
 /// Maximum wait for the end of a program that has closed its pipe.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
-/// Maximum size of an answer of `ffprobe`, in bytes. The answers contain no cover images.
-const ANSWER_MAX: usize = 1 << 20;
-
 #[derive(Debug)]
 pub(crate) enum Failure {
     Missing,
@@ -44,22 +40,6 @@ impl Failure {
     fn stalled() -> Self {
         Self::Useless(format!("ffmpeg returned no data for {} s", limits::FFMPEG_WAIT_SECONDS))
     }
-}
-
-/// Runs ffprobe, and reads its answer about the file at `path`.
-pub(crate) fn probe<T: DeserializeOwned>(
-    line: CommandLine,
-    patience: Duration,
-    path: &Path,
-) -> Result<T, Failure> {
-    let mut process = Process::start(line, patience)?;
-    let answer = process.all(ANSWER_MAX)?;
-    if !process.succeeded() {
-        return Err(process.refusal(path));
-    }
-    // ffprobe's output is well-formed for any file.
-    let malformed = |error| format!("ffprobe's answer about it is malformed ({error})");
-    serde_json::from_slice(&answer).map_err(|error| Failure::Useless(malformed(error)))
 }
 
 /// A running program. Dropping this value kills the program. If Mariana ends, the pipe closes and ends the program.
@@ -120,7 +100,7 @@ impl Process {
     }
 
     /// True if the program succeeded. Call this method after the program has closed its pipe.
-    fn succeeded(&mut self) -> bool {
+    pub(super) fn succeeded(&mut self) -> bool {
         matches!(self.child.ended_within(END_LIMIT), Ok(Some(status)) if status.success())
     }
 

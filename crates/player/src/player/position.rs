@@ -1,7 +1,9 @@
 //! The audible position, for the show and for readers on other threads.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
+
+use mariana_work::lock;
 
 use super::missed_audio::{MissedAudio, MissedAudioWatch};
 use crate::audible_segments::SharedAudibleSegments;
@@ -47,7 +49,7 @@ impl Position {
 
     pub(super) fn current(&self) -> Place {
         // The clock stays usable if a reader panicked.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).current()
+        lock(&self.0).current()
     }
 }
 

@@ -63,7 +63,7 @@ impl Playlist {
         let room = limit.saturating_sub(self.slots.len());
         if gathered.entries.len() > room {
             gathered.entries.truncate(room);
-            tell(PlaylistError::TooMany { what: "tracks", limit }.to_string());
+            tell(PlaylistError::too_many("tracks", limit).to_string());
         }
         if gathered.entries.is_empty() {
             return Edited::default();

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::{self, ErrorKind};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 use std::str::Chars;
@@ -112,7 +113,7 @@ impl Gathered {
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
             // Insert the error at the front: if there are many errors, errors in the middle are not reported.
-            self.track_errors.insert(0, PlaylistError::TooMany { what, limit });
+            self.track_errors.insert(0, PlaylistError::too_many(what, limit));
         }
         self.looked_at += 1;
         over.is_none()
@@ -141,11 +142,17 @@ impl Gathered {
         let limit = limits::PLAYLIST_DEPTH_MAX;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&real) {
-            self.report(PlaylistError::Circular(name_of(path)));
+            let name = name_of(path);
+            self.report(PlaylistError(format!(
+                "{name} contains itself, so this entry was left out; remove the entry"
+            )));
             return false;
         }
         if self.open.len() >= limit {
-            self.report(PlaylistError::TooDeep { name: name_of(path), limit });
+            let name = name_of(path);
+            self.report(PlaylistError(format!(
+                "{name} is nested more than {limit} levels deep, so it was left out; open {name} directly"
+            )));
             return false;
         }
         self.open.push(real);
@@ -155,7 +162,7 @@ impl Gathered {
     fn add_list(&mut self, path: &Path, kind: Kind) {
         let limit = limits::PLAYLIST_LISTS_MAX;
         if self.lists >= limit {
-            return self.report(PlaylistError::TooMany { what: "lists", limit });
+            return self.report(PlaylistError::too_many("lists", limit));
         }
         self.lists += 1;
         if !self.enter(path) {
@@ -171,8 +178,11 @@ impl Gathered {
                     match &item.reference {
                         Reference::Path(path) => self.add(path, Some(item)),
                         Reference::Address(address) => {
-                            let address = one_line(address);
-                            self.report(PlaylistError::Address { address, list: name_of(path) });
+                            let (address, list) = (one_line(address), name_of(path));
+                            self.report(PlaylistError(format!(
+                                "{address} in {list} is a network address, which is not supported; download it to a \
+                                 file first"
+                            )));
                         }
                     }
                 }
@@ -188,7 +198,7 @@ impl Gathered {
         }
         let before = self.entries.len();
         match fs::read_dir(path) {
-            Err(source) => self.report(PlaylistError::Unreadable { path: path.to_owned(), source }),
+            Err(error) => self.report(unreadable(path, &error)),
             Ok(children) => {
                 let mut found = Vec::new();
                 // Entries that cannot be examined count as missing.
@@ -209,7 +219,7 @@ impl Gathered {
         }
         self.open.pop();
         if self.open.is_empty() && self.entries.len() == before && self.track_errors.is_empty() {
-            self.report(PlaylistError::Empty(name_of(path)));
+            self.report(PlaylistError::empty(&name_of(path)));
         }
     }
 }
@@ -220,14 +230,22 @@ pub(crate) fn is_audio(path: &Path) -> bool {
 }
 
 fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
-    let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
-    // Check the kind before opening, because opening a pipe waits for its writer.
-    if !fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(PlaylistError::NotAFile(path.to_owned()));
-    }
     let limit = limits::PLAYLIST_BYTES_MAX;
-    let bytes = read_at_most(path, limit).map_err(unreadable)?;
-    bytes.ok_or_else(|| PlaylistError::TooLarge { name: name_of(path), limit })
+    let bytes = read_at_most(path, limit).map_err(|error| match error.kind() {
+        ErrorKind::InvalidInput => {
+            let path = path.display();
+            PlaylistError(format!("{path} is not a regular file; save the list to a file first"))
+        }
+        _ => unreadable(path, &error),
+    })?;
+    bytes.ok_or_else(|| {
+        let name = name_of(path);
+        PlaylistError(format!("{name} is too large for a list (more than {limit} bytes); split the list"))
+    })
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> PlaylistError {
+    PlaylistError(format!("{} cannot be read ({error}); check its permissions and the disk", path.display()))
 }
 
 // Natural order: "track 2" before "track 10".

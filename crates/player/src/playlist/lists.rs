@@ -75,18 +75,24 @@ impl Kind {
     /// Fails if the bytes are not a list, or if the list is empty or of an unsupported kind.
     pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
         let name = || name_of(path);
-        let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
+        let malformed = |what: &str| {
+            let remedy = "export it again as m3u, m3u8, pls or cue";
+            PlaylistError(format!("{} is not a playlist: {what}; {remedy}", name()))
+        };
         let text = Lines::of(bytes).ok_or_else(|| malformed("it is not text"))?;
         let base = path.parent().unwrap_or(Path::new(""));
         let items = match self {
             Self::M3u if text.lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
-                return Err(PlaylistError::Stream(name()));
+                return Err(PlaylistError(format!(
+                    "{} is the list of a network stream (HLS), which is not supported; save the stream to a file first",
+                    name()
+                )));
             }
             Self::M3u => m3u(base, &text),
             Self::Pls => pls(base, &text).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
             Self::Cue => cue::read(base, &text).ok_or_else(|| malformed("it has no line 'FILE'"))?,
         };
-        if items.is_empty() { Err(PlaylistError::Empty(name())) } else { Ok(items) }
+        if items.is_empty() { Err(PlaylistError::empty(&name())) } else { Ok(items) }
     }
 }
 

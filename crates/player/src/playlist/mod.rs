@@ -102,7 +102,7 @@ impl Playlist {
         if let [path] = paths
             && (!is_many(path) || !path.exists())
         {
-            Song::File(path.clone()).open()?;
+            Song::File(path.clone()).open().map_err(|error| PlaylistError(error.to_string()))?;
         }
         let gathered = gather(paths);
         let track_errors = gathered.track_errors.iter().map(ToString::to_string).collect();
@@ -111,7 +111,11 @@ impl Playlist {
         list.arrange(repeat, shuffled, wanted);
         let Some(first) = wanted.or_else(|| list.order.first()) else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
-            return Err(gathered.track_errors.into_iter().next().unwrap_or(PlaylistError::Empty(name)));
+            return Err(gathered
+                .track_errors
+                .into_iter()
+                .next()
+                .unwrap_or_else(|| PlaylistError::empty(&name)));
         };
         Ok(list.opened(first, track_errors, repeat, shuffled))
     }
@@ -207,7 +211,9 @@ impl Playlist {
         }
         if failed.len() > 1 && failed.len() == count {
             let last = failed.pop().unwrap_or_default();
-            tell(PlaylistError::NothingPlayable { count, last }.to_string());
+            tell(format!(
+                "none of the {count} tracks can be played; check their paths; the last error was: {last}"
+            ));
         }
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }

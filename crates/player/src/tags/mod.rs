@@ -11,10 +11,11 @@ use std::collections::{HashMap, VecDeque};
 use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use mariana_files::atomic_file::AtomicFile;
+use mariana_work::lock;
 
 use super::listed::{ListedTrack, ListedTracks};
 use crate::decode::{TrackTags, tags_of};
@@ -155,7 +156,7 @@ impl Drop for Handle {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     /// Examines a file, and reads it unless it is unchanged. Returns true if the cache file must change.

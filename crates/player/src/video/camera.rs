@@ -25,7 +25,8 @@ impl Camera {
     /// Fails if there is no such camera, or ffmpeg is missing.
     pub fn numbered(number: usize) -> Result<Self, VideoError> {
         let device = number.checked_sub(1).and_then(|at| cameras(Path::new(DEVICES)).into_iter().nth(at));
-        let device = device.ok_or(VideoError::NoCamera(number))?;
+        let device = device
+            .ok_or_else(|| VideoError(format!("there is no camera {number}: check that it is plugged in")))?;
         Self::open(&device, &if number == 1 { "the camera".to_owned() } else { format!("camera {number}") })
     }
 
@@ -52,9 +53,10 @@ impl Camera {
     /// Fails if the camera gives no more frames: it is missing, pulled out, or in use.
     pub fn next_frame(&mut self) -> Result<VideoFrame, VideoError> {
         let frame = self.frames.next().map_err(|failure| VideoError::of(&self.name, failure))?;
-        frame.ok_or_else(|| VideoError::Camera {
-            what: self.frames.process.complaint(&self.device.to_string_lossy()),
-            name: self.name.clone(),
+        frame.ok_or_else(|| {
+            let (name, what) = (&self.name, self.frames.process.complaint(&self.device.to_string_lossy()));
+            let remedy = "check its cable, and that no other program uses it";
+            VideoError(format!("{name} gives no picture ({what}): {remedy}"))
         })
     }
 }
@@ -88,6 +90,7 @@ mod tests {
         fs::create_dir(folder.path().join("video4")).unwrap();
         assert_eq!(cameras(folder.path()), ["/dev/video2", "/dev/video10"].map(PathBuf::from));
         assert!(cameras(Path::new("/nowhere")).is_empty());
-        assert!(matches!(Camera::numbered(0), Err(VideoError::NoCamera(0))));
+        let refused = Camera::numbered(0).err().map(|error| error.to_string());
+        assert!(refused.is_some_and(|error| error.starts_with("there is no camera 0")));
     }
 }

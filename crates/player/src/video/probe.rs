@@ -1,14 +1,12 @@
 //! Reads the size, rate and length of a video with ffprobe.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use serde::Deserialize;
-
 use super::error::VideoError;
-use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, process};
+use crate::ffmpeg::probe::Answer;
+use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source};
 use crate::limits;
 
 /// Minimum number of frames per second of the grid on which a video is read.
@@ -48,36 +46,9 @@ impl VideoInfo {
     }
 }
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Answer {
-    format: Format,
-    streams: Vec<Stream>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Format {
-    format_name: String,
-    duration: Option<String>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Stream {
-    codec_name: Option<String>,
-    width: u32,
-    height: u32,
-    avg_frame_rate: String,
-    r_frame_rate: String,
-    duration: Option<String>,
-    nb_read_packets: Option<String>,
-    tags: BTreeMap<String, String>,
-}
-
 /// Asks ffprobe about a video.
 pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), VideoError> {
-    let unreadable = |reason| VideoError::Unreadable { name: name.to_owned(), reason };
+    let unreadable = |error| VideoError::unreadable(name, &error);
     // Check before opening: opening a pipe blocks until another program writes to it.
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(unreadable(std::io::Error::other("it is not a file")));
@@ -85,23 +56,25 @@ pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), Vid
     let answer = run_ffprobe(path, name, &[])?;
     let answer = match answer.streams.first() {
         // Some files, such as recordings of browsers, do not name their length.
-        Some(stream) if answer.seconds(stream).is_none() => run_ffprobe(path, name, &["-count_packets"])?,
+        Some(stream) if answer.duration(stream).is_none() => run_ffprobe(path, name, &["-count_packets"])?,
         _ => answer,
     };
-    let no_video = |what: &str| VideoError::NoVideo { name: name.to_owned(), what: what.to_owned() };
+    let no_video = |what| VideoError(format!("{name} has no moving picture ({what}): choose a video"));
     let demuxer = Demuxer::of_video(&answer.format.format_name);
     let demuxer = demuxer.ok_or_else(|| no_video("ffmpeg finds no video format in it"))?;
     let stream = answer.streams.first().ok_or_else(|| no_video("it has no video stream"))?;
     let (width, height, max) = (stream.width, stream.height, limits::VIDEO_SIDE_MAX);
-    if width == 0 || height == 0 || stream.codec_name.is_none() {
+    if width == 0 || height == 0 || !stream.is_known() {
         return Err(no_video("its video stream cannot be decoded"));
     }
     if width > max || height > max {
-        return Err(VideoError::TooLarge { name: name.to_owned(), width, height, max });
+        return Err(VideoError(format!(
+            "{name} has {width} x {height} pixels, more than {max} on a side: convert it to a smaller size"
+        )));
     }
     let rate = rate_of(&stream.avg_frame_rate, &stream.r_frame_rate);
     let per_second = f64::from(rate.0) / f64::from(rate.1);
-    let frames = match answer.seconds(stream) {
+    let frames = match answer.duration(stream) {
         Some(seconds) => (seconds * per_second).round() as u64,
         None => stream.nb_read_packets.as_deref().and_then(|count| count.parse().ok()).unwrap_or(0),
     };
@@ -110,27 +83,11 @@ pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), Vid
 
 fn run_ffprobe(path: &Path, name: &str, options: &[&str]) -> Result<Answer, VideoError> {
     let line = CommandLine::ffprobe()
-        .options(["-select_streams", "V:0", "-show_entries", ENTRIES, "-of", "json"])
+        .options(["-select_streams", "V:0"])
         .options(options.iter().copied())
         .input(Source::File(path), ReadBy::AnyVideoDemuxer, [""; 0]);
     let patience = Duration::from_secs_f64(limits::FFMPEG_WAIT_SECONDS);
-    process::probe(line, patience, path).map_err(|failure| VideoError::of(name, failure))
-}
-
-impl Answer {
-    /// The length in seconds, if the file names one.
-    fn seconds(&self, stream: &Stream) -> Option<f64> {
-        let number = |text: &String| text.parse::<f64>().ok();
-        let named = [&stream.duration, &self.format.duration].into_iter().flatten().filter_map(number);
-        let tagged = stream.tags.get("DURATION").and_then(|text| clock_seconds(text));
-        let mut all = named.chain(tagged);
-        all.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
-    }
-}
-
-/// The seconds of `hours:minutes:seconds`.
-fn clock_seconds(text: &str) -> Option<f64> {
-    text.split(':').try_fold(0.0, |sum, part| Some(60.0 * sum + part.trim().parse::<f64>().ok()?))
+    Answer::of(line, ENTRIES, patience, path).map_err(|failure| VideoError::of(name, failure))
 }
 
 /// The rate of the grid: the average rate, or the highest rate of a file with a variable rate.
@@ -167,20 +124,6 @@ mod tests {
             assert_eq!(rate_of(broken, broken), (25, 1), "{broken}");
         }
         assert_eq!(rate_of("1/4294967295", "0/0"), (1_000_000, 4_294_967_295));
-    }
-
-    #[test]
-    fn lengths_may_be_missing_or_absurd() {
-        let seconds = |text: &str| {
-            let answer: Answer = serde_json::from_str(text).unwrap();
-            answer.seconds(&answer.streams[0])
-        };
-        assert_eq!(seconds(r#"{"streams": [{"duration": "3.5"}]}"#), Some(3.5));
-        assert_eq!(seconds(r#"{"streams": [{"duration": "-1"}], "format": {"duration": "2"}}"#), Some(2.0));
-        assert_eq!(seconds(r#"{"streams": [{"tags": {"DURATION": "00:01:02.500000"}}]}"#), Some(62.5));
-        for text in ["{}", r#"{"duration": "nan"}"#, r#"{"duration": "1e99"}"#, r#"{"duration": "inf"}"#] {
-            assert_eq!(seconds(&format!(r#"{{"streams": [{text}]}}"#)), None, "{text}");
-        }
     }
 
     #[test]

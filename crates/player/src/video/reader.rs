@@ -35,8 +35,7 @@ impl VideoReader {
     /// # Errors
     /// Fails if ffmpeg is missing, or the file is no video that it can decode.
     pub fn open(path: &Path, name: &str) -> Result<Self, VideoError> {
-        let unreadable = |reason| VideoError::Unreadable { name: name.to_owned(), reason };
-        let path = std::path::absolute(path).map_err(unreadable)?;
+        let path = std::path::absolute(path).map_err(|error| VideoError::unreadable(name, &error))?;
         let (info, demuxer) = probe(&path, name)?;
         let (frames, next, last, end) = (None, 0, None, None);
         Ok(Self { path, name: name.to_owned(), demuxer, info, frames, next, last, end })
@@ -60,7 +59,7 @@ impl VideoReader {
         }
         match &self.last {
             Some((_, frame)) => Ok(frame),
-            None => Err(self.damaged("ffmpeg decodes no frame of it".to_owned())),
+            None => Err(VideoError::damaged(&self.name, "ffmpeg decodes no frame of it")),
         }
     }
 
@@ -92,7 +91,7 @@ impl VideoReader {
                 None if begin == 0 => {
                     let what = frames.process.complaint(&file_address(&self.path).to_string_lossy());
                     self.frames = None;
-                    return Err(self.damaged(what));
+                    return Err(VideoError::damaged(&self.name, &what));
                 }
                 // The video ends before this frame: find its last frame.
                 None => {
@@ -122,9 +121,5 @@ impl VideoReader {
         let frames = Frames::start(line, &filters).map_err(|failure| VideoError::of(&self.name, failure))?;
         (self.frames, self.next) = (Some(frames), index);
         Ok(())
-    }
-
-    fn damaged(&self, what: String) -> VideoError {
-        VideoError::Damaged { name: self.name.clone(), what }
     }
 }

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use mariana_player::video::{VideoError, VideoFrame, VideoReader};
+use mariana_player::video::{VideoFrame, VideoReader};
 
 use crate::decoding::ffmpeg;
 
@@ -26,11 +26,12 @@ fn frame(reader: &mut VideoReader, number: u64) -> VideoFrame {
     reader.frame(number).unwrap_or_else(|error| panic!("frame {number}: {error}")).clone()
 }
 
-fn refusal(path: &Path) -> VideoError {
-    match VideoReader::open(path, "clip") {
+fn refusal(path: &Path) -> String {
+    let error = match VideoReader::open(path, "clip") {
         Err(error) => error,
         Ok(mut reader) => reader.frame(3).map(|_| ()).expect_err("a frame"),
-    }
+    };
+    error.to_string()
 }
 
 /// All frames of a file, decoded by ffmpeg alone.
@@ -145,27 +146,28 @@ fn files_without_pictures_are_refused_with_advice() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     ffmpeg(&["-f", "lavfi", "-i", "sine=d=1"], &path("sound.mp4"));
-    assert!(matches!(refusal(&path("sound.mp4")), VideoError::NoVideo { .. }));
+    let gives_none = |words: &str| {
+        words.starts_with("clip has no moving picture (") || words.starts_with("clip gives no picture (")
+    };
+    assert!(refusal(&path("sound.mp4")).starts_with("clip has no moving picture ("));
     std::fs::write(path("text.mp4"), "no video").unwrap();
     std::fs::write(path("empty.mp4"), "").unwrap();
     std::fs::write(path("list.mp4"), "#EXTM3U\n#EXTINF:1,\nsound.mp4\n").unwrap();
     for name in ["text.mp4", "empty.mp4", "list.mp4"] {
-        let error = refusal(&path(name));
-        assert!(matches!(error, VideoError::Damaged { .. } | VideoError::NoVideo { .. }), "{name}: {error}");
-        let words = error.to_string();
-        assert!(words.starts_with("clip ") && !words.contains('/') && !words.contains('\n'), "{words}");
+        let words = refusal(&path(name));
+        assert!(gives_none(&words) && !words.contains('/') && !words.contains('\n'), "{name}: {words}");
     }
-    assert!(matches!(refusal(&path("none.mp4")), VideoError::Unreadable { .. }));
-    assert!(matches!(refusal(folder.path()), VideoError::Unreadable { .. }));
+    assert!(refusal(&path("none.mp4")).starts_with("the video clip cannot be read ("));
+    assert!(refusal(folder.path()).starts_with("the video clip cannot be read ("));
     let huge =
         made(folder.path(), "huge.mkv", "0.1", &["-s", "16384x16", "-c:v", "png", "-pix_fmt", "rgb24"]);
-    assert!(matches!(refusal(&huge), VideoError::TooLarge { width: 16_384, .. }));
+    assert!(refusal(&huge).starts_with("clip has 16384 x 16 pixels, more than "));
     let whole = made(folder.path(), "whole.mkv", "1", &["-c:v", "ffv1"]);
     let bytes = std::fs::read(&whole).unwrap();
     let header = bytes.windows(4).position(|id| id == [0x1f, 0x43, 0xb6, 0x75]).unwrap();
     std::fs::write(path("no frames.mkv"), &bytes[..header]).unwrap();
-    let error = refusal(&path("no frames.mkv"));
-    assert!(matches!(error, VideoError::Damaged { .. } | VideoError::NoVideo { .. }), "{error}");
+    let words = refusal(&path("no frames.mkv"));
+    assert!(gives_none(&words), "{words}");
     // A file that vanishes fails at the next seek and comes back with the file.
     let mut reader = open(&whole);
     frame(&mut reader, 20);

@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
 use std::sync::atomic::AtomicUsize;
@@ -12,10 +13,7 @@ const WAIT_LIMIT: Duration = Duration::from_secs(10);
 /// Longer than any wait of the loader.
 const EVER: Duration = Duration::from_secs(600);
 /// Tests wait this long. A loader that wrongly reads the file at once would have read it by then.
-const PAUSE: Duration = Duration::from_millis(120);
-
-/// Disables the checks without events.
-const EVENTS_ONLY: Waits = Waits { look: EVER, ..Waits::USUAL };
+const PAUSE: Duration = Duration::from_millis(300);
 
 /// A folder with `main.scene`, and a loader that returns the text of the source's file.
 struct Place {
@@ -26,7 +24,7 @@ struct Place {
 }
 
 impl Place {
-    fn new(waits: Waits, watch: fn(Tell) -> Watch) -> Self {
+    fn new(patience: Duration) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let loads = Arc::new(AtomicUsize::new(0));
         let (count, (wake, woken)) = (Arc::clone(&loads), channel());
@@ -37,7 +35,7 @@ impl Place {
             assert!(text != "panic", "requested by the test");
             (text, vec![path.to_owned()])
         };
-        let loader = Loader::start_with(load, move || wake.send(()).unwrap(), waits, watch).unwrap();
+        let loader = Loader::start_with(load, move || wake.send(()).unwrap(), patience).unwrap();
         Self { folder, loader, woken, loads }
     }
 
@@ -59,29 +57,30 @@ impl Place {
 }
 
 #[test]
-fn half_a_file_is_not_read_while_its_writer_has_it_open() {
-    let place = Place::new(Waits { patience: EVER, ..EVENTS_ONLY }, Watch::new);
-    place.begin("main.scene", "old");
-    let mut file = fs::File::create(place.path("main.scene")).unwrap();
-    file.write_all(b"first half").unwrap();
-    sleep(PAUSE);
-    file.write_all(b" and second half").unwrap();
-    drop(file);
-    assert_eq!(place.result(), "first half and second half");
-}
-
-#[test]
-fn an_open_file_is_read_after_a_limit() {
-    let place = Place::new(EVENTS_ONLY, Watch::new);
-    place.begin("main.scene", "old");
-    let mut file = fs::File::create(place.path("main.scene")).unwrap();
-    file.write_all(b"new").unwrap();
-    assert_eq!(place.result(), "new");
+fn a_file_that_still_grows_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("main.scene");
+    fs::write(&path, "old").unwrap();
+    let texts = RefCell::new(Vec::new());
+    let load = |_: &SceneSource| {
+        texts.borrow_mut().push(fs::read_to_string(&path).unwrap());
+        ((), vec![path.clone()])
+    };
+    let publish = |_: Loaded<()>| ();
+    let mut worker = Worker { load, publish, patience: EVER, current: None, noticed: None };
+    worker.begin(SceneSource::File(path.clone()));
+    for text in ["first half", "first half and second half"] {
+        fs::write(&path, text).unwrap();
+        worker.check();
+    }
+    assert_eq!(*texts.borrow(), ["old"]);
+    worker.check();
+    assert_eq!(*texts.borrow(), ["old", "first half and second half"]);
 }
 
 #[test]
 fn a_briefly_missing_file_is_awaited() {
-    let place = Place::new(Waits { patience: EVER, ..EVENTS_ONLY }, Watch::new);
+    let place = Place::new(EVER);
     place.begin("main.scene", "old");
     fs::remove_file(place.path("main.scene")).unwrap();
     sleep(PAUSE);
@@ -95,7 +94,7 @@ fn a_briefly_missing_file_is_awaited() {
 
 #[test]
 fn a_missing_file_is_reported() {
-    let place = Place::new(EVENTS_ONLY, Watch::new);
+    let place = Place::new(PATIENCE);
     place.begin("main.scene", "old");
     fs::remove_file(place.path("main.scene")).unwrap();
     assert_eq!(place.result(), "entity not found");
@@ -104,32 +103,19 @@ fn a_missing_file_is_reported() {
 }
 
 #[test]
-fn without_watches_files_are_polled() {
-    let place =
-        Place::new(Waits { look_blind: Duration::from_millis(10), ..EVENTS_ONLY }, |_| Watch::blind());
+fn saves_of_equal_length_in_one_tick_of_the_clock_are_found() {
+    let place = Place::new(PATIENCE);
     place.begin("main.scene", "old");
-    for text in ["new", "newer"] {
-        fs::write(place.path("main.scene"), text).unwrap();
-        assert_eq!(place.result(), text);
-    }
-}
-
-/// The system sends no event when a parent folder is replaced.
-#[test]
-fn changes_without_events_are_found_by_polling() {
-    let place = Place::new(Waits { look: Duration::from_millis(30), ..EVENTS_ONLY }, Watch::new);
-    fs::create_dir_all(place.path("a/b")).unwrap();
-    place.begin("a/b/main.scene", "old");
-    fs::create_dir_all(place.path("other/b")).unwrap();
-    fs::write(place.path("other/b/main.scene"), "other").unwrap();
-    fs::rename(place.path("a"), place.path("aside")).unwrap();
-    fs::rename(place.path("other"), place.path("a")).unwrap();
-    assert_eq!(place.result(), "other");
+    let modified = fs::metadata(place.path("main.scene")).unwrap().modified().unwrap();
+    let mut file = fs::File::options().write(true).open(place.path("main.scene")).unwrap();
+    file.write_all(b"new").unwrap();
+    file.set_modified(modified).unwrap();
+    assert_eq!(place.result(), "new");
 }
 
 #[test]
 fn a_panic_is_contained_and_the_next_save_is_loaded() {
-    let place = Place::new(EVENTS_ONLY, Watch::new);
+    let place = Place::new(PATIENCE);
     place.begin("main.scene", "old");
     fs::write(place.path("main.scene"), "panic").unwrap();
     while place.loads.load(Ordering::SeqCst) < 2 {
@@ -165,8 +151,7 @@ fn pair(
         also(&known);
         (texts, known.to_vec())
     };
-    let waits = Waits { patience: EVER, ..EVENTS_ONLY };
-    let loader = Loader::start_with(load, move || wake.send(()).unwrap(), waits, Watch::new).unwrap();
+    let loader = Loader::start_with(load, move || wake.send(()).unwrap(), EVER).unwrap();
     loader.request(SceneSource::File(paths[0].clone()));
     (paths, loader, woken)
 }
@@ -197,87 +182,77 @@ fn a_change_during_a_load_causes_another_load() {
     }
 }
 
-/// Changes that the watches report, with polling disabled.
-mod events {
-    use super::*;
-
-    fn place() -> Place {
-        Place::new(EVENTS_ONLY, Watch::new)
+#[test]
+fn saves_in_place_by_rename_and_after_deletion_are_reported() {
+    let place = Place::new(PATIENCE);
+    place.begin("main.scene", "old");
+    fs::write(place.path("main.scene"), "in place").unwrap();
+    assert_eq!(place.result(), "in place");
+    for text in ["by rename", "and again"] {
+        fs::write(place.path("next"), text).unwrap();
+        fs::rename(place.path("next"), place.path("main.scene")).unwrap();
+        assert_eq!(place.result(), text);
     }
+    fs::remove_file(place.path("main.scene")).unwrap();
+    fs::write(place.path("main.scene"), "anew").unwrap();
+    assert_eq!(place.result(), "anew");
+}
 
-    #[test]
-    fn saves_in_place_by_rename_and_after_deletion_are_reported() {
-        let place = place();
-        place.begin("main.scene", "old");
-        fs::write(place.path("main.scene"), "in place").unwrap();
-        assert_eq!(place.result(), "in place");
-        for text in ["by rename", "and again"] {
-            fs::write(place.path("next"), text).unwrap();
-            fs::rename(place.path("next"), place.path("main.scene")).unwrap();
-            assert_eq!(place.result(), text);
-        }
-        fs::remove_file(place.path("main.scene")).unwrap();
-        fs::write(place.path("main.scene"), "anew").unwrap();
-        assert_eq!(place.result(), "anew");
+#[test]
+fn files_in_newly_created_folders_are_found() {
+    let place = Place::new(PATIENCE);
+    place.loader.request(SceneSource::File(place.path("a/b/main.scene")));
+    assert_eq!(place.result(), "entity not found");
+    for folder in ["a", "a/b"] {
+        fs::create_dir(place.path(folder)).unwrap();
+        sleep(PAUSE);
     }
+    fs::write(place.path("a/b/main.scene"), "there").unwrap();
+    assert_eq!(place.result(), "there");
+    fs::remove_dir_all(place.path("a")).unwrap();
+    assert_eq!(place.result(), "entity not found");
+    fs::create_dir_all(place.path("a/b")).unwrap();
+    fs::write(place.path("a/b/main.scene"), "again").unwrap();
+    assert_eq!(place.result(), "again");
+}
 
-    #[test]
-    fn newly_created_folders_are_watched() {
-        let place = place();
-        place.loader.request(SceneSource::File(place.path("a/b/main.scene")));
-        assert_eq!(place.result(), "entity not found");
-        for folder in ["a", "a/b"] {
-            fs::create_dir(place.path(folder)).unwrap();
-            sleep(PAUSE);
-        }
-        fs::write(place.path("a/b/main.scene"), "there").unwrap();
-        assert_eq!(place.result(), "there");
-        // The folders are created faster than they can be watched.
-        fs::remove_dir_all(place.path("a")).unwrap();
-        assert_eq!(place.result(), "entity not found");
-        fs::create_dir_all(place.path("a/b")).unwrap();
-        fs::write(place.path("a/b/main.scene"), "again").unwrap();
-        assert_eq!(place.result(), "again");
-    }
-
-    #[test]
-    fn a_replaced_folder_is_watched_again() {
-        let place = place();
+#[test]
+fn files_in_replaced_folders_are_found() {
+    let place = Place::new(PATIENCE);
+    fs::create_dir(place.path("in")).unwrap();
+    place.begin("in/main.scene", "old");
+    fs::create_dir(place.path("next")).unwrap();
+    fs::write(place.path("next/main.scene"), "moved here").unwrap();
+    fs::rename(place.path("in"), place.path("aside")).unwrap();
+    fs::rename(place.path("next"), place.path("in")).unwrap();
+    assert_eq!(place.result(), "moved here");
+    // A new folder may get the inode number of the deleted one.
+    for text in ["anew", "and once more"] {
+        fs::remove_dir_all(place.path("in")).unwrap();
         fs::create_dir(place.path("in")).unwrap();
-        place.begin("in/main.scene", "old");
-        fs::create_dir(place.path("next")).unwrap();
-        fs::write(place.path("next/main.scene"), "moved here").unwrap();
-        fs::rename(place.path("in"), place.path("aside")).unwrap();
-        fs::rename(place.path("next"), place.path("in")).unwrap();
-        assert_eq!(place.result(), "moved here");
-        // A new folder may get the inode number of the deleted one.
-        for text in ["anew", "and once more"] {
-            fs::remove_dir_all(place.path("in")).unwrap();
-            fs::create_dir(place.path("in")).unwrap();
-            fs::write(place.path("in/main.scene"), text).unwrap();
-            assert_eq!(place.result(), text);
-        }
-        fs::write(place.path("in/main.scene"), "in place").unwrap();
-        assert_eq!(place.result(), "in place");
+        fs::write(place.path("in/main.scene"), text).unwrap();
+        assert_eq!(place.result(), text);
     }
+    fs::write(place.path("in/main.scene"), "in place").unwrap();
+    assert_eq!(place.result(), "in place");
+}
 
-    #[cfg(unix)]
-    #[test]
-    fn targets_of_links_are_watched() {
-        use std::os::unix::fs::symlink;
-        let place = place();
-        fs::create_dir(place.path("far")).unwrap();
-        fs::create_dir(place.path("near")).unwrap();
-        fs::write(place.path("far/real"), "real").unwrap();
-        symlink("../far/real", place.path("near/link")).unwrap();
-        symlink("near/link", place.path("main.scene")).unwrap();
-        place.loader.request(SceneSource::File(place.path("main.scene")));
-        assert_eq!(place.result(), "real");
-        fs::write(place.path("far/real"), "really new").unwrap();
-        assert_eq!(place.result(), "really new");
-        fs::write(place.path("other"), "other").unwrap();
-        symlink("../other", place.path("next")).unwrap();
-        fs::rename(place.path("next"), place.path("near/link")).unwrap();
-        assert_eq!(place.result(), "other");
-    }
+#[cfg(unix)]
+#[test]
+fn targets_of_links_are_watched() {
+    use std::os::unix::fs::symlink;
+    let place = Place::new(PATIENCE);
+    fs::create_dir(place.path("far")).unwrap();
+    fs::create_dir(place.path("near")).unwrap();
+    fs::write(place.path("far/real"), "real").unwrap();
+    symlink("../far/real", place.path("near/link")).unwrap();
+    symlink("near/link", place.path("main.scene")).unwrap();
+    place.loader.request(SceneSource::File(place.path("main.scene")));
+    assert_eq!(place.result(), "real");
+    fs::write(place.path("far/real"), "really new").unwrap();
+    assert_eq!(place.result(), "really new");
+    fs::write(place.path("other"), "other").unwrap();
+    symlink("../other", place.path("next")).unwrap();
+    fs::rename(place.path("next"), place.path("near/link")).unwrap();
+    assert_eq!(place.result(), "other");
 }

@@ -19,13 +19,14 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
 use image::RgbaImage;
 use kurbo::{Affine, Rect};
 use mariana_field::graph::{AtlasShape, SHAPE_COLUMNS, ShapeAtlas, ShapeGrid};
 use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, TextBaker, nearest};
 use mariana_render::system_fonts::SystemFonts;
+use mariana_work::lock;
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal, ends_with_one_of};
@@ -86,9 +87,8 @@ impl TextBaker for SongBaker {
 
 /// The fonts of the system, which are read when they are first needed.
 fn system_fonts<T>(read: impl FnOnce(&mut SystemFonts) -> T) -> T {
-    static FONTS: OnceLock<Mutex<SystemFonts>> = OnceLock::new();
-    let fonts = FONTS.get_or_init(|| Mutex::new(SystemFonts::default()));
-    read(&mut fonts.lock().unwrap_or_else(PoisonError::into_inner))
+    static FONTS: LazyLock<Mutex<SystemFonts>> = LazyLock::new(Mutex::default);
+    read(&mut lock(&FONTS))
 }
 
 /// Why a text or picture cannot be baked.

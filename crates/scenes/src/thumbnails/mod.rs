@@ -25,6 +25,7 @@ use crate::{SceneSource, first_comment};
 pub use drawing::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, frame_time, shipped};
 use drawing::{NotDrawn, draw};
 use mariana_files::atomic_file::AtomicFile;
+use mariana_files::caches::make_room;
 
 /// Size of a thumbnail in pixels.
 pub const SIZE: (u32, u32) = (320, 180);
@@ -137,7 +138,7 @@ impl Thumbnails {
         let mut untidy = folder.clone();
         let work = move |request, requests: &Shared<Waiting>| {
             if let Some(folder) = untidy.take() {
-                forget_oldest(&folder);
+                make_room(&folder, &["png"], |_| 1, limits::THUMBNAILS_KEPT_MAX as u64);
             }
             let (folder, program) = (folder.as_deref(), program.as_deref());
             Worker { requests, folder, program, answers: &answers, wake: &wake }.answer(request);
@@ -343,19 +344,6 @@ fn keep(path: &Path, bytes: &[u8]) {
     }
 }
 
-fn forget_oldest(folder: &Path) {
-    let Ok(listing) = fs::read_dir(folder) else { return };
-    let mut files: Vec<(std::time::SystemTime, PathBuf)> = listing
-        .flatten()
-        .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
-        .collect();
-    files.sort();
-    let surplus = files.len().saturating_sub(limits::THUMBNAILS_KEPT_MAX);
-    for (_, path) in files.into_iter().take(surplus) {
-        let _ = fs::remove_file(path);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -448,16 +436,5 @@ mod tests {
         );
         let read = image::load_from_memory_with_format(&jpeg, image::ImageFormat::Jpeg).unwrap();
         assert_eq!((read.width(), read.height()), SIZE);
-    }
-
-    #[test]
-    fn files_within_the_limit_are_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in 0..3 {
-            fs::write(folder.path().join(name.to_string()), "x").unwrap();
-        }
-        forget_oldest(folder.path());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
-        forget_oldest(&folder.path().join("missing"));
     }
 }

@@ -5,8 +5,6 @@
 //! The programs are started without a shell. They get the file as `file:` with its absolute path, so that no name is
 //! taken for an option or an address. [`CommandLine`] prevents them from opening other files and addresses.
 
-mod probe;
-
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -15,13 +13,17 @@ use symphonia::core::audio::{Channels, Position};
 
 use super::downmix::Downmix;
 use super::{DecodeError, StreamInfo, sniff};
-use crate::ffmpeg::process::{self, Failure, Process};
-use crate::ffmpeg::{CommandLine, ReadBy, Source};
+use crate::ffmpeg::probe::{Answer, Stream};
+use crate::ffmpeg::process::{Failure, Process};
+use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source};
 use crate::limits;
-use probe::{Answer, Stream};
 
 /// For a forward seek of at most this many seconds, `ffmpeg` is not restarted, but decodes up to the target.
 const NEAR_SECONDS: u64 = 1;
+
+/// The entries of a file that ffprobe reports.
+const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
+    stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
 
 #[derive(Debug, Clone)]
 pub(super) struct Programs {
@@ -63,10 +65,9 @@ impl FfmpegDecoder {
         let failed = |failure| error(name, &refusal, failure);
         let path = std::path::absolute(path)
             .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
-        let line = CommandLine::of(&programs.ffprobe)
-            .options(["-show_entries", probe::ENTRIES, "-of", "json"])
-            .input(Source::File(&path), ReadBy::AnySongDemuxer, [""; 0]);
-        let answer: Answer = process::probe(line, programs.patience, &path).map_err(failed)?;
+        let ffprobe = CommandLine::of(&programs.ffprobe);
+        let line = ffprobe.input(Source::File(&path), ReadBy::AnySongDemuxer, [""; 0]);
+        let answer = Answer::of(line, ENTRIES, programs.patience, &path).map_err(failed)?;
         let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack(name.to_owned()))?;
         if !stream.is_known() {
             return Err(DecodeError::UnsupportedCodec {
@@ -79,7 +80,7 @@ impl FfmpegDecoder {
             return Err(DecodeError::Damaged { name: name.to_owned(), what });
         }
         sniff::check(name, stream.channels, stream.rate())?;
-        let demuxer = answer.format.demuxer().ok_or_else(|| DecodeError::Damaged {
+        let demuxer = Demuxer::of_song(&answer.format.format_name).ok_or_else(|| DecodeError::Damaged {
             name: name.to_owned(),
             what: "ffmpeg finds no audio format in it".into(),
         })?;

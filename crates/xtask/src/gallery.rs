@@ -1,26 +1,21 @@
-//! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, a strip of four moments of the
-//! demo track, the cost, and how much the music changes the image. Run this tool after you change a scene.
+//! Generates `docs/gallery.md`: for each shipped scene a large image, an animated one, and a strip of four moments of the
+//! demo track. Run this tool after you change a scene.
 //!
-//! `cargo xtask gallery [SCENE ...]` draws and measures these scenes, or all scenes. Other scenes keep their figures.
-
-mod figures;
+//! `cargo xtask gallery [SCENE ...]` draws these scenes, or all scenes.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::animation::{Animation, demo_still};
+use crate::animation::{Animation, still};
 use anyhow::Context as _;
-use figures::Figures;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbaImage, imageops};
 use mariana::demo_track::DEMO_TRACK;
-use mariana::export::song_features::SongFeatures;
 use mariana::scenes::{SceneSource, first_comment, shipped_names};
-use mariana_music::Sound;
 
 /// Times in the demo track in seconds: the quiet start, the first rise, the loudest part and the ending.
-pub const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
+const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
 /// Index of the moment that the large image shows.
 const LARGE: usize = 2;
 const LARGE_SIZE: (u32, u32) = (1280, 720);
@@ -37,30 +32,19 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let docs = Path::new(crate::root::ROOT).join("docs");
     let folder = docs.join("gallery");
     fs::create_dir_all(&folder)?;
-    let sounds = MOMENTS.map(|time| {
-        let mut song = SongFeatures::open(&DEMO_TRACK, time)?;
-        song.know_song();
-        song.require(time)
-    });
-    let sounds: Vec<Sound> = sounds.into_iter().collect::<Result<_, _>>()?;
-
     let (surfaces, music): (Vec<String>, Vec<String>) =
         shipped_names().into_iter().partition(|name| SURFACES.contains(&name.as_str()));
-    let before = fs::read_to_string(docs.join("gallery.md")).unwrap_or_default();
-    let row_before = |name: &str| before.lines().find(|line| line.starts_with(&format!("| `{name}` |")));
     let mut page = String::from(INTRO);
-    let mut table = String::from(TABLE_HEAD);
     for name in music.iter().chain(&surfaces) {
-        let is_wanted = wanted.is_empty() || wanted.contains(name);
-        if is_wanted {
+        if wanted.is_empty() || wanted.contains(name) {
             MOTION.draw(name, &folder.join(format!("{name}.webp")))?;
             draw(name, &folder).with_context(|| format!("drawing {name}"))?;
         }
         if Some(name) == surfaces.first() {
             page.push_str("\n# Surfaces\n");
         }
-        let source = SceneSource::Shipped(name.clone());
-        let introduction = first_comment(&source.text()?).collect::<Vec<_>>().join("\n");
+        let introduction =
+            first_comment(&SceneSource::Shipped(name.clone()).text()?).collect::<Vec<_>>().join("\n");
         let _ = write!(
             page,
             "\n## {name}\n\n{introduction}\n\n![{name}](gallery/{name}.jpg)\n\n\
@@ -69,15 +53,8 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         if folder.join(format!("{name}.webp")).exists() {
             let _ = write!(page, "\n![{name} in motion](gallery/{name}.webp)\n");
         }
-        if let Some(row) = row_before(name).filter(|_| !is_wanted) {
-            let _ = writeln!(table, "{row}");
-            continue;
-        }
-        let figures = Figures::of(&source, &sounds)?;
-        println!("{name}: {figures}");
-        let _ = writeln!(table, "| `{name}` {figures}");
     }
-    fs::write(docs.join("gallery.md"), page + &table)?;
+    fs::write(docs.join("gallery.md"), page)?;
     Ok(())
 }
 
@@ -90,24 +67,13 @@ moments of the demo track; the large one is the loudest. `cargo xtask gallery` g
 # Music
 ";
 
-const TABLE_HEAD: &str = "
-# Figures
-
-The first three columns give the cost per pixel at the loudest moment in an image of 1280x720: the number of distance
-evaluations, and the numbers of clauses that the interpreter runs for distances and for materials and light. The column
-`moved` gives the percentage of pixels that differ visibly between this moment and silence, in an image of 320x180. The
-columns `black` and `white` give the largest percentages of black and white pixels at any of the four moments.
-
-| scene | evaluations | distance clauses | material and light clauses | moved | black | white |
-|---|---|---|---|---|---|---|
-";
-
 fn draw(name: &str, folder: &Path) -> anyhow::Result<()> {
-    write_jpeg(&folder.join(format!("{name}.jpg")), demo_still(name, MOMENTS[LARGE], LARGE_SIZE)?)?;
+    let still = |time, size| still(&DEMO_TRACK, SceneSource::Shipped(name.to_owned()), time, size);
+    write_jpeg(&folder.join(format!("{name}.jpg")), still(MOMENTS[LARGE], LARGE_SIZE)?)?;
     let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
     for (moment, time) in MOMENTS.into_iter().enumerate() {
         let left = i64::from(STRIP_SIZE.0) * moment as i64;
-        imageops::replace(&mut strip, &demo_still(name, time, STRIP_SIZE)?, left, 0);
+        imageops::replace(&mut strip, &still(time, STRIP_SIZE)?, left, 0);
     }
     write_jpeg(&folder.join(format!("{name}-strip.jpg")), strip)
 }

@@ -1,30 +1,33 @@
 //! The answer of `ffprobe` about a file.
 
 use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
 
 use serde::Deserialize;
 
+use super::CommandLine;
+use super::process::{Failure, Process};
 use crate::decode::loudness::Loudness;
-use crate::ffmpeg::Demuxer;
 use crate::limits;
 
-pub(super) const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
-    stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
+/// Maximum size of an answer in bytes. The answers contain no cover images.
+const ANSWER_MAX: usize = 1 << 20;
 
 type Tags = BTreeMap<String, String>;
 
 /// An answer of `ffprobe`. Every field may be missing.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Answer {
-    pub(super) format: Format,
-    streams: Vec<Stream>,
+pub(crate) struct Answer {
+    pub(crate) format: Format,
+    pub(crate) streams: Vec<Stream>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Format {
-    format_name: String,
+pub(crate) struct Format {
+    pub(crate) format_name: String,
     format_long_name: String,
     duration: Option<String>,
     tags: Tags,
@@ -32,20 +35,43 @@ pub(super) struct Format {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Stream {
-    pub(super) index: u32,
+pub(crate) struct Stream {
+    pub(crate) index: u32,
     codec_type: String,
     codec_name: Option<String>,
     codec_long_name: Option<String>,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) avg_frame_rate: String,
+    pub(crate) r_frame_rate: String,
+    pub(crate) nb_read_packets: Option<String>,
     sample_rate: Option<String>,
-    pub(super) channels: usize,
-    pub(super) channel_layout: String,
+    pub(crate) channels: usize,
+    pub(crate) channel_layout: String,
     duration: Option<String>,
     tags: Tags,
 }
 
 impl Answer {
-    pub(super) fn sound(&self) -> Option<&Stream> {
+    /// Runs ffprobe, and reads its answer about the entries of the file at `path`.
+    pub(crate) fn of(
+        ffprobe: CommandLine,
+        entries: &str,
+        patience: Duration,
+        path: &Path,
+    ) -> Result<Self, Failure> {
+        let line = ffprobe.options(["-show_entries", entries, "-of", "json"]);
+        let mut process = Process::start(line, patience)?;
+        let answer = process.all(ANSWER_MAX)?;
+        if !process.succeeded() {
+            return Err(process.refusal(path));
+        }
+        // ffprobe's output is well-formed for any file.
+        let malformed = |error| format!("ffprobe's answer about it is malformed ({error})");
+        serde_json::from_slice(&answer).map_err(|error| Failure::Useless(malformed(error)))
+    }
+
+    pub(crate) fn sound(&self) -> Option<&Stream> {
         let mut sounds = self.streams.iter().filter(|stream| stream.codec_type == "audio");
         // Prefer a stream that can be decoded.
         let first = sounds.clone().next();
@@ -53,20 +79,22 @@ impl Answer {
     }
 
     /// The length of the stream in seconds, if ffprobe reports a length.
-    pub(super) fn duration(&self, stream: &Stream) -> Option<f64> {
+    pub(crate) fn duration(&self, stream: &Stream) -> Option<f64> {
         let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
-        let mut reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
-        reported.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
+        let reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
+        let tagged = stream.tags.get("DURATION").and_then(|text| clock_seconds(text));
+        let mut all = reported.chain(tagged);
+        all.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
     }
 
-    pub(super) fn tag(&self, stream: &Stream, name: &str) -> Option<String> {
+    pub(crate) fn tag(&self, stream: &Stream, name: &str) -> Option<String> {
         let in_tags = |tags: &Tags| {
             tags.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, tag)| tag.clone())
         };
         in_tags(&stream.tags).or_else(|| in_tags(&self.format.tags)).filter(|tag| !tag.trim().is_empty())
     }
 
-    pub(super) fn loudness(&self, stream: &Stream) -> Loudness {
+    pub(crate) fn loudness(&self, stream: &Stream) -> Loudness {
         let mut loudness = Loudness::default();
         for (of_album, word) in [(false, "TRACK"), (true, "ALBUM")] {
             if let Some(text) = self.tag(stream, &format!("REPLAYGAIN_{word}_GAIN")) {
@@ -81,33 +109,48 @@ impl Answer {
 }
 
 impl Format {
-    pub(super) fn demuxer(&self) -> Option<Demuxer> {
-        Demuxer::of_song(&self.format_name)
-    }
-
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         if self.format_long_name.is_empty() { &self.format_name } else { &self.format_long_name }
     }
 }
 
 impl Stream {
-    pub(super) fn is_known(&self) -> bool {
+    pub(crate) fn is_known(&self) -> bool {
         self.codec_name.as_deref().is_some_and(|name| !["", "unknown", "none"].contains(&name))
     }
 
-    pub(super) fn codec(&self) -> &str {
+    pub(crate) fn codec(&self) -> &str {
         self.codec_long_name.as_deref().or(self.codec_name.as_deref()).unwrap_or("an unknown codec")
     }
 
     /// Frames per second; 0 if ffprobe does not report them.
-    pub(super) fn rate(&self) -> u32 {
+    pub(crate) fn rate(&self) -> u32 {
         self.sample_rate.as_deref().and_then(|rate| rate.parse().ok()).unwrap_or(0)
     }
+}
+
+/// The seconds of `hours:minutes:seconds`.
+fn clock_seconds(text: &str) -> Option<f64> {
+    text.split(':').try_fold(0.0, |sum, part| Some(60.0 * sum + part.trim().parse::<f64>().ok()?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_may_be_missing_or_absurd() {
+        let seconds = |text: &str| {
+            let answer: Answer = serde_json::from_str(text).unwrap();
+            answer.duration(&answer.streams[0])
+        };
+        assert_eq!(seconds(r#"{"streams": [{"duration": "3.5"}]}"#), Some(3.5));
+        assert_eq!(seconds(r#"{"streams": [{"duration": "-1"}], "format": {"duration": "2"}}"#), Some(2.0));
+        assert_eq!(seconds(r#"{"streams": [{"tags": {"DURATION": "00:01:02.500000"}}]}"#), Some(62.5));
+        for text in ["{}", r#"{"duration": "nan"}"#, r#"{"duration": "1e99"}"#, r#"{"duration": "inf"}"#] {
+            assert_eq!(seconds(&format!(r#"{{"streams": [{text}]}}"#)), None, "{text}");
+        }
+    }
 
     #[test]
     fn an_answer_may_lack_anything() {
