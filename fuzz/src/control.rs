@@ -2,7 +2,7 @@
 
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 use mariana_control::limits;
-use mariana_control::midi::{Clock, Device, Said};
+use mariana_control::midi::{Device, MidiClock, Said};
 use mariana_control::osc::{Asked, Pattern, messages, understand};
 use mariana_control::{Amount, ParamChange, midi::Message};
 
@@ -58,7 +58,7 @@ pub(crate) fn midi(data: &[u8]) {
     let whole = said(&mut std::iter::once(data));
     assert!(whole.len() <= 2 * data.len(), "{} from {} bytes", whole.len(), data.len());
     assert_eq!(whole, said(&mut data.chunks(3)), "the result depends on how the bytes are split");
-    let mut clock = Clock::default();
+    let mut clock = MidiClock::default();
     for (number, one) in whole.iter().enumerate() {
         match one {
             Said::Moved(moved) => assert!((0.0..=1.0).contains(&moved.value), "{one:?}"),

@@ -58,7 +58,7 @@ impl Sending {
             }
             #[cfg(target_os = "linux")]
             SenderTarget::V4l2(path) => {
-                stream::start(v4l2::Camera::open(path, size)?, fps, latest_frame.clone())?;
+                stream::start(v4l2::VirtualCamera::open(path, size)?, fps, latest_frame.clone())?;
             }
             #[cfg(not(target_os = "linux"))]
             SenderTarget::V4l2(path) => {

@@ -79,13 +79,13 @@ fn format_of(size: (u32, u32)) -> Format {
     Format { kind: OUTPUT, _align: [], pixels, rest: [0; REST] }
 }
 
-pub(super) struct Camera {
+pub(super) struct VirtualCamera {
     path: PathBuf,
     size: (u32, u32),
     file: Option<File>,
 }
 
-impl Camera {
+impl VirtualCamera {
     /// Opens the device at `path` for frames of `size` pixels.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl Camera {
     }
 }
 
-impl Receiver for Camera {
+impl Receiver for VirtualCamera {
     fn open(&mut self) -> std::io::Result<()> {
         if self.file.is_some() {
             return Ok(());
@@ -163,7 +163,7 @@ mod tests {
             ("/dev", "it is no device"),
             ("/dev/null", "give a device of v4l2loopback"),
         ] {
-            let refused = Camera::open(Path::new(path), (2, 2)).err().map(|error| error.to_string());
+            let refused = VirtualCamera::open(Path::new(path), (2, 2)).err().map(|error| error.to_string());
             assert!(refused.as_ref().is_some_and(|reported| reported.contains(part)), "{path}: {refused:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::show::Picture;
+use crate::show::ShownPicture;
 
 #[derive(Debug, Clone)]
 pub(crate) struct MasterOutput {
@@ -14,7 +14,7 @@ pub(crate) struct MasterOutput {
     /// Light at the start of the last fade to or from black, 0..1, and the start time of that fade.
     light: (f32, Option<Instant>),
     pub(crate) is_frozen: bool,
-    pub(crate) shown: Picture,
+    pub(crate) shown: ShownPicture,
 }
 
 impl MasterOutput {
@@ -26,7 +26,7 @@ impl MasterOutput {
             is_black: false,
             light: (1.0, None),
             is_frozen: false,
-            shown: Picture::PLAIN,
+            shown: ShownPicture::PLAIN,
         };
         master_output.set_brightness(brightness);
         master_output.set_fade(fade);

@@ -10,7 +10,7 @@ use crate::placement::{Area, Corners, Placement};
 use crate::scenes::SceneSource;
 use crate::session::lay::Lay;
 use crate::session::screen::Screen;
-use crate::show::Picture;
+use crate::show::ShownPicture;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::desk_picture::{is_within, small_in};
 use crate::ui::overlay::PanelSwitches;
@@ -95,12 +95,12 @@ impl Playback {
     pub(super) fn follow_master_output(&mut self, time: f64) {
         let shown = self.scene.show.picture_at(time);
         let before = std::mem::replace(&mut self.master_output.shown, shown);
-        let fraction = |picture: Picture| picture.held.map(|held| held.fraction);
+        let fraction = |picture: ShownPicture| picture.held.map(|held| held.fraction);
         let (was, is) = (fraction(before), fraction(shown));
         if was == is || self.master_output.is_frozen {
             return;
         }
-        let since = |picture: Picture| picture.held.map(|held| held.since);
+        let since = |picture: ShownPicture| picture.held.map(|held| held.since);
         if since(before) != since(shown) {
             self.scene.composer.fading.hold_anew();
         }

@@ -18,21 +18,21 @@ const SHOWN_MAX: usize = 64;
 /// The texts of the song in the frames of a session.
 pub struct LiveSongShapes {
     texts: SongTexts,
-    shared: Latest<State>,
+    shared: Latest<Baking>,
     /// The grids in the last frames, which stay until the next ones are baked.
     shown: Vec<(Arc<dyn TextBaker>, SongText, ShapeGrid)>,
     atlases: Atlases,
 }
 
 #[derive(Default)]
-struct State {
+struct Baking {
     /// The most urgent one first.
     wanted: Vec<Key>,
     baked: Baked,
     has_come: bool,
 }
 
-impl State {
+impl Baking {
     fn next(&mut self) -> Option<Key> {
         while !self.wanted.is_empty() {
             let key = self.wanted.remove(0);
@@ -50,7 +50,7 @@ impl LiveSongShapes {
     /// # Errors
     /// Fails if the system cannot start a thread.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let bake = move |key: Key, shared: &Shared<State>| {
+        let bake = move |key: Key, shared: &Shared<Baking>| {
             // After a panic the text stays empty, and is not tried again.
             let grid = contained(|| key.baker.bake(&key.text)).unwrap_or_else(|| key.baker.bake(""));
             let mut state = shared.lock();
@@ -59,7 +59,7 @@ impl LiveSongShapes {
             drop(state);
             wake();
         };
-        let shared = latest("texts of the song", State::default(), State::next, bake)?;
+        let shared = latest("texts of the song", Baking::default(), Baking::next, bake)?;
         Ok(Self { texts: SongTexts::default(), shared, shown: Vec::new(), atlases: Atlases::default() })
     }
 

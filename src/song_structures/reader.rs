@@ -23,11 +23,11 @@ const FIRST_NICENESS: i32 = 5;
 #[derive(Debug)]
 pub struct SongReader<T = ReadSong> {
     /// `None` if the thread could not start: then nothing is known.
-    shared: Option<Latest<State<T>>>,
+    shared: Option<Latest<Reading<T>>>,
 }
 
 #[derive(Debug)]
-struct State<T> {
+struct Reading<T> {
     /// Wanted tracks, the most urgent first.
     wanted: Vec<Arc<TrackInfo>>,
     /// Results by track id, the newest last; `None` for a track that cannot be decoded.
@@ -36,7 +36,7 @@ struct State<T> {
     begun: Option<(u64, Arc<T>)>,
 }
 
-impl<T> State<T> {
+impl<T> Reading<T> {
     fn find(&self, track: u64) -> Option<&Option<Arc<T>>> {
         self.known.iter().find(|(known, _)| *known == track).map(|(_, found)| found)
     }
@@ -82,9 +82,9 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         find: impl Fn(&TrackInfo, &(dyn Fn() -> bool + Sync), &dyn Fn(T)) -> Option<Option<T>> + Send + 'static,
         wake: impl Fn() + Send + 'static,
     ) -> Self {
-        let state = State { wanted: Vec::new(), known: VecDeque::new(), begun: None };
+        let state = Reading { wanted: Vec::new(), known: VecDeque::new(), begun: None };
         let mut niceness = FIRST_NICENESS;
-        let work = move |track: Arc<TrackInfo>, shared: &Shared<State<T>>| {
+        let work = move |track: Arc<TrackInfo>, shared: &Shared<Reading<T>>| {
             lower_priority(niceness);
             let begun = Instant::now();
             let is_next = |next: &Arc<TrackInfo>| next.id == track.id;

@@ -122,7 +122,7 @@ impl DeviceList {
 }
 
 #[derive(Default)]
-struct Shared {
+struct SharedDevices {
     /// The device list, and a number that grows with each of its changes; 0 before the first poll.
     latest: Mutex<(u64, Arc<DeviceList>)>,
     looks: AtomicU64,
@@ -131,7 +131,7 @@ struct Shared {
 
 /// The polling thread. The program has one polling thread, which runs as long as a reference to it exists.
 pub struct DeviceWatch {
-    shared: Arc<Shared>,
+    shared: Arc<SharedDevices>,
     worker: Mutex<Background>,
 }
 
@@ -147,7 +147,7 @@ impl DeviceWatch {
         if let Some(watch) = slot.upgrade() {
             return Ok(watch);
         }
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SharedDevices::default());
         let looking = shared.clone();
         let worker = Background::start("device watch", move || {
             while !looking.stop.load(Ordering::Relaxed) {
@@ -172,7 +172,7 @@ impl DeviceWatch {
     }
 }
 
-impl Shared {
+impl SharedDevices {
     fn publish(&self, device_list: DeviceList) {
         let mut latest = lock(&self.latest);
         if latest.0 == 0 || *latest.1 != device_list {
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn only_changes_count() {
-        let shared = Shared::default();
+        let shared = SharedDevices::default();
         shared.publish(DeviceList::default());
         shared.publish(DeviceList::default());
         assert_eq!(lock(&shared.latest).0, 1);

@@ -4,7 +4,7 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 
 use qrcode::{EcLevel, QrCode};
 
-use crate::token::Token;
+use crate::token::AccessToken;
 
 /// Addresses reserved for documentation (RFC 5737, RFC 3849). Connecting a UDP socket to one makes the system choose a
 /// local address, but sends no packet.
@@ -24,7 +24,7 @@ pub struct PairingAddress {
 
 impl PairingAddress {
     /// Returns the address of a server listening on `listens`. `name` is the host name given by the user, if any.
-    pub(crate) fn new(listens: SocketAddr, name: Option<&str>, token: &Token) -> Self {
+    pub(crate) fn new(listens: SocketAddr, name: Option<&str>, token: &AccessToken) -> Self {
         let address = reachable(listens.ip());
         let host = match name {
             Some(name) => format!("{name}:{}", listens.port()),
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn the_url_has_the_listening_address_and_the_token() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let pairing_address =
             |listens: &str, name| PairingAddress::new(listens.parse().unwrap(), name, &token);
         let local = pairing_address("127.0.0.1:8080", None);

@@ -6,7 +6,7 @@ use percent_encoding::percent_decode_str;
 
 use crate::http::Head;
 use crate::page::{Asset, PICTURE_PATH, SESSION_PATH, asset};
-use crate::token::Token;
+use crate::token::AccessToken;
 
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Route {
@@ -51,7 +51,7 @@ impl Refusal {
 }
 
 /// Returns the path after the token, if the token is right.
-fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
+fn behind_token<'a>(path: &'a str, token: &AccessToken) -> Result<Option<&'a str>, Refusal> {
     let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
     let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
     // Browsers request these paths by themselves, so these paths do not count as wrong tokens.
@@ -73,7 +73,7 @@ pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a st
 }
 
 /// Returns the target of a request with a known host.
-pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Refusal> {
+pub(crate) fn route(head: &Head, host: &str, token: &AccessToken) -> Result<Route, Refusal> {
     let Some(rest) = behind_token(&head.path, token)? else { return Ok(Route::Slash) };
     if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {
         let title = percent_decode_str(scene).decode_utf8();
@@ -140,7 +140,7 @@ mod tests {
         Head::parse(format!("{method} {path} HTTP/1.1\r\n{fields}\r\n").as_bytes(), 16).unwrap().unwrap()
     }
 
-    fn judged(method: &str, path: &str, fields: &str, token: &Token) -> Result<Route, Refusal> {
+    fn judged(method: &str, path: &str, fields: &str, token: &AccessToken) -> Result<Route, Refusal> {
         let head = head(method, path, fields);
         let host = admit(&head, Some("studio.local"))?;
         route(&head, host, token)
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_page_needs_the_token_and_other_paths_are_refused() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let ask = |path: &str| judged("GET", path, &format!("Host: {HOST}\r\n"), &token);
         let at = |rest: &str| format!("/{}{rest}", token.as_str());
         assert_eq!([ask(&at("")), ask(&at("?x"))], [Ok(Route::Slash), Ok(Route::Slash)]);
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn images_are_requested_by_scene_title() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let ask = |rest: &str| {
             judged(
                 "GET",
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn only_get_is_allowed() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         for method in ["POST", "HEAD", "PUT", "DELETE", "OPTIONS", "get"] {
             let path = format!("/{}/", token.as_str());
             assert_eq!(judged(method, &path, &format!("Host: {HOST}\r\n"), &token), Err(Refusal::Method));
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn unknown_host_names_are_refused() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let path = format!("/{}/", token.as_str());
         let ask = |host: &str| judged("GET", &path, &format!("Host: {host}\r\n"), &token);
         for host in
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn only_the_page_itself_can_open_a_session() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let path = format!("/{}/hands", token.as_str());
         let ask = |fields: &str| judged("GET", &path, fields, &token);
         let own = format!("http://{HOST}");
@@ -269,7 +269,7 @@ mod tests {
                 assert_eq!(ask(&fields), Err(Refusal::Upgrade), "{other}");
             }
         }
-        let wrong = Token::new().unwrap();
+        let wrong = AccessToken::new().unwrap();
         let head = head("GET", &path, &whole);
         assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token is checked first");
     }

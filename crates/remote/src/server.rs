@@ -21,7 +21,7 @@ use crate::page::policy;
 use crate::pairing_address::PairingAddress;
 use crate::phone_session::{self, PhoneSession};
 use crate::route::{Refusal, Route, admit, route};
-use crate::token::Token;
+use crate::token::AccessToken;
 
 /// The interval at which the thread updates the pairing address and checks if the server has been dropped.
 const LOOK: Duration = Duration::from_millis(500);
@@ -49,7 +49,7 @@ pub struct Remote(Arc<Serving>);
 
 pub(crate) struct Serving {
     place: Place,
-    token: Token,
+    token: AccessToken,
     pub actions: &'static [ActionRow],
     pub input_queue: InputQueue,
     pub board: Board,
@@ -80,7 +80,7 @@ impl Remote {
     ) -> io::Result<Self> {
         let shared = Arc::new(Serving {
             place,
-            token: Token::new()?,
+            token: AccessToken::new()?,
             actions,
             input_queue,
             board,

@@ -9,9 +9,9 @@ const LETTERS: &[u8; 32] = b"0123456789abcdefghjkmnpqrstvwxyz";
 
 /// A token: 130 random bits as 26 letters.
 #[derive(Clone, PartialEq, Eq)]
-pub(crate) struct Token(String);
+pub(crate) struct AccessToken(String);
 
-impl Token {
+impl AccessToken {
     /// Creates a random token. Fails if the system has no random numbers.
     pub(crate) fn new() -> io::Result<Self> {
         let mut bytes = [0; LENGTH];
@@ -33,10 +33,10 @@ impl Token {
     }
 }
 
-impl Debug for Token {
+impl Debug for AccessToken {
     /// Hides the token from logs.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("Token")
+        f.write_str("AccessToken")
     }
 }
 
@@ -46,14 +46,14 @@ mod tests {
 
     #[test]
     fn tokens_are_long_random_and_unique() {
-        let tokens: Vec<Token> = (0..64).map(|_| Token::new().unwrap()).collect();
+        let tokens: Vec<AccessToken> = (0..64).map(|_| AccessToken::new().unwrap()).collect();
         for (place, token) in tokens.iter().enumerate() {
             assert!(token.as_str().len() * 5 >= 128 && token.as_str().bytes().all(|b| LETTERS.contains(&b)));
             assert!(tokens[..place].iter().all(|other| other != token));
         }
         // Every letter occurs at every position, so all bits are random.
         let seen = |place: usize| {
-            let letters = (0..2_000).map(|_| Token::new().unwrap().as_str().as_bytes()[place]);
+            let letters = (0..2_000).map(|_| AccessToken::new().unwrap().as_str().as_bytes()[place]);
             letters.collect::<std::collections::BTreeSet<u8>>().len()
         };
         assert_eq!((seen(0), seen(LENGTH - 1)), (32, 32));
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn only_the_exact_token_is_accepted() {
-        let token = Token::new().unwrap();
+        let token = AccessToken::new().unwrap();
         let text = token.as_str().to_owned();
         assert!(token.is(&text));
         let mut other = text.clone().into_bytes();
@@ -72,6 +72,6 @@ mod tests {
             assert!(!token.is(guess) || guess == text, "{guess}");
         }
         assert!(!token.is(&"\0".repeat(LENGTH)));
-        assert_eq!(format!("{token:?}"), "Token");
+        assert_eq!(format!("{token:?}"), "AccessToken");
     }
 }

@@ -91,7 +91,7 @@ pub enum Answer {
 }
 
 #[derive(Default)]
-struct State {
+struct Probes {
     point: Option<(Scenery, [f64; 2])>,
     diagram: Option<(Scenery, [f64; 2], (u32, u32))>,
     ray_statistics: Option<Scenery>,
@@ -108,7 +108,7 @@ enum Question {
     RayStatistics(Scenery),
 }
 
-impl State {
+impl Probes {
     fn is_asked_for_ray(&self) -> bool {
         self.point.is_some() || self.diagram.is_some()
     }
@@ -125,7 +125,7 @@ impl State {
 }
 
 /// The probing thread, which ends by itself when this is dropped.
-pub struct Prober(Latest<State>);
+pub struct Prober(Latest<Probes>);
 
 impl Prober {
     /// Starts the thread, which calls `wake` after each answer.
@@ -133,7 +133,7 @@ impl Prober {
     /// # Errors
     /// Fails with the system's error if no thread can be started.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        latest("probe", State::default(), State::next, move |asked, state| work(asked, state, &wake))
+        latest("probe", Probes::default(), Probes::next, move |asked, state| work(asked, state, &wake))
             .map(Self)
     }
 
@@ -170,7 +170,7 @@ impl Prober {
     }
 }
 
-fn work(question: Question, shared: &Shared<State>, wake: &dyn Fn()) {
+fn work(question: Question, shared: &Shared<Probes>, wake: &dyn Fn()) {
     let begun = Instant::now();
     // A question about a point interrupts the ray statistics of a grid.
     let surveys = matches!(question, Question::RayStatistics(_));

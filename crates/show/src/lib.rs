@@ -65,7 +65,7 @@ pub use director::direct;
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, OtherDeck, Performance, Turned};
-pub use picture::{Held, Picture};
+pub use picture::{Held, ShownPicture};
 pub use resolve::resolve;
 pub use scene_card::{Refusal, Rise, SceneCard};
 pub use show::{Cue, CueListError, Show, seed_of};

@@ -9,7 +9,7 @@ const TICKS: f64 = 1e9;
 
 /// The image settings at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Picture {
+pub struct ShownPicture {
     /// Factor on the linear light of the image, 0..1.
     pub brightness: f32,
     /// The frozen frame over the image, if any.
@@ -25,17 +25,17 @@ pub struct Held {
     pub fraction: f32,
 }
 
-impl Picture {
+impl ShownPicture {
     /// An unchanged image.
     pub const PLAIN: Self = Self { brightness: 1.0, held: None };
 }
 
 impl Timeline {
     /// Returns the image settings at `time` seconds.
-    pub fn picture_at(&self, time: f64) -> Picture {
+    pub fn picture_at(&self, time: f64) -> ShownPicture {
         let [brightness, freeze] = &self.picture_moves;
         let [light, _] = PLAIN_PICTURE;
-        Picture {
+        ShownPicture {
             brightness: last_at(brightness, time).map_or(light, |(_, brightness)| brightness),
             held: held_at(freeze, time).next(),
         }

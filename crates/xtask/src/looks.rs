@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
                 still(&song, source.clone(), at, SIZE).with_context(|| format!("drawing {name}"))?;
             let place = [column as u32 * SIZE.0, row as u32 * SIZE.1].map(i64::from);
             let picture = DynamicImage::from(picture);
-            seen.push(Seen::of(&picture.to_rgba32f()));
+            seen.push(PictureFigures::of(&picture.to_rgba32f()));
             replace(&mut sheet, &picture.into_rgb8(), place[0], place[1]);
         }
         let [quiet, loud, ..] = &seen[..] else { continue };
@@ -63,13 +63,13 @@ fn moments(song: &SongStructure) -> Option<[(&'static str, f64); 4]> {
 }
 
 /// What a picture looks like from afar.
-struct Seen {
+struct PictureFigures {
     brightness: Vec<f32>,
     /// The mean colour as a point of the colour circle: its direction is the hue, its length the saturation.
     color: [f32; 2],
 }
 
-impl Seen {
+impl PictureFigures {
     fn of(picture: &Rgba32FImage) -> Self {
         let small = resize(picture, COMPARED_SIZE.0, COMPARED_SIZE.1, FilterType::Triangle);
         let brightness = small.pixels().map(|pixel| pixel.0[..3].iter().sum::<f32>() / 3.0).collect();
@@ -109,8 +109,8 @@ mod tests {
 
     use super::*;
 
-    fn seen(color: impl Fn(u32) -> [f32; 3]) -> Seen {
-        Seen::of(&Rgba32FImage::from_fn(64, 36, |x, _| {
+    fn seen(color: impl Fn(u32) -> [f32; 3]) -> PictureFigures {
+        PictureFigures::of(&Rgba32FImage::from_fn(64, 36, |x, _| {
             let [red, green, blue] = color(x);
             Rgba([red, green, blue, 1.0])
         }))

@@ -11,7 +11,7 @@ use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
-use crate::show::{Clip, Moment, Picture, PreparedShow};
+use crate::show::{Clip, Moment, PreparedShow, ShownPicture};
 
 /// Up to this many seconds after a cut of the show, the scene is still cut; later, it fades in as the user chose.
 const LATE: f64 = 0.5;
@@ -149,9 +149,10 @@ impl ShowFollower {
         self.is_locked
     }
 
-    pub(crate) fn picture_at(&self, time: f64) -> Picture {
+    pub(crate) fn picture_at(&self, time: f64) -> ShownPicture {
         let show = self.song_course().prepared_show.as_deref();
-        show.and_then(|show| show.timeline()).map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
+        show.and_then(|show| show.timeline())
+            .map_or(ShownPicture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
     /// The state of the show at `time` seconds, or of the decks.

@@ -20,7 +20,7 @@ const OFF: f64 = 0.006;
 
 /// Follows the MIDI clock of one device. Times are in seconds since any fixed moment.
 #[derive(Debug, Clone, Default)]
-pub struct Clock {
+pub struct MidiClock {
     /// Numbers and times of the last clock messages.
     clocks: VecDeque<(u64, f64)>,
     count: u64,
@@ -49,7 +49,7 @@ pub struct ClockReading {
     last: f64,
 }
 
-impl Clock {
+impl MidiClock {
     /// Processes a message that arrived at `time`. Other kinds of messages are ignored.
     pub fn process(&mut self, message: Message, time: f64) {
         match message {
@@ -160,7 +160,7 @@ impl ClockReading {
 mod tests {
     use super::*;
 
-    fn run(clock: &mut Clock, tempo: f64, start: f64, count: u32) -> f64 {
+    fn run(clock: &mut MidiClock, tempo: f64, start: f64, count: u32) -> f64 {
         let period = 60.0 / tempo / 24.0;
         for number in 0..count {
             let off = [0.0, 0.0004, -0.0006, 0.0002, -0.0001][number as usize % 5];
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn tempo_phase_and_bar_follow_the_clock() {
-        let mut clock = Clock::default();
+        let mut clock = MidiClock::default();
         clock.process(Message::Start, 9.9);
         run(&mut clock, 120.0, 10.0, 24 * 5 + 1);
         let reading = clock.reading().unwrap();
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn without_a_start_there_is_a_tempo_and_no_bar() {
-        let mut clock = Clock::default();
+        let mut clock = MidiClock::default();
         run(&mut clock, 90.0, 0.0, 5);
         assert_eq!(clock.reading(), None, "too few clock messages");
         run(&mut clock, 90.0, 5.0 * 60.0 / 90.0 / 24.0, 40);
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_stopped_song_continues_from_its_position_or_a_new_one() {
-        let mut clock = Clock::default();
+        let mut clock = MidiClock::default();
         clock.process(Message::Start, 0.0);
         let next = run(&mut clock, 120.0, 0.0, 24 * 2 + 13);
         clock.process(Message::Stop, next);
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_new_tempo_is_followed_within_a_beat_and_a_late_clock_ignored() {
-        let mut clock = Clock::default();
+        let mut clock = MidiClock::default();
         let next = run(&mut clock, 120.0, 0.0, 96);
         clock.process(Message::Clock, next + 0.009);
         let next = run(&mut clock, 120.0, next + 60.0 / 120.0 / 24.0, 23);
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn repeated_or_decreasing_times_give_no_tempo() {
-        let mut clock = Clock::default();
+        let mut clock = MidiClock::default();
         for _ in 0..100 {
             clock.process(Message::Clock, 1.0);
         }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use mariana_work::lock;
 
-use super::clock::{Clock, ClockReading};
+use super::clock::{ClockReading, MidiClock};
 use super::device::{Device, Said};
 use super::ports::{Hear, Ports};
 use crate::InputQueue;
@@ -42,7 +42,7 @@ struct Shared {
     /// The zero point of all clock times.
     zero: Instant,
     state: Mutex<MidiState>,
-    clock: Mutex<(Clock, Option<Arc<str>>, f64)>,
+    clock: Mutex<(MidiClock, Option<Arc<str>>, f64)>,
     is_over: AtomicBool,
     wake: Box<dyn Fn() + Send + Sync>,
 }
@@ -155,7 +155,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
                     let mut clock = lock(&shared.clock);
                     let is_free = clock.1.is_none() || now - clock.2 > CLOCK_GONE;
                     if is_free && clock.1.as_ref() != Some(&name) {
-                        *clock = (Clock::default(), Some(name.clone()), now);
+                        *clock = (MidiClock::default(), Some(name.clone()), now);
                     }
                     if clock.1.as_ref() == Some(&name) {
                         clock.0.process(message, now);

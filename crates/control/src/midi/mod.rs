@@ -13,7 +13,7 @@ mod message;
 mod ports;
 mod source;
 
-pub use clock::{Clock, ClockReading};
+pub use clock::{ClockReading, MidiClock};
 pub use device::{Device, Said};
 pub use encoding::Encoding;
 #[cfg(unix)]

@@ -29,7 +29,7 @@ impl TagBytes {
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Input {
+pub(super) enum MediaInput {
     File {
         path: PathBuf,
         /// An open handle, so that the song continues if its file is moved or deleted.
@@ -72,7 +72,7 @@ fn path_error(path: &Path, source: io::Error) -> DecodeError {
     }
 }
 
-impl Input {
+impl MediaInput {
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
         let failed = |error| path_error(path, error);
         let metadata = std::fs::metadata(path).map_err(failed)?;

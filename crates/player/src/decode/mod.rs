@@ -11,7 +11,7 @@ use crate::ffmpeg::Demuxer;
 use crate::song::Song;
 use crate::source::{FrameSource, SourceError};
 use ffmpeg::{FfmpegDecoder, Programs};
-use input::Input;
+use input::MediaInput;
 use native::NativeDecoder;
 
 mod clock;
@@ -70,8 +70,8 @@ pub struct StreamInfo {
 /// Fails if the song cannot be read, or if only ffmpeg can read it.
 pub fn embedded_cover(song: &Song) -> Result<Option<Cover>, DecodeError> {
     cover_of(&match song {
-        Song::File(path) => Input::file(path)?,
-        Song::Embedded { name, bytes } => Input::Bytes { name: (*name).into(), bytes },
+        Song::File(path) => MediaInput::file(path)?,
+        Song::Embedded { name, bytes } => MediaInput::Bytes { name: (*name).into(), bytes },
     })
 }
 
@@ -86,7 +86,7 @@ enum By {
 impl Decoder {
     /// Opens a file and decodes its first packet.
     pub fn open(path: &Path) -> Result<Self, DecodeError> {
-        let input = Input::file(path)?;
+        let input = MediaInput::file(path)?;
         let name = input.name();
         let refusal = match NativeDecoder::open(input, None) {
             Err(refusal) if refusal.is_for_ffmpeg() => refusal,
@@ -105,13 +105,13 @@ impl Decoder {
     /// # Errors
     /// Fails if the file has no such track, or its format needs ffmpeg.
     pub fn open_track(path: &Path, track: usize) -> Result<Self, DecodeError> {
-        let decoder = NativeDecoder::open(Input::file(path)?, Some(track))?;
+        let decoder = NativeDecoder::open(MediaInput::file(path)?, Some(track))?;
         Ok(Self(By::Native(Box::new(decoder))))
     }
 
     /// Opens an embedded file.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
-        let decoder = NativeDecoder::open(Input::Bytes { name: name.into(), bytes }, None)?;
+        let decoder = NativeDecoder::open(MediaInput::Bytes { name: name.into(), bytes }, None)?;
         Ok(Self(By::Native(Box::new(decoder))))
     }
 

@@ -15,7 +15,7 @@ use crate::limits;
 use crate::resample::Resampler;
 use mariana_music::StereoFrame;
 
-use super::input::Input;
+use super::input::MediaInput;
 use super::packets::{Block, PacketReader};
 use super::{DecodeError, StreamInfo, sniff};
 
@@ -25,7 +25,7 @@ const HOLE_SECONDS_MAX: i64 = 10;
 const NEAR_SECONDS: i64 = 1;
 
 pub(super) struct NativeDecoder {
-    pub(super) input: Input,
+    pub(super) input: MediaInput,
     reader: PacketReader,
     pub(super) info: StreamInfo,
     /// Number of raw frames before the first audible frame.
@@ -63,7 +63,7 @@ impl RawPlace {
 
 impl NativeDecoder {
     /// Opens the audio track with this index, or the first track that can be decoded.
-    pub(super) fn open(input: Input, track: Option<usize>) -> Result<Self, DecodeError> {
+    pub(super) fn open(input: MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
         let mut reader = PacketReader::open(&input, track)?;
         let mut first = Vec::new();
         let Some(block) = reader.next(&mut first)? else {

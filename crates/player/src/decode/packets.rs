@@ -27,7 +27,7 @@ use super::clock::Clock;
 use super::downmix::Downmix;
 use super::error::DecodeError;
 use super::gapless::{Edits, TrackEdit, opus_head, parse_itun_smpb};
-use super::input::{Input, is_disk_error};
+use super::input::{MediaInput, is_disk_error};
 use super::loudness::Loudness;
 use super::old_tags::OldTags;
 use super::{codecs, contained, sniff};
@@ -60,7 +60,7 @@ pub(super) struct Tags {
 
 pub(super) struct PacketReader {
     name: String,
-    input: Input,
+    input: MediaInput,
     format: Box<dyn FormatReader>,
     edits: Edits,
     old_tags: OldTags,
@@ -101,7 +101,7 @@ struct Mixer {
 
 impl PacketReader {
     /// Opens the audio track with this index, or the first track that can be decoded.
-    pub(super) fn open(input: &Input, track: Option<usize>) -> Result<Self, DecodeError> {
+    pub(super) fn open(input: &MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
         let opened = input.open()?;
         let name = input.name();
         Ok(Self {

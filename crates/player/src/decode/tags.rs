@@ -5,7 +5,7 @@ use std::path::Path;
 use symphonia::core::meta::StandardVisualKey;
 
 use super::error::DecodeError;
-use super::input::{Input, TagBytes};
+use super::input::{MediaInput, TagBytes};
 use super::packets::PacketReader;
 use crate::limits;
 
@@ -25,7 +25,7 @@ pub struct TrackTags {
 /// # Errors
 /// Fails if the file cannot be read, or if only ffmpeg can read it: starting ffmpeg for each file of a list is slow.
 pub fn tags_of(path: &Path) -> Result<TrackTags, DecodeError> {
-    let mut reader = PacketReader::open(&Input::file(path)?, None)?;
+    let mut reader = PacketReader::open(&MediaInput::file(path)?, None)?;
     let duration = reader.claimed_rate().and_then(|rate| reader.length(rate).1);
     let tags = reader.tags();
     let filled = |text: Option<String>| text.filter(|text| !text.is_empty());
@@ -68,7 +68,7 @@ impl Cover {
     }
 }
 
-pub(super) fn cover_of(input: &Input) -> Result<Option<Cover>, DecodeError> {
+pub(super) fn cover_of(input: &MediaInput) -> Result<Option<Cover>, DecodeError> {
     // Comments hold covers in base64, so the text limit is twice the cover limit.
     let limits = TagBytes { text: 2 * limits::COVER_BYTES_MAX, picture: limits::COVER_BYTES_MAX };
     let mut opened = input.open_with(limits)?;

@@ -4,14 +4,14 @@ use std::collections::{HashSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::gather::{Entry, gather};
+use super::gather::{PlaylistEntry, gather};
 use super::{Playlist, PlaylistError, Slot};
 use crate::limits;
 use crate::listed::Edited;
 
 impl Playlist {
     /// Appends entries to the list, but not to the playing order. Returns the index of the first added entry.
-    pub(super) fn append_entries(&mut self, entries: Vec<Entry>) -> usize {
+    pub(super) fn append_entries(&mut self, entries: Vec<PlaylistEntry>) -> usize {
         let first = self.slots.len();
         for entry in entries {
             let (id, listed) = (self.next_id, entry.listed());

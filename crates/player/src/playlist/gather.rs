@@ -31,7 +31,7 @@ pub const AUDIO_EXTENSIONS: &[&str] = &[
 const TRACK_ERRORS_KEPT: usize = 20;
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
+pub(super) struct PlaylistEntry {
     pub song: Song,
     /// The part of the song that is played; `None` for the whole song.
     pub cut: Option<Cut>,
@@ -39,13 +39,13 @@ pub(super) struct Entry {
     pub tags: TrackTags,
 }
 
-impl From<Song> for Entry {
+impl From<Song> for PlaylistEntry {
     fn from(song: Song) -> Self {
         Self { song, cut: None, tags: TrackTags::default() }
     }
 }
 
-impl Entry {
+impl PlaylistEntry {
     pub(super) fn listed(&self) -> ListedTrack {
         let (name, file) = match &self.song {
             Song::Embedded { name, .. } => ((*name).to_owned(), None),
@@ -70,7 +70,7 @@ impl Entry {
 
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
-    pub entries: Vec<Entry>,
+    pub entries: Vec<PlaylistEntry>,
     pub track_errors: Vec<PlaylistError>,
     /// Lists and folders that are being read. They reveal a list or folder that contains itself.
     open: Vec<PathBuf>,
@@ -132,7 +132,7 @@ impl Gathered {
         // Problems with the file are reported when it is played.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
-            Some(item) => Entry { song, cut: item.cut, tags: item.tags.clone() },
+            Some(item) => PlaylistEntry { song, cut: item.cut, tags: item.tags.clone() },
             None => song.into(),
         });
     }

@@ -30,7 +30,7 @@ pub use error::PlaylistError;
 use excerpt::Excerpt;
 pub(crate) use gather::is_audio;
 pub use gather::{AUDIO_EXTENSIONS, compare as compare_names};
-use gather::{Entry, gather, is_many};
+use gather::{PlaylistEntry, gather, is_many};
 pub use lists::{Cut, Item, Kind};
 use order::Order;
 pub use text::Reference;
@@ -62,7 +62,7 @@ pub struct Playlist {
 #[derive(Clone)]
 struct Slot {
     id: u64,
-    entry: Entry,
+    entry: PlaylistEntry,
     listed: ListedTrack,
 }
 
@@ -147,7 +147,7 @@ impl Playlist {
         Opened { list: self, first, track_errors, playable, repeat, shuffled }
     }
 
-    fn new(entries: Vec<Entry>) -> Self {
+    fn new(entries: Vec<PlaylistEntry>) -> Self {
         let mut list = Self::default();
         list.append_entries(entries);
         list.order = Order::new(list.ids());
@@ -258,7 +258,7 @@ impl Playlist {
     }
 }
 
-impl Entry {
+impl PlaylistEntry {
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
         let decoder = self.song.open()?;
         let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);

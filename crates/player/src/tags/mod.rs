@@ -29,11 +29,11 @@ pub struct TagLibrary(Arc<Handle>);
 
 #[derive(Debug, Default)]
 struct Handle {
-    shared: Arc<Shared>,
+    shared: Arc<SharedTags>,
 }
 
 #[derive(Debug, Default)]
-struct Shared {
+struct SharedTags {
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -154,7 +154,7 @@ impl Drop for Handle {
     }
 }
 
-impl Shared {
+impl SharedTags {
     fn lock(&self) -> MutexGuard<'_, State> {
         lock(&self.state)
     }
@@ -355,7 +355,7 @@ enum Next {
     Over,
 }
 
-fn read_all(shared: &Shared, cache: Option<&Path>, wake: &dyn Fn()) {
+fn read_all(shared: &SharedTags, cache: Option<&Path>, wake: &dyn Fn()) {
     lower_priority(NICENESS);
     if let Some(cache) = cache {
         let kept = load(cache);

@@ -84,7 +84,7 @@ impl Coverage {
     }
 
     /// Mixes `shade` into the pixels under the inside of a path.
-    pub(super) fn paint(&mut self, part: &Part, shade: f32) {
+    pub(super) fn paint(&mut self, part: &CoveredPart, shade: f32) {
         let own = &part.coverage;
         for (row, line) in own.values.chunks_exact(own.width).enumerate() {
             let first = (part.top + row) * self.width + part.left;
@@ -98,13 +98,13 @@ impl Coverage {
 
 /// The coverage of the smallest rectangle of pixels around a path.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct CoveredPart {
     pub left: usize,
     pub top: usize,
     pub coverage: Coverage,
 }
 
-impl Part {
+impl CoveredPart {
     /// Returns the part of a picture of this size that a path covers; `None` if it covers nothing.
     ///
     /// # Errors
@@ -282,7 +282,7 @@ mod tests {
         let half = covered(&path("M0 0 L2 0 L0 2 Z"), Filling::Turning, (2, 2));
         assert_eq!(half.values, [1.0, 0.5, 0.5, 0.0]);
         let mut picture = Coverage::none(4, 3);
-        let part = Part::of(&path("M2 1 L4 1 L2 3 Z"), Filling::Turning, (4, 3), &mut Steps(99));
+        let part = CoveredPart::of(&path("M2 1 L4 1 L2 3 Z"), Filling::Turning, (4, 3), &mut Steps(99));
         let part = part.unwrap().unwrap();
         assert_eq!((part.left, part.top, &part.coverage), (2, 1, &half));
         picture.paint(&part, 1.0);

@@ -11,7 +11,7 @@ use usvg::roxmltree::{self, Document, ParsingOptions};
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{FillRule, Group, LineCap, LineJoin, Node, Options, Paint, Path};
 
-use super::outline::{Coverage, Filling, Part, Steps, TooMuchWork};
+use super::outline::{Coverage, CoveredPart, Filling, Steps, TooMuchWork};
 use crate::folder::ends_with_one_of;
 use crate::limits;
 
@@ -83,7 +83,8 @@ impl Drawing {
         let tree = tree.map_err(|error| (error.to_string(), false))?;
         let view = Rect::new(0.0, 0.0, tree.size().width().into(), tree.size().height().into());
         let parts_left = limits::DRAWING_SHAPES_MAX.1;
-        let mut painter = Painter { shapes: Vec::new(), parts_left, size: view.width().max(view.height()) };
+        let mut painter =
+            ShapePainter { shapes: Vec::new(), parts_left, size: view.width().max(view.height()) };
         painter.group(tree.root(), 1.0)?;
         match painter.shapes {
             shapes if !shapes.is_empty() => Ok(Self { shapes, view }),
@@ -104,7 +105,7 @@ impl Drawing {
         let mut steps = Steps(layers * width * height);
         for shape in &self.shapes {
             let path = place * shape.path.clone();
-            let part = Part::of(&path, shape.filling, (width, height), &mut steps);
+            let part = CoveredPart::of(&path, shape.filling, (width, height), &mut steps);
             let part = part.map_err(|TooMuchWork| {
                 (format!("its shapes and their edges cover it more than {layers} times"), true)
             })?;
@@ -289,14 +290,14 @@ fn too_deep() -> Refused {
 }
 
 /// Turns the tree that usvg has read into paths.
-struct Painter {
+struct ShapePainter {
     shapes: Vec<Painted>,
     /// Parts of paths that may still be painted.
     parts_left: usize,
     size: f64,
 }
 
-impl Painter {
+impl ShapePainter {
     fn group(&mut self, group: &Group, opacity: f32) -> Result<()> {
         let opacity = opacity * group.opacity().get();
         group.children().iter().try_for_each(|node| match node {

@@ -141,7 +141,7 @@ impl Thumbnails {
                 make_room(&folder, &["png"], |_| 1, limits::THUMBNAILS_KEPT_MAX as u64);
             }
             let (folder, program) = (folder.as_deref(), program.as_deref());
-            Worker { requests, folder, program, answers: &answers, wake: &wake }.answer(request);
+            Thumbnailer { requests, folder, program, answers: &answers, wake: &wake }.answer(request);
         };
         let requests = latest("thumbnails", Waiting::default(), Waiting::pop, work)?;
         Ok(Self { requests, looked })
@@ -181,7 +181,7 @@ impl Thumbnails {
     }
 }
 
-struct Worker<'a> {
+struct Thumbnailer<'a> {
     requests: &'a Shared<Waiting>,
     /// The cache; `None` if the system has no cache folder.
     folder: Option<&'a Path>,
@@ -190,7 +190,7 @@ struct Worker<'a> {
     wake: &'a dyn Fn(),
 }
 
-impl Worker<'_> {
+impl Thumbnailer<'_> {
     fn answer(&self, request: Request) {
         let about = match &request {
             Request::Description(source) => About::Description(description_of(source)),
