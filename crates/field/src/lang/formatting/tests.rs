@@ -150,7 +150,7 @@ fn long_runs_of_comments_entries_and_brackets_are_formatted() {
     }
 }
 
-/// Writes a text again with other blanks, indentation and blank lines. `seed` chooses them.
+/// Writes a text again with other blanks, indentation and blank lines. `seed` chooses them. No blank is put into `+=`.
 fn disarranged(text: &str, mut seed: u64) -> String {
     let mut random = |below: u64| {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -166,7 +166,7 @@ fn disarranged(text: &str, mut seed: u64) -> String {
             out.push_str(&" \t"[..random(3) as usize].repeat(random(5) as usize));
         } else if piece.blanks > 0 {
             out.push_str(&" ".repeat(1 + random(4) as usize));
-        } else if !after_minus && !out.is_empty() && random(3) == 0 {
+        } else if !after_minus && !piece.is(Kind::Assign) && !out.is_empty() && random(3) == 0 {
             out.push(' ');
         }
         out.push_str(piece.text);
