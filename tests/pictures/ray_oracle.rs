@@ -115,6 +115,7 @@ fn is_whole(v: f64) -> bool {
 /// Computes an operator on intervals. Supports the operators that the shipped scenes use; returns [`ALL`] for others.
 fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
+    let are_whole = [a.0, a.1, b.0, b.1].into_iter().all(is_whole);
     match name {
         "NEG" => (-a.1, -a.0),
         "ABS" => abs(a),
@@ -130,8 +131,10 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         "ROUND" => ((a.0 + 0.5).floor(), (a.1 + 0.5).floor()),
         "SIGN" => (f64::from(a.0 > 0.0) - f64::from(a.0 < 0.0), f64::from(a.1 > 0.0) - f64::from(a.1 < 0.0)),
         "NOT" => truth(a == (0.0, 0.0), a.0 > 0.0 || a.1 < 0.0),
-        // Sums of whole numbers are exact. Hashes jump at whole numbers.
-        "ADD" if [a.0, a.1, b.0, b.1].into_iter().all(is_whole) => (a.0 + b.0, a.1 + b.1),
+        // Sums, products and remainders of whole numbers are exact. Hashes jump at whole numbers.
+        "ADD" if are_whole => (a.0 + b.0, a.1 + b.1),
+        "SUB" if are_whole => (a.0 - b.1, a.1 - b.0),
+        "MUL" if a.0 == a.1 && b.0 == b.1 && is_whole(a.0 * b.0) => (a.0 * b.0, a.0 * b.0),
         "ADD" => out((a.0 + b.0, a.1 + b.1)),
         "SUB" => out((a.0 - b.1, a.1 - b.0)),
         "MUL" => mul(a, b),
@@ -154,7 +157,9 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         // The result is exact if the interval contains no multiple of b.
         "MOD" if b.0 == b.1 && b.0 > 0.0 => {
             let rounds = (a.0 / b.0).floor();
-            if rounds == (a.1 / b.0).floor() {
+            if rounds == (a.1 / b.0).floor() && are_whole {
+                (a.0 - rounds * b.0, a.1 - rounds * b.0)
+            } else if rounds == (a.1 / b.0).floor() {
                 out((a.0 - rounds * b.0, a.1 - rounds * b.0))
             } else {
                 (0.0, b.0)

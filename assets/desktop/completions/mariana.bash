@@ -224,7 +224,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -332,7 +332,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -738,7 +738,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -820,7 +820,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -972,7 +972,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world" -- "${cur}"))
                     return 0
                     ;;
                 --show)
