@@ -46,7 +46,7 @@ pub use world::{NEUTRAL, ReadyScene, SceneBlend, SeenScene, TextureCache, camera
 
 use folder::{ENDING, Folder};
 use mariana_assets::SCENES;
-use mariana_field::lang::{self, Compiled};
+use mariana_field::lang::{self, Compiled, is_shader};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 /// The source of a scene, which can be compiled repeatedly.
@@ -239,9 +239,10 @@ pub fn is_scene_file(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == ENDING)
 }
 
-/// Returns the lines of the comment at the start of a scene's text: its description.
+/// Returns the lines of the comment at the start of a scene's text: its description. In GLSL, `#` begins no comment.
 pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
-    let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));
+    let sign = if is_shader(text) { "//" } else { "#" };
+    let lines = text.lines().map(move |line| line.trim().strip_prefix(sign).map(str::trim));
     lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
 }
 

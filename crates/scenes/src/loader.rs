@@ -2,10 +2,10 @@
 //!
 //! The loader passes finished values to the show, so a large or broken scene delays no frame.
 //!
-//! Ten times a second, the loader compares length and modification time of each file of the scene. This finds every
-//! kind of save, also of files on a network and in replaced folders. A file counts as changed when its bytes differ
+//! Ten times a second, the loader compares length and modification time of each file of the scene. This finds saves of
+//! any kind, also of files on a network and in replaced folders. A file counts as changed when its bytes differ
 //! from the loaded bytes, so that a save without changes does not reload the scene. Changed files are read as soon as
-//! they have been quiet for 20 ms. The loader waits for a missing or empty file for at most 400 ms, because some
+//! they have been quiet for 50 ms. The loader waits for a missing or empty file for at most 400 ms, because some
 //! editors delete or empty a file before they write it.
 
 use std::collections::BTreeMap;
@@ -152,7 +152,7 @@ struct Noticed {
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Time without changes before changed files are read.
-const QUIET: Duration = Duration::from_millis(20);
+const QUIET: Duration = Duration::from_millis(50);
 
 /// Maximum delay of a read while changes continue or a file is missing.
 const PATIENCE: Duration = Duration::from_millis(400);
@@ -326,7 +326,7 @@ impl Look {
 
     /// True if a file with this stamp has the same content for certain.
     fn proves(&self, stamp: &Stamp) -> bool {
-        !self.fresh && self.stamp == *stamp
+        !self.fresh && self.stamp == *stamp && !matches!(self.content, Content::Unreadable(_))
     }
 }
 

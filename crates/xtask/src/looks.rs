@@ -59,7 +59,8 @@ fn moments(song: &SongStructure) -> Option<[(&'static str, f64); 4]> {
     let between = |share: usize| middles[(middles.len() - 1) * share / 3].0;
     let build = song.builds.first().map_or(between(1), |build| build.end - 1.0);
     let drop = song.drops.first().map_or(between(2), |drop| drop + 0.5);
-    Some([("quiet", first), ("loud", last), ("build", build), ("drop", drop)])
+    let within = |at: f64| at.clamp(0.0, song.seconds);
+    Some([("quiet", first), ("loud", last), ("build", within(build)), ("drop", within(drop))])
 }
 
 /// What a picture looks like from afar.
@@ -90,14 +91,15 @@ impl PictureFigures {
         let covariance = |a: &Self, b: &Self| -> f32 {
             a.brightness.iter().zip(&b.brightness).map(|(x, y)| (x - a.mean()) * (y - b.mean())).sum()
         };
-        let alike = covariance(self, other) / (covariance(self, self) * covariance(other, other)).sqrt();
+        let spread = (covariance(self, self) * covariance(other, other)).sqrt();
+        let alike = covariance(self, other) / spread.max(f32::MIN_POSITIVE);
         let turn = |seen: &Self| seen.color[1].atan2(seen.color[0]).to_degrees();
         let apart = (turn(self) - turn(other)).rem_euclid(360.0);
         format!(
             "{:4.0} {:4.0} {:+5.0} % {:5.0}° {alike:6.2}",
             255.0 * ours,
             255.0 * theirs,
-            100.0 * (theirs / ours - 1.0),
+            100.0 * (theirs / ours.max(f32::MIN_POSITIVE) - 1.0),
             apart.min(360.0 - apart),
         )
     }

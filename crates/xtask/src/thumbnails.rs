@@ -14,7 +14,7 @@ use crate::animation::{Animation, still};
 
 /// The loops are of low quality, because they are small and move.
 const LOOP: Animation =
-    Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 22 };
+    Animation { start: MOMENT, frames: LOOP_FRAMES, rate: LOOP_RATE, size: LOOP_SIZE, quality: 19 };
 
 /// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {

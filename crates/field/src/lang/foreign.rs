@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::diagnostic::Diagnostic;
+use super::parser::{declares_glsl, item_words};
 use super::source::{BYTE_ORDER_MARK, Span};
 use crate::glsl_import::{GlslFile, Problem, Whole};
 
@@ -15,19 +16,12 @@ pub fn is_glsl(name: &str) -> bool {
     ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
-/// First words of texts in GLSL; no scene begins with one of them.
-const DECLARING: &str = "void float int uint bool vec2 vec3 vec4 ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4 \
-    mat2 mat3 mat4 struct const uniform precision in out inout varying attribute layout flat smooth lowp mediump highp";
+/// First words of texts in GLSL, besides the types and qualifiers that the parser of scenes knows.
+const DECLARING: &str = "ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4 struct in layout smooth";
 
-/// True if a text is GLSL: behind comments and lines for the preprocessor, which scenes read as comments, something is
-/// declared, and the last line ends a declaration. Scenes with habits from GLSL end with a formula or a block.
-pub(super) fn is_shader(text: &str) -> bool {
-    let code = |line: &str| line.split("//").next().is_some_and(|code| !code.trim().is_empty());
-    let last = text.lines().rfind(|line| !line.starts_with('#') && code(line)).unwrap_or_default();
-    let last = last.split("//").next().unwrap_or_default().trim_end();
-    if !text.contains(';') || !last.ends_with(['}', ';', '/']) {
-        return false;
-    }
+/// True if a text is GLSL. Behind comments and lines for the preprocessor, which scenes read as comments, such a text
+/// declares something, and it has no part of a scene: no line begins one, and the text does not end with a formula.
+pub fn is_shader(text: &str) -> bool {
     let mut rest = text.trim_start_matches(BYTE_ORDER_MARK);
     loop {
         rest = rest.trim_start();
@@ -48,8 +42,30 @@ pub(super) fn is_shader(text: &str) -> bool {
     }
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let (first, follows) = rest.split_at(rest.find(|c| !is_of_word(c)).unwrap_or(rest.len()));
-    DECLARING.split(' ').any(|word| word == first)
+    let declares = declares_glsl(first) || DECLARING.split(' ').any(|word| word == first);
+    declares
         && (first == "layout" || follows.trim_start().starts_with(is_of_word))
+        && rest.contains(';')
+        && !rest.lines().any(begins_part_of_scene)
+        && !ends_with_formula(rest)
+}
+
+/// True for a line such as `let a = 1` or `object ball {`.
+fn begins_part_of_scene(line: &str) -> bool {
+    let word = line.split_whitespace().next().unwrap_or_default();
+    matches!(word, "let" | "fn" | "param" | "include")
+        || (line.contains('{') && item_words().any(|item| item == word))
+}
+
+fn ends_with_formula(text: &str) -> bool {
+    let count = |sign| text.bytes().filter(|byte| *byte == sign).count();
+    let code = |line: &str| match line.trim() {
+        line if line.starts_with('#') || line.ends_with("*/") => String::new(),
+        line => line.split("//").next().unwrap_or_default().trim_end().to_owned(),
+    };
+    let last = text.lines().rev().map(code).find(|code| !code.is_empty()).unwrap_or_default();
+    // In a text that is being written, a block may be open.
+    count(b'{') <= count(b'}') && !last.ends_with(['}', ';'])
 }
 
 /// A parsed GLSL file with all that it includes, and the offset of its own text in the sources.

@@ -54,7 +54,7 @@ pub use ast::NameKind;
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, FieldRange, Holds};
-pub use foreign::is_glsl;
+pub use foreign::{is_glsl, is_shader};
 pub use formatting::formatted;
 pub use library::{Accuracy, Entry, entries, examples, inputs, is_part, part_inputs, parts};
 pub(crate) use lower::{FORGOTTEN, VISIBLE, outlasting};

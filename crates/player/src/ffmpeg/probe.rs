@@ -82,7 +82,8 @@ impl Answer {
     pub(crate) fn duration(&self, stream: &Stream) -> Option<f64> {
         let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
         let reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
-        let tagged = stream.tags.get("DURATION").and_then(|text| clock_seconds(text));
+        let clock = stream.tags.get("DURATION").filter(|text| text.contains(':'));
+        let tagged = clock.and_then(|text| clock_seconds(text));
         let mut all = reported.chain(tagged);
         all.find(|seconds| *seconds > 0.0 && *seconds <= limits::CLAIMED_DURATION_MAX)
     }

@@ -49,7 +49,7 @@ enum Place {
     Time,
     Sound(SoundInput),
     Level(Level),
-    SongPart(PartInput),
+    Part(PartInput),
     Param(usize),
 }
 
@@ -64,7 +64,7 @@ impl HeldInputs {
             Place::Time => (f32::MIN, f32::MAX),
             Place::Sound(input) => input.range(),
             Place::Level(level) => level.range(),
-            Place::SongPart(input) => input.range(),
+            Place::Part(input) => input.range(),
             Place::Param(number) => {
                 scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
             }
@@ -93,7 +93,7 @@ impl HeldInputs {
                 Place::Time => Some(&mut inputs.time),
                 Place::Sound(input) => Some(&mut inputs.sound[input]),
                 Place::Level(level) => Some(&mut inputs.levels[level]),
-                Place::SongPart(input) => {
+                Place::Part(input) => {
                     // Without stems, the numbers of the parts are missing.
                     inputs.parts.resize(PartInput::COUNT, 0.0);
                     inputs.parts.get_mut(input.index())
@@ -120,7 +120,7 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
         return Some(Place::Sound(input));
     }
     if let Some(input) = PartInput::named(name) {
-        return Some(Place::SongPart(input));
+        return Some(Place::Part(input));
     }
     let (list, number) = name.strip_suffix(')')?.split_once('(')?;
     LevelList::named(list)?.level(number.trim().parse().ok()?).map(Place::Level)

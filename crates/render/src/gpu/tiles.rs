@@ -37,7 +37,7 @@ const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
 /// Number of probes after which the time of a frame can be predicted.
 const TELLING: u32 = 9;
 
-/// A tile of a target, in pixels from its lower left corner.
+/// A rectangle of a target that is drawn at once, in pixels from its lower left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Tile {
     pub(super) x: u32,

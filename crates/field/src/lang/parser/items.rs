@@ -45,6 +45,11 @@ const GLSL_TYPES: &[&str] = &[
     "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "var", "void",
 ];
 const GLSL_QUALIFIERS: &str = "const uniform varying attribute inout out highp mediump lowp flat precision";
+/// True for a GLSL type or qualifier.
+pub(in crate::lang) fn declares_glsl(word: &str) -> bool {
+    GLSL_TYPES.contains(&word) || GLSL_QUALIFIERS.split(' ').any(|qualifier| qualifier == word)
+}
+
 /// Maximum number of words before a declared name, such as `const highp float`.
 const GLSL_WORDS_MAX: usize = 4;
 

@@ -48,8 +48,8 @@ use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token, word};
 
 pub use expr::{Operator, PREFIX_BINDS, operators};
-pub(super) use items::is_keyword;
 pub use items::item_words;
+pub(super) use items::{declares_glsl, is_keyword};
 
 /// Parses one file's tokens, the last of which must be `End`, into items. Adds their expressions to `ast`.
 pub(super) fn parse(

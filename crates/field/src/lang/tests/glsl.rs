@@ -160,6 +160,10 @@ fn a_text_in_glsl_is_the_scene_that_an_import_makes_of_it() {
         ),
         ("#include \"near.glsl\"\nfloat map(vec3 p) { return length(p) - near; }", 1),
         (
+            "float map(vec3 p) { return length(p) - 1.0; }\n/* see https://mariana.example */\n  #ifdef A\n  #endif",
+            1,
+        ),
+        (
             "#version 330\nlayout(location = 0) out vec4 c; void main() { c = vec4(gl_FragCoord.xy / 9e2, 0, 1); }",
             0,
         ),
@@ -181,6 +185,7 @@ fn mistakes_in_a_text_in_glsl_are_reported_at_its_lines() {
     for (text, line, wanted) in [
         ("float map(vec3 p) {\n  return lenth(p) - 1.0;\n}", 2, "lenth"),
         ("float map(vec3 p) {\n  float r = 1.0;\n  return length(p) - r\n}", 4, "Expected Semicolon"),
+        ("void mainImage(out vec4 c, in vec2 f) {\n  c = vec4(1);\n  c.x =", 1, "never closed"),
         ("float halved(float a) { return a / 2.0; }", 1, "no function of this file looks like the distance"),
     ] {
         let compiled = whole(text);
@@ -211,6 +216,9 @@ fn a_scene_is_not_taken_for_glsl() {
         "#define\n",
         "",
         "floaty",
+        "const float R = 2.0;\nobject ball { shape = length(p) - R }",
+        "uniform float a;\nlet b = a;",
+        "float r = 1.0;\nlength(p) - r",
         "float f(vec3 p) { 1 }",
     ] {
         let messages: Vec<_> = whole(text).diagnostics.into_iter().map(|one| one.message).collect();
