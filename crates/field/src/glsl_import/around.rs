@@ -73,14 +73,18 @@ const COLORS: [&str; 6] = [
 /// A file that neither has a function of a point that returns a distance nor draws a picture, or a mistake in that
 /// function.
 pub fn scene_around(text: &str, shown: Shown) -> Result<SceneAround> {
-    let file = GlslFile::parse(text, &LIMITS)?;
-    let (shape, picture) = (candidate(&file), file.picture());
+    scene_around_file(&GlslFile::parse(text, &LIMITS)?, shown)
+}
+
+/// Like [`scene_around`], for a file that is already read.
+pub(crate) fn scene_around_file(file: &GlslFile, shown: Shown) -> Result<SceneAround> {
+    let (shape, picture) = (candidate(file), file.picture());
     let of_shape = || match shape {
-        Some(function) => scene_of_shape(&file, function),
-        None => Err(nothing_found(&file)),
+        Some(function) => scene_of_shape(file, function),
+        None => Err(nothing_found(file)),
     };
     let of_picture =
-        picture.filter(|_| shown == Shown::Picture).map(|picture| scene_of_picture(&file, picture));
+        picture.filter(|_| shown == Shown::Picture).map(|picture| scene_of_picture(file, picture));
     let (mut around, is_picture, problem) = match of_picture {
         None => (of_shape()?, false, None),
         Some(Ok(around)) => (around, true, None),
@@ -89,7 +93,7 @@ pub fn scene_around(text: &str, shown: Shown) -> Result<SceneAround> {
             Err(_) => return Err(problem),
         },
     };
-    around.left_out.splice(0..0, left_out(&file, is_picture));
+    around.left_out.splice(0..0, left_out(file, is_picture));
     let shape = shape.filter(|shape| picture.is_some() && is_distance_for_sure(shape));
     around.choice = match (shape, is_picture) {
         (Some(shape), true) => Some(format!(

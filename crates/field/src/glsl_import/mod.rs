@@ -29,6 +29,7 @@ mod rewrite;
 mod samplers;
 mod tokens;
 
+pub(crate) use around::scene_around_file;
 pub use around::{SceneAround, Shown, scene_around};
 pub use calls::{Budget, GlslSession};
 pub use includes::{Whole, whole};

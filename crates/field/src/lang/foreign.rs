@@ -1,4 +1,4 @@
-//! GLSL files that a scene includes, and texts in GLSL in place of a scene.
+//! GLSL files that a scene includes, and scenes that are written in GLSL.
 
 use std::ops::Range;
 
@@ -57,13 +57,17 @@ fn begins_part_of_scene(line: &str) -> bool {
         || (line.contains('{') && item_words().any(|item| item == word))
 }
 
+/// The code of a line, without its comment; `None` for a comment or a line for the preprocessor.
+fn code_of(line: &str) -> Option<&str> {
+    match line.trim() {
+        line if line.starts_with('#') || line.ends_with("*/") => None,
+        line => line.split("//").next().map(str::trim_end).filter(|code| !code.is_empty()),
+    }
+}
+
 fn ends_with_formula(text: &str) -> bool {
     let count = |sign| text.bytes().filter(|byte| *byte == sign).count();
-    let code = |line: &str| match line.trim() {
-        line if line.starts_with('#') || line.ends_with("*/") => String::new(),
-        line => line.split("//").next().unwrap_or_default().trim_end().to_owned(),
-    };
-    let last = text.lines().rev().map(code).find(|code| !code.is_empty()).unwrap_or_default();
+    let last = text.lines().rev().find_map(code_of).unwrap_or_default();
     // In a text that is being written, a block may be open.
     count(b'{') <= count(b'}') && !last.ends_with(['}', ';'])
 }

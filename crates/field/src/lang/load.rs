@@ -6,7 +6,7 @@ use super::foreign::{self, ForeignFile, is_glsl, is_shader};
 use super::source::{Sources, Span};
 use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
-use crate::glsl_import::{GlslFile, Shown, scene_around, whole};
+use crate::glsl_import::{GlslFile, Shown, scene_around_file, whole};
 use crate::limits::Limits;
 
 #[derive(Default)]
@@ -112,8 +112,8 @@ impl Loader<'_, '_> {
     /// Reads a text in GLSL as the scene that the import of shaders makes of it.
     fn shader(&mut self, name: &str, text: &str) {
         self.glsl(name, text, None);
-        let Some(ForeignFile { whole, base, .. }) = self.loaded.foreign.last() else { return };
-        match scene_around(&whole.text, Shown::default()) {
+        let Some(ForeignFile { file, whole, base }) = self.loaded.foreign.last() else { return };
+        match scene_around_file(file, Shown::default()) {
             Ok(around) => {
                 if !around.left_out.is_empty() {
                     let message = format!("the shader's scene leaves out {}", around.left_out.join("; "));
