@@ -166,7 +166,7 @@ impl InputQueue {
         });
     }
 
-    /// Counts a received message.
+    /// Counts a message, once its input is queued or rejected: who sees it counted finds its input.
     pub fn count(&self) {
         lock(&self.pending).messages += 1;
     }

@@ -153,9 +153,9 @@ impl<'a> PhoneSession<'a> {
     }
 
     fn handle_text(&self, text: &str) {
-        self.shared.input_queue.count();
         // Phones ask no queries.
         let _ = Asked::queue(understand(text, self.shared.actions), &self.shared.input_queue);
+        self.shared.input_queue.count();
     }
 
     fn close(&mut self, code: CloseCode, reason: &'static str) -> End {

@@ -147,7 +147,6 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let mut device = Device::new(name.clone());
     Box::new(move |bytes| {
         device.parse(bytes, |said| {
-            shared.input_queue.count();
             match said {
                 Said::Moved(moved) => shared.input_queue.moved(moved),
                 Said::Time(message) => {
@@ -163,6 +162,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
                     }
                 }
             }
+            shared.input_queue.count();
         });
     })
 }

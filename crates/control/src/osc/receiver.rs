@@ -129,7 +129,6 @@ impl Hearing {
         }
         let mut answers = Vec::new();
         for (message, time) in messages {
-            self.input_queue.count();
             let is_taken = match when(time, now) {
                 When::Now => {
                     self.obey(&message, &mut answers);
@@ -141,6 +140,7 @@ impl Hearing {
             if !is_taken {
                 self.input_queue.refuse(|refusals| refusals.too_many += 1);
             }
+            self.input_queue.count();
         }
         answers
     }
