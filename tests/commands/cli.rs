@@ -6,7 +6,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{FORMATS, Outcome, Workplace};
 use crate::support::shader_folder::changed_shaders;
 use image::GenericImageView;
 use mariana_music::{BAND_COUNT, band_edge};
@@ -352,7 +352,7 @@ fn a_variable_chooses_opengl_es() {
     let place = Workplace::new();
     let with = |value| {
         let mut command = place.command(&["--gl-info"]);
-        Outcome::of(command.env("MARIANA_GL", value), RUN_LIMIT)
+        Outcome::of(command.env("MARIANA_GL", value))
     };
     let text = with("es").done();
     assert!(text.contains("interface            OpenGL ES\n"), "{text}");

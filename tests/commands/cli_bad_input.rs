@@ -9,18 +9,14 @@ use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::os::unix::net::UnixListener;
 use std::process::Command;
-use std::time::Duration;
 
-use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{FORMATS, Outcome, Workplace};
 use crate::support::shader_folder::changed_shaders;
 use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 use serde_json::Value;
 
 const SIZE: [&str; 2] = ["--size", "16x9"];
-
-/// The time limit for a damaged file of one second.
-const DAMAGED_LIMIT: Duration = Duration::from_secs(10);
 
 /// Pseudo-random numbers, the same in every run (SplitMix64).
 struct Numbers(u64);
@@ -88,8 +84,7 @@ fn streams_beyond_the_limits_are_refused_with_their_values() {
 fn survive(place: &Workplace, name: &str, what: &str, bytes: &[u8]) {
     let name = format!("{what}-{name}");
     place.write(&name, bytes);
-    let outcome =
-        Outcome::of(&mut place.command(&["analyze", "--json", "--fps", "10", &name]), DAMAGED_LIMIT);
+    let outcome = Outcome::of(&mut place.command(&["analyze", "--json", "--fps", "10", &name]));
     if outcome.code == 0 {
         let lines: Vec<Value> =
             outcome.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -141,7 +136,7 @@ fn without_opengl_the_message_says_what_to_install() {
     ] {
         let mut command = place.command(arguments);
         command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json");
-        Outcome::of(&mut command, RUN_LIMIT).refused(&["OpenGL", "install a driver"]);
+        Outcome::of(&mut command).refused(&["OpenGL", "install a driver"]);
     }
     assert_eq!(place.names(), [""; 0], "a refused job left a file");
 }
@@ -152,7 +147,7 @@ fn an_old_opengl_has_its_own_message() {
     for arguments in [&["still", "-o", "frame.png"][..], &["--gl-info"]] {
         let mut command = place.command(arguments);
         command.env("MESA_GL_VERSION_OVERRIDE", "2.1").env("MESA_GLES_VERSION_OVERRIDE", "2.0");
-        Outcome::of(&mut command, RUN_LIMIT).refused(&["OpenGL", "3.3", "update the graphics driver"]);
+        Outcome::of(&mut command).refused(&["OpenGL", "3.3", "update the graphics driver"]);
     }
 }
 
@@ -164,11 +159,7 @@ fn without_a_display_the_window_is_refused_and_stills_are_offered() {
     }
     for (name, display) in [("DISPLAY", ":4444"), ("WAYLAND_DISPLAY", "wayland-4444")] {
         let mut command = place.command(&[]);
-        Outcome::of(command.env(name, display), RUN_LIMIT).refused(&[
-            "window",
-            "graphical session",
-            "mariana still",
-        ]);
+        Outcome::of(command.env(name, display)).refused(&["window", "graphical session", "mariana still"]);
     }
 }
 
@@ -307,9 +298,9 @@ fn a_scene_name_may_be_invalid_utf8() {
     let name = OsStr::from_bytes(b"caf\xe9.scene");
     std::fs::write(place.path("").join(name), "length(p) - 1").unwrap();
     let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
-    Outcome::of(command.arg(name), RUN_LIMIT).done();
+    Outcome::of(command.arg(name)).done();
     let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
-    Outcome::of(command.arg(OsStr::from_bytes(b"gone\xe9.scene")), RUN_LIMIT).refused(&["cannot be read"]);
+    Outcome::of(command.arg(OsStr::from_bytes(b"gone\xe9.scene"))).refused(&["cannot be read"]);
 }
 
 #[test]
@@ -317,7 +308,7 @@ fn an_invalid_scale_factor_is_refused() {
     let place = Workplace::new();
     for factor in ["nonsense", "-5", "0", "NaN", "1e9"] {
         let mut command = place.command(&["--silent"]);
-        Outcome::of(command.env("WINIT_X11_SCALE_FACTOR", factor), RUN_LIMIT)
+        Outcome::of(command.env("WINIT_X11_SCALE_FACTOR", factor))
             .refused(&["WINIT_X11_SCALE_FACTOR", factor]);
     }
 }
@@ -384,7 +375,7 @@ fn without_ffmpeg_a_video_is_refused_and_stills_are_offered() {
     let place = Workplace::new();
     let mut command = place.command(&["video", "--duration", "0.1", "-o", "song.mp4"]);
     command.args(SIZE).env("PATH", "");
-    Outcome::of(&mut command, RUN_LIMIT).refused(&["install", "ffmpeg", "stills"]);
+    Outcome::of(&mut command).refused(&["install", "ffmpeg", "stills"]);
     assert_eq!(place.names(), [""; 0], "a refused job left a file");
 }
 
@@ -415,10 +406,10 @@ fn existing_outputs_survive_every_failure() {
         let mut command = place.command(&video);
         command.env("PATH", format!("{}:/bin:/usr/bin", place.path("tools").display()));
         command.env("SAYS", says).env("ENDS", ends);
-        Outcome::of(&mut command, RUN_LIMIT).refused(&["good.mp4", says.trim()]);
+        Outcome::of(&mut command).refused(&["good.mp4", says.trim()]);
     }
     let mut command = place.command(&["still", "-o", "good.png"]);
-    Outcome::of(command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json"), RUN_LIMIT).refused(&[]);
+    Outcome::of(command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json")).refused(&[]);
 
     assert_eq!(place.names(), names);
     assert_eq!(place.read("good.png"), b"a good picture");

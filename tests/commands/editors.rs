@@ -8,7 +8,7 @@ use std::io::{Read, Write};
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 use mariana_language_server::{Framing, framed};
 use mariana_testing::process::{Process, WAIT_LIMIT, wait_until};
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ fn files_are_formatted_in_place() {
 
     place.write("ugly.scene", UGLY);
     let mut command = place.command(&["format", "-"]);
-    let fed = Outcome::of(command.stdin(File::open(place.path("ugly.scene")).unwrap()), RUN_LIMIT);
+    let fed = Outcome::of(command.stdin(File::open(place.path("ugly.scene")).unwrap()));
     assert_eq!(fed.done(), NEAT);
     place.write("latin.scene", b"\xe4");
     place.run(&["format", "latin.scene"]).refused(&["latin.scene", "UTF-8"]);

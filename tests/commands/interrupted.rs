@@ -10,7 +10,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 use mariana_testing::process::{Process, output_of, wait_until};
 
 const SCENE: [&str; 2] = ["--scene", "length(p) - 1"];
@@ -225,7 +225,7 @@ fn exit_handlers_do_not_run_while_drivers_have_threads() {
     output_of(&mut compiler, "gcc").unwrap();
     let run = |arguments: &[&str]| {
         let mut command = place.command(arguments);
-        Outcome::of(command.env("LD_PRELOAD", place.path("late.so")), RUN_LIMIT)
+        Outcome::of(command.env("LD_PRELOAD", place.path("late.so")))
     };
     assert_eq!(run(&["--version"]).code, 77, "the library has no effect without a driver");
     run(&["still", "--size", "16x9", "-o", "still.png"]).done();
@@ -247,7 +247,7 @@ fn on_a_full_disk(place: &Workplace, arguments: &[&str]) -> Outcome {
     shell.args(["-c", "ulimit -f 1; exec \"$0\" \"$@\""]).arg(program.get_program()).args(program.get_args());
     shell.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     shell.current_dir(place.path("")).stdin(Stdio::null()).env("MESA_SHADER_CACHE_DISABLE", "true");
-    Outcome::of(&mut shell, RUN_LIMIT)
+    Outcome::of(&mut shell)
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn special_names_for_ffmpeg_are_plain_file_names() {
             let mut command =
                 place.command(&["video", "--fps", "10", "--duration", "0.2", "--size", "16x16"]);
             command.args(SCENE).arg(argument).arg("--").arg(song).current_dir(at);
-            Outcome::of(&mut command, RUN_LIMIT)
+            Outcome::of(&mut command)
         };
         if name.to_string_lossy().contains(".mp4") {
             make(OsStr::new("song.wav"), name, &folder).done();

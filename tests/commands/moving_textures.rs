@@ -3,9 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::time::Duration;
-
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 use image::RgbImage;
 
 const LOOK: [&str; 4] = ["--size", "64x36", "--tone-map", "none"];
@@ -89,9 +87,9 @@ fn sources_without_pictures_are_grey_and_reported_once() {
         assert!(checked.contains(words), "{words} is missing: {checked}");
     }
     let mut without = place.command(&["check", "own.scene"]);
-    let checked = Outcome::of(without.env("PATH", "/nowhere"), Duration::from_secs(60)).done();
+    let checked = Outcome::of(without.env("PATH", "/nowhere")).done();
     assert!(checked.contains("clip.mp4 needs ffmpeg, which is not installed: install ffmpeg"), "{checked}");
-    let warned = Outcome::of(&mut place.command(&["check", "--json", "sound.scene"]), RUN_LIMIT).done();
+    let warned = Outcome::of(&mut place.command(&["check", "--json", "sound.scene"])).done();
     assert!(warned.contains("\"warning\"") && warned.contains("\"line\":1,"), "{warned}");
 
     write_scene(&place, "none.scene", "clap.mp4");

@@ -5,7 +5,7 @@
 
 use std::net::TcpListener;
 
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 
 #[test]
 fn invalid_targets_for_sending_are_refused() {
@@ -64,10 +64,10 @@ fn without_an_x_server_monitor_lists_wallpapers_and_savers_are_refused() {
     place.run(&["--wallpaper"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
     let mut wayland = place.command(&["--wallpaper"]);
     wayland.env("WAYLAND_DISPLAY", "wayland-none");
-    Outcome::of(&mut wayland, RUN_LIMIT).refused(&["cannot open a window", "start Mariana"]);
+    Outcome::of(&mut wayland).refused(&["cannot open a window", "start Mariana"]);
     for number in ["nothing", "0", "0x7fffffff"] {
         let mut saver = place.command(&["--silent"]);
         saver.env("XSCREENSAVER_WINDOW", number);
-        Outcome::of(&mut saver, RUN_LIMIT).refused(&["XSCREENSAVER_WINDOW", number, "unset it"]);
+        Outcome::of(&mut saver).refused(&["XSCREENSAVER_WINDOW", number, "unset it"]);
     }
 }

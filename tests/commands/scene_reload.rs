@@ -18,9 +18,9 @@ use mariana::scenes::{Loaded, Loader, SceneSource, TextureCache};
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::render_all;
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_testing::process::WAIT_LIMIT;
 use tempfile::TempDir;
 
-const WAIT_LIMIT: Duration = Duration::from_secs(60);
 /// A test waits for this time to show that the loader loads nothing. A load takes far less time.
 const STILLNESS: Duration = Duration::from_millis(200);
 

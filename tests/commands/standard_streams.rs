@@ -6,13 +6,13 @@
 use std::fs::File;
 use std::process::Command;
 
-use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{FORMATS, Outcome, Workplace};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
 fn fed(place: &Workplace, file: &str, arguments: &[&str]) -> Outcome {
     let mut command = place.command(arguments);
-    Outcome::of(command.stdin(File::open(place.path(file)).unwrap()), RUN_LIMIT)
+    Outcome::of(command.stdin(File::open(place.path(file)).unwrap()))
 }
 
 #[test]

@@ -6,8 +6,8 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::support::program::{RUN_LIMIT, Workplace};
-use mariana_testing::process::output_of;
+use crate::support::program::Workplace;
+use mariana_testing::process::{WAIT_LIMIT, output_of};
 use serde_json::Value;
 
 const PARTS: [&str; 8] = ["--fps", "10", "--size", "32x18", "--duration", "1", "--flash-limiter", "off"];
@@ -165,7 +165,7 @@ fn an_interrupted_part_continues_after_its_last_piece() {
     let mut interrupted = start();
     let piece = place.path("p.mp4.pieces/00000000.mp4");
     let begun = Instant::now();
-    while !piece.exists() && begun.elapsed() < RUN_LIMIT {
+    while !piece.exists() && begun.elapsed() < WAIT_LIMIT {
         std::thread::sleep(Duration::from_millis(1));
     }
     interrupted.kill().unwrap();
@@ -198,7 +198,7 @@ fn an_interrupted_part_by_paths_loses_at_most_thirty_frames() {
     let mut interrupted = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let piece = "p.mp4.pieces/00000000.mp4";
     let begun = Instant::now();
-    while !place.path(piece).exists() && begun.elapsed() < RUN_LIMIT {
+    while !place.path(piece).exists() && begun.elapsed() < WAIT_LIMIT {
         std::thread::sleep(Duration::from_millis(1));
     }
     interrupted.kill().unwrap();

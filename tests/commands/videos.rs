@@ -5,7 +5,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 use image::{Rgb, RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
@@ -523,7 +523,7 @@ fn a_controlled_video_reports_lines_replaces_no_file_and_ends_with_its_input() {
     place.write("v.mp4", "another video");
     let part = ["video", "one.wav", "red.scene", "--controlled", "-o", "v.mp4", "--duration", "0.5"];
     let arguments = [&part[..], &LOOK].concat();
-    let printed = Outcome::of(place.command(&arguments).stdin(Stdio::piped()), RUN_LIMIT).done();
+    let printed = Outcome::of(place.command(&arguments).stdin(Stdio::piped())).done();
     let lines: Vec<Value> = printed.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines.len(), 6, "{printed}");
     assert_eq!(lines[4], serde_json::json!({ "drawn": { "done": 5, "of": 5 } }));

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::support::compare::{LOOSE, TIGHT, assert_alike};
-use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::program::{Outcome, Workplace};
 use crate::support::test_renderer::{TestRenderer, driver, loud_sound, ready};
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::{Interpreter, Mode};
@@ -36,7 +36,7 @@ fn run(place: &Workplace, renderer: Renderer, arguments: &[&str]) -> String {
         // Hide Mesa's message about the option.
         command.env("force_gl_renderer", "GPU").env("MESA_DEBUG", "silent");
     }
-    Outcome::of(&mut command, RUN_LIMIT).done()
+    Outcome::of(&mut command).done()
 }
 
 /// Writes shaders without beams. Then additional samples start at the eye on a software renderer too, as on a GPU.
@@ -152,7 +152,7 @@ fn expensive_pixels_are_drawn_in_small_parts() {
                 command.env("force_gl_renderer", "GPU").env("MESA_DEBUG", "silent");
             }
             command.envs(fault.map(|fault| ("MARIANA_FAULT", fault)));
-            let outcome = Outcome::of(&mut command, RUN_LIMIT);
+            let outcome = Outcome::of(&mut command);
             assert_eq!(outcome.code, 0, "{outcome:?}");
             let mut names: Vec<_> =
                 std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();

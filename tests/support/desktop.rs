@@ -408,13 +408,13 @@ impl App<'_> {
         self.process.ended().is_none()
     }
 
-    pub(crate) fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
+    pub(crate) fn wait_for_end(mut self) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {
             if let Some(status) = self.process.ended() {
                 return (status, wait_for_all(&self.reported));
             }
-            assert!(start.elapsed() < limit, "still running after {limit:?}; {}", self.reported());
+            assert!(start.elapsed() < WAIT_LIMIT, "still running after {WAIT_LIMIT:?}; {}", self.reported());
             std::thread::sleep(LOOK_PERIOD);
         }
     }

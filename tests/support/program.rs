@@ -4,16 +4,13 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tempfile::TempDir;
 
 use super::desktop::{PROGRAM, command_in};
-use mariana_testing::process::{LOOK_PERIOD, Process, output_of, private_folder};
+use mariana_testing::process::{LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder};
 use mariana_testing::wave::write_wav;
-
-/// The maximum duration of a run in these tests.
-pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 
 /// Words of advice to the user. Each refusal contains at least one of them.
 const ADVICE: &[&str] = &[
@@ -85,7 +82,7 @@ impl Workplace {
     }
 
     pub(crate) fn run(&self, arguments: &[&str]) -> Outcome {
-        Outcome::of(&mut self.command(arguments), RUN_LIMIT)
+        Outcome::of(&mut self.command(arguments))
     }
 }
 
@@ -98,20 +95,20 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Runs `command`. Fails if the command takes longer than `limit` or is ended by a signal.
-    pub(crate) fn of(command: &mut Command, limit: Duration) -> Self {
+    /// Runs `command`. Fails if the command hangs or is ended by a signal.
+    pub(crate) fn of(command: &mut Command) -> Self {
         let (stdout, stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
         command.stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());
-        Self::with_files(command, limit, stdout, stderr)
+        Self::with_files(command, stdout, stderr)
     }
 
     pub(crate) fn printing_elsewhere(command: &mut Command, stdout: impl Into<Stdio>) -> Self {
         let stderr = tempfile::tempfile().unwrap();
         command.stdout(stdout).stderr(stderr.try_clone().unwrap());
-        Self::with_files(command, RUN_LIMIT, tempfile::tempfile().unwrap(), stderr)
+        Self::with_files(command, tempfile::tempfile().unwrap(), stderr)
     }
 
-    fn with_files(command: &mut Command, limit: Duration, stdout: File, stderr: File) -> Self {
+    fn with_files(command: &mut Command, stdout: File, stderr: File) -> Self {
         let shown =
             command.get_args().map(|argument| argument.to_string_lossy()).collect::<Vec<_>>().join(" ");
         let shown = format!("mariana {shown}");
@@ -121,7 +118,11 @@ impl Outcome {
             if let Some(status) = process.ended() {
                 break status;
             }
-            assert!(start.elapsed() < limit, "{shown}: still running after {limit:?}: {}", text_of(stderr));
+            assert!(
+                start.elapsed() < WAIT_LIMIT,
+                "{shown}: still running after {WAIT_LIMIT:?}: {}",
+                text_of(stderr)
+            );
             std::thread::sleep(LOOK_PERIOD);
         };
         let (stdout, stderr) = (text_of(stdout), text_of(stderr));

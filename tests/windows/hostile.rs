@@ -17,9 +17,6 @@ const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) 
 pub(crate) const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
                             Mariana in a running session\n";
 
-/// The maximum time from the end of the display to the end of the program.
-const END_LIMIT: Duration = Duration::from_secs(30);
-
 #[test]
 fn a_killed_x_server_ends_the_program_with_a_message() {
     let desktop = Desktop::start();
@@ -29,7 +26,7 @@ fn a_killed_x_server_ends_the_program_with_a_message() {
     app.wait_for_title("the scene", |title| title.contains('('));
     assert_threads_share_heaps(app.process_id());
     desktop.kill_server();
-    let (status, reported) = app.wait_for_end(END_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert_eq!((status.code(), reported.as_str()), (Some(1), DISPLAY_LOST));
 }
 
@@ -92,6 +89,6 @@ fn the_program_runs_in_a_gibibyte_of_address_space() {
         std::thread::sleep(Duration::from_millis(300));
     }
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(END_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
 }

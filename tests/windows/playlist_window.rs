@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
 use mariana::shell::identity::APP_ID;
@@ -13,7 +12,6 @@ use mariana_testing::session_bus::SessionBus;
 use mariana_testing::wave::write_wav;
 
 const SMALL: &[&str] = &["--silent", "--size", "320x180"];
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 fn write_song(path: &Path, seconds: f64) {
     let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
@@ -102,7 +100,7 @@ fn the_player_is_controlled_over_d_bus() {
     drop(second);
     wait_until("the end of the second player", || bus.players().len() == 1);
     bus.call("Quit", &[]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && !reported.contains("mariana: "), "{status}: {reported}");
     end_with_the_bus(&desktop, bus, &folder);
 }
@@ -115,11 +113,11 @@ fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
     app.press(&["Next", "space"]);
     wait_for_track(&mut app, "2.wav", "paused");
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
     // The socket of the bus still exists, but no process answers.
     let app = desktop.open(folder, SMALL);
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }

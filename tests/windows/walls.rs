@@ -4,14 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
 pub(crate) use crate::support::walls::*;
 use image::RgbaImage;
 use mariana_testing::process::wait_until;
-
-pub(crate) const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 pub(crate) struct Place {
     pub(crate) desktop: Desktop,
@@ -65,7 +62,7 @@ pub(crate) fn wait_for(app: &App, what: &str, wanted: impl Fn(&RgbaImage) -> boo
 
 pub(crate) fn quit(app: App<'_>) -> String {
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
     assert!(!reported.contains("panicked"), "{reported}");
     reported

@@ -19,7 +19,6 @@ use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
 use x11rb::rust_connection::RustConnection;
 
 /// The maximum time from the request to quit to the end of the program.
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// The window size of most tests. It is small, because there is no graphics card.
 const SMALL: &str = "320x180";
 
@@ -137,7 +136,7 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     app.press(&["ctrl+q"]);
     assert_moves(&app);
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
     assert!(!reported.contains("mariana: "), "it complains: {reported}");
 }
@@ -186,7 +185,7 @@ fn full_screen_is_entered_and_left_in_different_ways() {
     });
     // wmctrl closes the window as a window manager does.
     output_of(desktop.command("wmctrl").args(["-i", "-c", app.window()]), "wmctrl").unwrap();
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
     assert_eq!(reported, "");
 }
@@ -231,7 +230,7 @@ fn a_window_takes_any_size_prints_nothing_and_closes_at_once() {
     app.wait_for_size((115, 365));
     assert_shows_the_speakers(&app.wait_for_moment(0.0));
     app.xdotool(&["windowclose", app.window()]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
     assert_eq!(reported, "");
 }
@@ -251,6 +250,6 @@ fn letters_typed_right_after_e_were_lost_or_ended_the_program() {
     let written = format!("#quiet{text}");
     wait_until("the saved text", || std::fs::read_to_string(&scene).is_ok_and(|saved| saved == written));
     app.press(&["Escape", "Escape", "q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
 }

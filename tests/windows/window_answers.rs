@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::desktop::Desktop;
 use crate::support::pings::{Pinger, Pings};
-use crate::walls::{QUIT_LIMIT, ripples, wait_for, wait_for_refusal, wall};
+use crate::walls::{ripples, wait_for, wait_for_refusal, wall};
 use mariana_testing::process::wait_until;
 use mariana_testing::wave::write_wav;
 
@@ -96,7 +96,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
         picture.dimensions() == (160, 240) && is_red(picture)
     });
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success(), "{status}: {reported}");
     assert!(
         reported.contains("ends without waiting for it") && !reported.contains("own2 is shown"),

@@ -3,15 +3,11 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use std::time::Duration;
-
 use crate::support::desktop::Desktop;
 use mariana_testing::process::wait_until;
 use mariana_testing::screen_reader::{BUTTON, Control, LABEL, SLIDER, ScreenReader, TOGGLE};
 use mariana_testing::session_bus::SessionBus;
 use mariana_testing::wave::write_wav;
-
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 fn find(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Option<Control> {
     reader.controls().into_iter().find(|control| control.role == role && control.name.starts_with(begin))
@@ -65,7 +61,7 @@ fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
     reader.listen(false);
     wait_until("silence", || find(&reader, TOGGLE, "pause").is_none());
     app.press(&["q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }
 
@@ -90,6 +86,6 @@ fn with_a_screen_reader_tab_opened_no_sliders_although_the_help_said_so() {
     app.press(&["BackSpace"]);
     wait_until("the sliders are closed", || find(&reader, SLIDER, "girth").is_none());
     app.press(&["Escape", "q"]);
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }

@@ -8,9 +8,7 @@ use std::process::Stdio;
 
 use crate::support::desktop::{App, PROGRAM, SCREEN};
 use crate::support::wayland::Compositor;
-use crate::walls::{
-    BREATHES, Place, QUIT_LIMIT, TWO_COLOURS, at, fills, is_black, is_blue, is_red, quit, wait_for,
-};
+use crate::walls::{BREATHES, Place, TWO_COLOURS, at, fills, is_black, is_blue, is_red, quit, wait_for};
 use image::RgbaImage;
 use mariana_testing::process::{output_of, wait_until};
 use x11rb::connection::Connection;
@@ -253,7 +251,7 @@ fn a_screen_saver_draws_into_its_window_and_ends_with_it() {
     let app = ground(&place, &[("XSCREENSAVER_WINDOW", &format!("{saver:#x}"))], &[]);
     wait_for_half(&place, true, "the frame in the screen saver's window", fills);
     server.destroy_window(saver).unwrap().check().unwrap();
-    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    let (status, reported) = app.wait_for_end();
     assert!(status.success() && !reported.contains("panicked"), "{status}: {reported}");
 }
 

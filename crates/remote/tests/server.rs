@@ -21,7 +21,7 @@ const ACTIONS: &[ActionRow] = &[
     ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" },
 ];
 /// Longer than any wait in these tests.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(240);
 
 struct Place {
     remote: Remote,

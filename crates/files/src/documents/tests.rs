@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::*;
 use crate::{Folders, limits};
 
-const WAIT_LIMIT: Duration = Duration::from_secs(10);
+const WAIT_LIMIT: Duration = Duration::from_secs(240);
 
 struct Place {
     folder: TempDir,

@@ -131,7 +131,7 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
         if done(&status) {
             return status;
         }
-        assert!(start.elapsed() < Duration::from_secs(15), "no {what}: {status:?}");
+        assert!(start.elapsed() < Duration::from_secs(240), "no {what}: {status:?}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

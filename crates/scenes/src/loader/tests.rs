@@ -5,11 +5,11 @@ use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::thread::sleep;
 
+use mariana_testing::process::WAIT_LIMIT;
 use tempfile::TempDir;
 
 use super::*;
 
-const WAIT_LIMIT: Duration = Duration::from_secs(10);
 /// Longer than any wait of the loader.
 const EVER: Duration = Duration::from_secs(600);
 /// Tests wait this long. A loader that wrongly reads the file at once would have read it by then.

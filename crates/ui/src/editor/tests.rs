@@ -15,8 +15,8 @@ use super::*;
 use mariana_commands::TurnedNumbers;
 use mariana_files::documents::OnDisk;
 use mariana_scenes::{Findings, NumberEdits, TextureCache};
+use mariana_testing::process::WAIT_LIMIT;
 
-const WAIT_LIMIT: Duration = Duration::from_secs(10);
 const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
 
 struct TestEditor {
