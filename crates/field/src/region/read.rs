@@ -72,7 +72,8 @@ impl Regions {
         let mut clauses = 0;
         for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
             let numbers = [texel[0], texel[2]].map(|word| word.to_le_bytes()[0]);
-            clauses += numbers.iter().take_while(|number| **number != opcode::END).count() as u64;
+            // The first clause of a texel can be empty.
+            clauses += numbers.iter().filter(|number| **number != opcode::END).count() as u64;
             if numbers[1] == opcode::END {
                 break;
             }

@@ -142,6 +142,18 @@ fn far_rays_of_a_scene_without_bounds_run_short_tapes() {
     }
 }
 
+/// A cell once had 301 of 300 clauses: the clause after an empty one was listed, but not counted.
+#[test]
+fn the_listed_clauses_of_a_cell_are_the_counted_ones() {
+    let world = world_of(SPEAKERS);
+    let inputs = inputs_of(&world, 3.0, 0.7);
+    let tree = RegionPlan::new(&world).build(&inputs, &RegionOptions::default());
+    for at in [[0.0, 2.0, 6.0], [0.0, 1.0, 10.0], [-4.0, 3.0, 9.0], [4.0, 5.0, 9.0], [5.0, 1.0, 12.0]] {
+        let cell = tree.cell_at(at).expect("a cell");
+        assert_eq!(tree.listing(&cell, &inputs).len() as u64, tree.clauses_of(cell.tape), "{at:?}");
+    }
+}
+
 #[test]
 fn cells_that_differ_in_little_share_a_tape() {
     let world = world_of(LATTICE);
