@@ -427,7 +427,7 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,
-        (SdfChoice::Auto, Ok(())) if buffers.cost.total > COMPILED_BY_ITSELF_MAX => Mode::Interpreted,
+        (SdfChoice::Auto, Ok(())) if buffers.cost.compiled > COMPILED_BY_ITSELF_MAX => Mode::Interpreted,
         (SdfChoice::Interpreted, Err(error)) => {
             tracing::warn!("{error}");
             Mode::Compiled

@@ -184,7 +184,7 @@ impl PreparedScene {
     }
 
     pub(super) fn is_compiled_by_itself(&self) -> bool {
-        self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
+        self.resources.buffers().cost.compiled <= COMPILED_BY_ITSELF_MAX
     }
 
     /// The functions that draw views and paths of the scene in a mode.

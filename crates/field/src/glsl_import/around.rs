@@ -188,7 +188,11 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneArou
     Ok(SceneAround { body: scene, choice: None, left_out })
 }
 
-/// True for a picture of one colour that never changes.
+/// The number of nodes that are evaluated to see whether a picture has one colour, and of moments and places at most.
+const FLAT_NODES: usize = 1 << 23;
+const FLAT_SAMPLES: usize = 4096;
+
+/// True for a picture that has one colour wherever and whenever it is evaluated.
 fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     let colour = colour.get(..3).unwrap_or_default();
     let Ok(order) = graph.order(colour) else { return false };
@@ -200,13 +204,15 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
         textures: Some(Arc::new(Slopes)),
         ..FrameInputs::default()
     };
-    let colours = (0..48_u8).map(|index| {
-        frame.time = if index < 24 { 3.0 } else { 4.7 };
-        let [x, y] = [index % 6, index / 6 % 4].map(|at| f32::from(at) + 0.5);
-        graph.evaluate_in(&order, colour, &Point::at(53.0 * x, 45.0 * y, 0.0), &frame)
+    let samples = (FLAT_NODES / order.nodes.len().max(1)).clamp(48, FLAT_SAMPLES);
+    // Places spread evenly by the plastic number (Roberts 2018, The unreasonable effectiveness of quasirandom sequences).
+    let mut colours = (0..samples).map(|index| {
+        frame.time = [3.0, 4.7][index % 2];
+        let [x, y] = [0.754_877_7, 0.569_840_3].map(|step| (index as f32 * step).fract());
+        graph.evaluate_in(&order, colour, &Point::at(320.0 * x, 180.0 * y, 0.0), &frame)
     });
-    let colours: Vec<Vec<f32>> = colours.collect();
-    colours.iter().all(|one| Some(one) == colours.first())
+    let first = colours.next();
+    colours.all(|colour| Some(colour) == first)
 }
 
 fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<SceneAround> {

@@ -402,9 +402,12 @@ impl Executor<'_, '_> {
                 Err(_) => Vec::new(),
             },
             Expression::ZeroValue(of) => self.zeros(*of, place)?,
-            Expression::Compose { components, .. } => {
+            Expression::Compose { ty, components } => {
                 let parts = components.iter().map(|component| parts_of(self, *component, place));
-                parts.collect::<Result<Vec<_>>>()?.concat()
+                let mut parts = parts.collect::<Result<Vec<_>>>()?.concat();
+                // naga takes the vector of `mat2(vec4)` for each column.
+                parts.truncate(size(&self.file.module, *ty).map_or(usize::MAX, |size| size as usize));
+                parts
             }
             Expression::Splat { size, value } => parts_of(self, *value, place)?.repeat(*size as usize),
             _ => return Ok(None),

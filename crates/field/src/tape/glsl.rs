@@ -89,6 +89,16 @@ fn reciprocal(divisor: f32) -> Option<f32> {
     reciprocal.is_normal().then_some(reciprocal)
 }
 
+/// Returns the number of statements that the loops of a function save, which computes the roots.
+///
+/// # Errors
+/// Returns the error of [`Graph::check`].
+pub fn saved_by_loops(graph: &Graph, roots: &[NodeId]) -> Result<usize> {
+    let order = graph.order(roots)?.nodes;
+    let loops = Unrolled::new(graph, &order, roots).loops();
+    Ok(loops.iter().map(|rounds| rounds.places.len() - rounds.steps.len()).sum())
+}
+
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
 /// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation; equal rounds
 /// become a loop (`rounds.rs`). With a [`Sampling`] other than `None`, functions `name_uv0` .. for texture coordinates
@@ -264,6 +274,13 @@ impl<'a> Writer<'a> {
         for (offset, step) in rounds.steps.iter().enumerate().filter(|(_, step)| step.is_kept) {
             let _ = writeln!(self.text, "    float {} = {};", kept_name(offset), self.operand(step.before));
         }
+        let list_name = |list: usize| format!("l{}_{list}", rounds.places.start);
+        for (list, numbers) in rounds.lists.iter().enumerate() {
+            let numbers: Vec<String> = numbers.iter().map(|number| literal(*number)).collect();
+            let (name, count) = (list_name(list), numbers.len());
+            let _ =
+                writeln!(self.text, "    float {name}[{count}] = float[{count}]({});", numbers.join(", "));
+        }
         let _ = writeln!(self.text, "    for (int i = 0; i < {}; ++i) {{", rounds.count);
         if let Some(condition) = rounds.steps.len().checked_sub(1).filter(|_| rounds.ends_early) {
             let _ = writeln!(self.text, "    if ({} != 0.0) break;", kept_name(condition));
@@ -279,6 +296,9 @@ impl<'a> Writer<'a> {
                 Source::Counted { first, step } => {
                     let text = format!("({} + {} * float(i))", literal(first), literal(step));
                     Some(Operand { text, number: None, is_square: false })
+                }
+                Source::Listed(list) => {
+                    Some(Operand { text: format!("{}[i]", list_name(list)), number: None, is_square: false })
                 }
             };
             match step.formula {

@@ -2,22 +2,30 @@
 //!
 //! The scene language and GLSL functions are lowered round by round. In the order of their creation, the nodes of a
 //! round are followed by equal nodes of the next round, whose operands are shifted by the same number of places. The
-//! search finds the longest such run for any text, without help from the language.
+//! search finds such runs for any text, without help from the language. Rounds are as long as the distance between two
+//! places whose next operators are the same, so few lengths are tried.
 //!
 //! **Early ends.** With `break` or `while`, a condition chooses between the old and the new content of each variable.
 //! Once the condition is true, it stays true. If no variable changes from then on, the loop ends when the condition
 //! becomes true, and the choices inside the loop are removed.
 
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use crate::graph::{FrameInputs, Graph, Node, NodeId, Op, Properties};
 
 /// Shorter runs stay unrolled: the loop must save this number of nodes.
 const SAVED_MIN: usize = 48;
-/// Longest round.
-const LENGTH_MAX: usize = 512;
-/// Longest list of nodes that is searched. The time grows with the square of the length.
-const NODES_MAX: usize = 8192;
+/// Longest list of nodes that is searched.
+const NODES_MAX: usize = 1 << 18;
+/// The number of operators by which places are compared to find the lengths of rounds.
+const WINDOW: usize = 8;
+/// The number of lengths that are tried.
+const LENGTHS_MAX: usize = 64;
+/// The number of nodes that are read to find the start of one loop.
+const READ_MAX: usize = 1 << 22;
 /// Whole numbers up to this size and their sums are exact.
 const WHOLE_MAX: f32 = (1 << 20) as f32;
 
@@ -34,6 +42,8 @@ pub(super) enum Source {
     Known(f32),
     /// The whole number `first + step * round`.
     Counted { first: f32, step: f32 },
+    /// The number of the round in this one of [`Rounds::lists`].
+    Listed(usize),
 }
 
 /// How a round computes a value.
@@ -69,6 +79,8 @@ pub(super) struct Rounds {
     pub(super) count: usize,
     /// The values of a round, in the order of their computation.
     pub(super) steps: Vec<Step>,
+    /// Numbers that differ from round to round, each list with a number for each round.
+    pub(super) lists: Vec<Vec<f32>>,
     /// True if the loop ends when the last value of a round is not 0.
     pub(super) ends_early: bool,
 }
@@ -102,10 +114,22 @@ impl Repetition {
         self.rounds_from(self.first.max(self.length)).saturating_sub(1) * self.length
     }
 
+    /// All places of the run.
+    fn places(&self) -> Range<usize> {
+        self.first..self.end + self.length
+    }
+
+    /// The part of the run in a range of places, if it is long enough for a loop.
+    fn within(&self, places: Range<usize>) -> Option<Self> {
+        let (first, end) = (self.first.max(places.start), (self.end + self.length).min(places.end));
+        let part = Self { first, end: end.checked_sub(self.length)?, length: self.length };
+        (part.first < part.end && part.saves() >= SAVED_MIN).then_some(part)
+    }
+
     /// Places at which the loop may start: a round precedes it.
-    fn starts(&self) -> Range<usize> {
+    fn starts(&self) -> impl Iterator<Item = usize> {
         let first = self.first.max(self.length);
-        first..first + self.length + 1
+        (first..first + self.length + 1).take(1 + READ_MAX / self.places().len())
     }
 }
 
@@ -139,40 +163,66 @@ impl<'a> Unrolled<'a> {
         self.places.get(id.index()).copied().flatten()
     }
 
-    /// Returns the loops, in order.
+    /// Returns the loops, in order. Of runs that overlap, the one that saves most becomes a loop.
     pub(super) fn loops(&self) -> Vec<Rounds> {
-        let mut found = Vec::new();
-        if self.order.len() <= NODES_MAX {
-            self.search(0..self.order.len(), &mut found);
+        let ranked = |run: Repetition| (run.saves(), Reverse(run.length), Reverse(run.first), run.end);
+        let mut runs: BinaryHeap<_> = self.runs().into_iter().map(ranked).collect();
+        let mut found: BTreeMap<usize, Rounds> = BTreeMap::new();
+        while let Some((_, Reverse(length), Reverse(first), end)) = runs.pop() {
+            let run = Repetition { first, end, length };
+            let places = run.places();
+            let before = found.range(..places.end).next_back().map(|(_, rounds)| rounds.places.clone());
+            if let Some(other) = before.filter(|other| other.end > places.start) {
+                let rest = [places.start..other.start.max(places.start), other.end..places.end];
+                runs.extend(rest.into_iter().filter_map(|part| run.within(part)).map(ranked));
+            } else if let Some(rounds) = self.with_early_end(run).or_else(|| self.without_early_end(run)) {
+                found.insert(rounds.places.start, rounds);
+            }
         }
-        found
+        found.into_values().collect()
     }
 
-    fn search(&self, within: Range<usize>, found: &mut Vec<Rounds>) {
-        let Some(run) = self.longest_run(&within) else { return };
-        let rounds = self.with_early_end(run).or_else(|| self.without_early_end(run));
-        let places = rounds.as_ref().map_or(run.first..run.end + run.length, |rounds| rounds.places.clone());
-        self.search(within.start..places.start, found);
-        found.extend(rounds);
-        self.search(places.end..within.end, found);
-    }
-
-    fn longest_run(&self, within: &Range<usize>) -> Option<Repetition> {
-        let (mut best, mut most) = (None, SAVED_MIN - 1);
-        for length in 2..=LENGTH_MAX.min(within.len() / 3) {
-            let mut first = within.start;
-            for place in within.start..=within.end - length {
-                if place + length < within.end && self.repeats(place, length) {
+    /// Returns the longest runs of each likely length of rounds that are long enough for a loop.
+    fn runs(&self) -> Vec<Repetition> {
+        let mut runs = Vec::new();
+        for length in self.lengths() {
+            let mut first = 0;
+            for place in 0..=self.order.len() - length {
+                if place + length < self.order.len() && self.repeats(place, length) {
                     continue;
                 }
                 let run = Repetition { first, end: place, length };
-                if run.saves() > most {
-                    (best, most) = (Some(run), run.saves());
-                }
+                runs.extend(Some(run).filter(|run| run.first < run.end && run.saves() >= SAVED_MIN));
                 first = place + 1;
             }
         }
-        best
+        runs
+    }
+
+    /// Returns likely lengths of rounds: distances between the nearest places whose next operators are the same.
+    fn lengths(&self) -> Vec<usize> {
+        if self.order.len() > NODES_MAX {
+            return Vec::new();
+        }
+        let is_number = |id: NodeId| self.graph.as_constant(id).is_some();
+        let signs = self.order.iter().map(|id| match self.graph.node(*id) {
+            Node::Unary(op, _) => (Some(op), false, false),
+            Node::Binary(op, a, b) => (Some(op), is_number(a), is_number(b)),
+            _ => (None, false, false),
+        });
+        let signs: Vec<_> = signs.collect();
+        let mut latest = HashMap::new();
+        let mut weights: HashMap<usize, usize> = HashMap::new();
+        for (place, window) in signs.windows(WINDOW).enumerate() {
+            let mut hasher = DefaultHasher::new();
+            window.hash(&mut hasher);
+            if let Some(before) = latest.insert(hasher.finish(), place) {
+                *weights.entry(place - before).or_default() += place - before;
+            }
+        }
+        let mut ranked: Vec<_> = weights.into_iter().filter(|(length, _)| *length > 1).collect();
+        ranked.sort_unstable_by_key(|(length, weight)| (Reverse(*weight), *length));
+        ranked.into_iter().take(LENGTHS_MAX).map(|(length, _)| length).collect()
     }
 
     /// True if the node that is `length` places later does the same.
@@ -203,6 +253,7 @@ impl<'a> Unrolled<'a> {
             return None;
         }
         let last = places.end - length;
+        let mut lists = Vec::new();
         let step = |offset: usize| {
             let id = self.order[start + offset];
             let (op, is_unary) = match self.graph.node(id) {
@@ -210,8 +261,9 @@ impl<'a> Unrolled<'a> {
                 Node::Binary(op, ..) => (op, false),
                 _ => return None,
             };
-            let first = self.source(start, offset, 0, length, count)?;
-            let second = if is_unary { first } else { self.source(start, offset, 1, length, count)? };
+            let first = self.source(start, offset, 0, length, count, &mut lists)?;
+            let second =
+                if is_unary { first } else { self.source(start, offset, 1, length, count, &mut lists)? };
             Some(Step {
                 id,
                 last: self.order[last + offset],
@@ -224,7 +276,8 @@ impl<'a> Unrolled<'a> {
         let steps: Option<Vec<Step>> = (0..length).map(step).collect();
         // Nodes after the loop can only read the last round.
         let is_hidden = |place: usize| self.last_reader[place] < places.end;
-        (start..last).all(is_hidden).then_some(Rounds { steps: steps?, places, count, ends_early: false })
+        let steps = steps?;
+        (start..last).all(is_hidden).then_some(Rounds { steps, lists, places, count, ends_early: false })
     }
 
     /// Returns the source of an operand if all rounds have the same one. The round before the loop may read other
@@ -236,6 +289,7 @@ impl<'a> Unrolled<'a> {
         operand: usize,
         length: usize,
         count: usize,
+        lists: &mut Vec<Vec<f32>>,
     ) -> Option<Source> {
         let node = |round: usize| {
             // Round 0 precedes the loop.
@@ -244,14 +298,21 @@ impl<'a> Unrolled<'a> {
         let (first, second) = (node(1)?, node(2)?);
         let number = |round: usize| self.graph.as_constant(node(round)?);
         if let Some(value) = number(1) {
+            if (0..=count).all(|round| node(round) == Some(first)) {
+                return Some(Source::Known(value));
+            }
             let step = number(2)? - value;
             let counts = |round: usize| number(round) == Some(value + step * (round as f32 - 1.0));
             let is_whole = |value: f32| value.trunc() == value && value.abs() < WHOLE_MAX;
-            return match first == second {
-                true => (0..=count).all(|round| node(round) == Some(first)).then_some(Source::Known(value)),
-                false => ((1..=count).all(counts) && is_whole(value) && is_whole(step))
-                    .then_some(Source::Counted { first: value, step }),
-            };
+            if (1..=count).all(counts) && is_whole(value) && is_whole(step) {
+                return Some(Source::Counted { first: value, step });
+            }
+            let list = (1..=count).map(number).collect::<Option<Vec<f32>>>()?;
+            let known = lists.iter().position(|known| *known == list);
+            return Some(Source::Listed(known.unwrap_or_else(|| {
+                lists.push(list);
+                lists.len() - 1
+            })));
         }
         if first == second {
             let is_before = self.place(first).is_none_or(|place| place < start);
@@ -358,7 +419,7 @@ impl Rounds {
             let operand_stays = |source: &Source| match source {
                 Source::Here(of) => settled.get(*of).is_some_and(|of| of.stays),
                 Source::Fixed(_) | Source::Known(_) => true,
-                Source::Before(_) | Source::Counted { .. } => false,
+                Source::Before(_) | Source::Counted { .. } | Source::Listed(_) => false,
             };
             let is_itself = is == Some(Source::Before(offset));
             let is_condition = offset == self.condition() && is == Some(Source::Known(ended));
@@ -385,7 +446,7 @@ impl Rounds {
                 Node::Unary(op, _) | Node::Binary(op, ..) => gives_truth(op),
                 _ => false,
             },
-            Source::Before(_) | Source::Counted { .. } => false,
+            Source::Before(_) | Source::Counted { .. } | Source::Listed(_) => false,
         }
     }
 

@@ -54,6 +54,7 @@ impl Machine<'_> {
                     Source::Fixed(id) => self.value(id),
                     Source::Known(value) => value,
                     Source::Counted { first, step } => first + step * round as f32,
+                    Source::Listed(list) => rounds.lists[list][round],
                 };
                 here[offset] = match step.formula {
                     Formula::Operation(op, [a, b]) => op.value(read(a), read(b), &frame),
@@ -154,6 +155,28 @@ fn a_fractal_is_a_loop_that_ends_where_its_points_escape() {
     assert!(!rounds.ends_early && rounds.count >= 7, "{} rounds", rounds.count);
 }
 
+/// A picture of 128 steps through a cloud had more nodes than were searched: its shader was too long for drivers.
+#[test]
+fn a_long_march_with_numbers_for_each_round_is_a_loop() {
+    let march = looped(
+        "fn cloud(q) = sum(for k in 1..7: sin(q.x * 1.7^k) * cos(q.y * 1.9^k + q.z) / 2^k)
+        fn f(p) {
+          let seen = 0
+          for i in 0..128 {
+            let q = p * (1.017 + i / 50)
+            if length(q) > 9 { break }
+            seen += (1 - seen) * clamp(cloud(q), 0, 1) * exp(-0.013 * i)
+          }
+          seen
+        }",
+    );
+    let needed = march.graph.order(&[march.root]).expect("a small graph").nodes.len();
+    let [rounds] = &march.loops[..] else { panic!("{} loops", march.loops.len()) };
+    assert!(needed > 8192 && rounds.count > 120 && rounds.lists.len() == 2, "{needed}, {}", rounds.count);
+    march.check([0.3, -0.2, 0.5]);
+    march.check([5.0, 1.0, 0.0]);
+}
+
 #[test]
 fn a_condition_that_does_not_keep_every_value_does_not_end_the_loop() {
     // The trap goes on after the point has escaped.
@@ -190,6 +213,7 @@ fn functions() -> impl Strategy<Value = String> {
         "if dot(z, z) > 6 { break }",
         "if i > 6 { break }",
         "slope += 0.25 * i",
+        "slope = slope * 0.9 + z.x * (1 - 0.07 * i)",
         "let q = z * 0.5  z = q * q - p",
         "trap = max(trap * 0.9, sin(z.x + i))",
     ]);

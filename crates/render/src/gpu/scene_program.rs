@@ -38,8 +38,8 @@ pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
 const NON_LIPSCHITZ_DEFINE: &str = "NON_LIPSCHITZ 1";
 
-/// Scenes with more clauses than this are compiled only on request, because compiling would take minutes.
-pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
+/// Scenes with more statements than this are compiled only on request, because compiling would take minutes.
+pub const COMPILED_BY_ITSELF_MAX: usize = 20_000;
 
 /// A variant of the interpreter.
 #[derive(Debug, Clone, PartialEq, Eq)]

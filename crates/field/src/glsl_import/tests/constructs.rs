@@ -38,6 +38,8 @@ fn a_choice_of_the_nearer_shape_is_a_minimum() {
 fn a_matrix_of_one_vector_takes_its_components_in_order() {
     let text = "float f(vec3 p) { mat2 m = mat2(vec4(1.0, 2.0, 3.0, 4.0)); return m[0].y * 10.0 + m[1].x; }";
     assert_eq!(value(text, "f", [0.0; 3]), [23.0]);
+    let rotated = "float f(vec3 p) { return (mat2(vec4(1.0, 2.0, 3.0, 4.0)) * vec2(0.0, 1.0)).x; }";
+    assert_eq!(value(rotated, "f", [0.0; 3]), [3.0]);
 }
 
 #[test]

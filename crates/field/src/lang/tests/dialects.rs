@@ -259,6 +259,14 @@ fn one_colour_is_told() {
 }
 
 #[test]
+fn a_small_figure_on_a_plain_ground_was_one_colour() {
+    let glsl = "void mainImage(out vec4 c, in vec2 f) {
+        vec2 q = f / iResolution.xy - 0.5 - 0.3 * vec2(cos(iTime), sin(iTime));
+        c = mix(texture(iChannel0, f), vec4(1.0, 0.5, 0.0, 1.0), step(length(q), 0.06)); }";
+    assert_eq!(around(glsl).left_out, ["the pictures of `iChannel0`: black or a noise is drawn instead"]);
+}
+
+#[test]
 fn discarded_pixels_are_black() {
     let glsl = "float cut(vec2 a) { if (a.x < 0.5) { if (a.y < 0.5) discard; } return a.y; }
         void mainImage(out vec4 c, in vec2 f) { vec2 uv = f / iResolution.xy; c = vec4(1.0);
