@@ -336,6 +336,7 @@ impl Session {
             .filter(|_| self.screen.shows_words());
         let moment = self.playback.moment();
         self.playback.direct(moment);
+        self.playback.follow_recorded_track();
         self.playback.follow_parts();
         self.playback.follow_textures();
         let moves = self.playback.pace.record_wanted(moment, self.playback.scene.revision(), now);
@@ -455,16 +456,25 @@ impl Playback {
         if !self.recording.is_on {
             return;
         }
-        let track = self.listening.track_of(moment);
         let picture = self.finish(begun);
         let Some(performed) = Performed::of(&self.scene, moment.song_time) else { return };
         let performed = Performed { picture, ..performed };
         // Record a still scene at the current time, because `moment` is the time at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
-        let time = now.map_or(moment.song_time, |now| now.song_time);
-        let title = self.reports.playing.title.as_str();
-        if let Some(words) = self.recording.record(track, title, time, performed, clock::now()) {
+        let at = now.unwrap_or(moment);
+        let (track, title) = (self.listening.track_of(at), self.reports.playing.title.as_str());
+        if let Some(words) = self.recording.record(track, title, &at, performed, clock::now()) {
             self.reports.answer(words);
+        }
+    }
+
+    /// Stops recording at the end of the track.
+    fn follow_recorded_track(&mut self) {
+        if self.recording.is_on
+            && let Some(now) = self.listening.now()
+        {
+            let has_ended = self.listening.with_song(|player| player.status().ended).unwrap_or_default();
+            self.recording.follow(self.listening.track_of(now), &now, has_ended, clock::now());
         }
     }
 
@@ -476,7 +486,7 @@ impl Playback {
         let Some(now) = self.listening.now() else { return };
         let (track, is_held) = (self.listening.track_of(now), self.holds_picture());
         let picture = self.finish(begun);
-        self.recording.record_picture(track, now.song_time, &picture, is_held);
+        self.recording.record_picture(track, &now, &picture, is_held, clock::now());
     }
 
     pub(super) fn finish(&self, begun: Instant) -> Finish {

@@ -10,6 +10,7 @@ use crate::session::direction::OfTrack;
 use crate::session::scene::{OtherPerformed, Performed};
 use crate::show::{Finish, OnStage, OtherDeck, Performance, TimedTransition, TransitionKind, name_of, print};
 use mariana_field::lang::TransitionStyle;
+use mariana_player::Moment;
 
 /// Interval at which a changing performance is written.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
@@ -17,6 +18,8 @@ const KEPT_EVERY: Duration = Duration::from_secs(1);
 struct Take {
     number: u64,
     track: OfTrack,
+    /// The segment and the lap of the last frame.
+    heard: (u64, u32),
     title: String,
     performance: Performance,
     kept: Instant,
@@ -41,6 +44,8 @@ pub(crate) struct Recording {
     files: PerformanceFiles,
     take: Option<Take>,
     pub(crate) is_on: bool,
+    /// True if the track had ended at the last call of `follow`, or before recording started.
+    has_ended: bool,
     count: u64,
     /// True if the next saved file is to be reported.
     tells: bool,
@@ -48,12 +53,13 @@ pub(crate) struct Recording {
 
 impl Recording {
     pub(crate) fn new(files: PerformanceFiles) -> Self {
-        Self { files, take: None, is_on: false, count: 0, tells: false }
+        Self { files, take: None, is_on: false, has_ended: false, count: 0, tells: false }
     }
 
     /// Starts or stops recording. Stopping saves the performance. Returns `true` if it starts.
     pub(crate) fn toggle(&mut self, now: Instant) -> bool {
         self.is_on = !self.is_on;
+        self.has_ended = true;
         if !self.is_on {
             self.finish(now);
         }
@@ -66,15 +72,27 @@ impl Recording {
         keep(&self.files, &mut take, now);
     }
 
-    /// Records a frame of a track at `time` seconds. Returns a message when the performance is too long.
+    /// Stops recording at the end of the track, so that another lap of the track does not replace its recording.
+    pub(crate) fn follow(&mut self, track: OfTrack, at: &Moment, has_ended: bool, now: Instant) {
+        let ends = !std::mem::replace(&mut self.has_ended, has_ended) && has_ended;
+        let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
+        let heard = (at.segment, at.lap);
+        let (segment, lap) = std::mem::replace(&mut take.heard, heard);
+        if ends || (segment == at.segment && lap != at.lap) {
+            self.toggle(now);
+        }
+    }
+
+    /// Records a frame of a track at this moment. Returns a message when the performance is too long.
     pub(crate) fn record(
         &mut self,
         track: OfTrack,
         title: &str,
-        time: f64,
+        at: &Moment,
         seen: Performed<'_>,
         now: Instant,
     ) -> Option<&'static str> {
+        self.follow(track, at, self.has_ended, now);
         if !self.is_on || track.is_none() {
             return None;
         }
@@ -88,6 +106,7 @@ impl Recording {
             Take {
                 number: *count,
                 track,
+                heard: (at.segment, at.lap),
                 title,
                 performance,
                 kept: now,
@@ -97,21 +116,29 @@ impl Recording {
                 is_held: false,
             }
         });
-        take.record(time, seen);
+        take.record(at.song_time, seen);
         take.has_changed = true;
         let is_news = take.performance.is_full && !std::mem::replace(&mut take.reported_full, true);
         is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 
-    /// Records that the last frame of a track is still shown at `time` seconds, with the state of the master output.
-    pub(crate) fn record_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
+    /// Records that the last frame of a track is still shown at this moment, with the state of the master output.
+    pub(crate) fn record_picture(
+        &mut self,
+        track: OfTrack,
+        at: &Moment,
+        picture: &Finish,
+        is_held: bool,
+        now: Instant,
+    ) {
+        self.follow(track, at, self.has_ended, now);
         let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
         if is_held && !take.is_held {
             take.performance.hold(picture);
         }
         take.is_held = is_held;
         take.has_changed = true;
-        take.performance.record_picture(time, picture);
+        take.performance.record_picture(at.song_time, picture);
     }
 
     /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write has finished.
@@ -226,6 +253,10 @@ mod tests {
     use super::*;
     use crate::frame::orbit_controls::OrbitControls;
 
+    fn at(song_time: f64) -> Moment {
+        Moment { song_time, ..Moment::default() }
+    }
+
     fn seen(source: &SceneSource, directed: Option<(TimedTransition, f64)>) -> Performed<'_> {
         Performed {
             source,
@@ -247,7 +278,7 @@ mod tests {
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let now = Instant::now();
         let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
-        recording.record(Some(0), "one", 1.0, seen(&orb, None), now);
+        recording.record(Some(0), "one", &at(1.0), seen(&orb, None), now);
         assert!(recording.take.is_none(), "recording has not been started");
         assert!(recording.toggle(now));
         for (time, scene, faded) in
@@ -256,17 +287,17 @@ mod tests {
             recording.record(
                 Some(0),
                 "one",
-                time,
+                &at(time),
                 Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
                 now,
             );
         }
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
-        recording.record_picture(Some(0), 6.0, &held, true);
-        recording.record_picture(Some(2), 7.0, &Finish::NOTHING, false);
+        recording.record_picture(Some(0), &at(6.0), &held, true, now);
+        recording.record_picture(Some(2), &at(7.0), &Finish::NOTHING, false, now);
         let melt = (TimedTransition::new(TransitionStyle::Melt, 2.0), 0.5);
-        recording.record(Some(1), "two", 1.5, seen(&heart, Some(melt)), now);
-        recording.record(None, "an input", 9.0, seen(&city, None), now);
+        recording.record(Some(1), "two", &at(1.5), seen(&heart, Some(melt)), now);
+        recording.record(None, "an input", &at(9.0), seen(&city, None), now);
         assert!(!recording.toggle(now));
         drop(recording);
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
@@ -283,13 +314,53 @@ mod tests {
     }
 
     #[test]
+    fn the_end_of_the_track_stops_the_recording_before_the_next_lap_replaces_it() {
+        let now = Instant::now();
+        let [orb, city] = ["orb", "city"].map(|name| SceneSource::Shipped(name.to_owned()));
+        let begun = || {
+            let folder = tempfile::tempdir().unwrap();
+            let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+            recording.toggle(now);
+            recording.record(Some(0), "one", &at(2.0), seen(&orb, None), now);
+            recording.record(Some(0), "one", &at(8.0), seen(&city, None), now);
+            (recording, folder)
+        };
+        let next = Moment { lap: 1, ..at(0.01) };
+        type Act = fn(&mut Recording, &Moment, &SceneSource, Instant);
+        let acts: [Act; 4] = [
+            |recording, next, of, now| {
+                recording.record(Some(0), "one", next, seen(of, None), now);
+            },
+            |recording, next, _, now| recording.record_picture(Some(0), next, &Finish::NOTHING, false, now),
+            |recording, next, _, now| recording.follow(Some(0), next, false, now),
+            |recording, _, _, now| {
+                recording.follow(Some(0), &at(8.0), false, now);
+                recording.follow(Some(0), &at(9.0), true, now);
+            },
+        ];
+        for act in acts {
+            let (mut recording, folder) = begun();
+            act(&mut recording, &next, &orb, now);
+            assert!(!recording.is_on);
+            drop(recording);
+            let text = std::fs::read_to_string(folder.path().join("one.show")).unwrap();
+            assert!(text.ends_with("\nat 0:02  orb  cut\nat 0:08  city  cut\n"), "{text}");
+        }
+        // A seek back, or a start after the end, goes on.
+        let (mut recording, _folder) = begun();
+        recording.record(Some(0), "one", &Moment { segment: 1, ..next }, seen(&orb, None), now);
+        recording.follow(Some(0), &Moment { segment: 1, ..next }, true, now);
+        assert!(recording.is_on);
+    }
+
+    #[test]
     fn a_recording_is_written_while_it_is_made() {
         let folder = tempfile::tempdir().unwrap();
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let start = Instant::now();
         let orb = SceneSource::Shipped("orb".to_owned());
         recording.toggle(start);
-        recording.record(Some(0), "one", 2.0, seen(&orb, None), start);
+        recording.record(Some(0), "one", &at(2.0), seen(&orb, None), start);
         recording.update(start);
         assert!(recording.files.is_idle(), "not every frame is written");
         // The frame does not change, so the file is not written.
@@ -317,7 +388,7 @@ mod tests {
             recording.toggle(now);
             for (time, scene, faded, fades, camera) in pictures.iter().copied() {
                 let seen = Performed { faded, fades, camera, ..seen(scene, None) };
-                recording.record(Some(0), "one", time, seen, now);
+                recording.record(Some(0), "one", &at(time), seen, now);
             }
             let cue_list = recording.take.map(|take| take.performance.cue_list()).unwrap_or_default();
             print(&cue_list, &[]).lines().map(str::to_owned).collect::<Vec<_>>()

@@ -388,3 +388,24 @@ fn a_scene_of_a_show_shown_again_by_hand_is_rendered_again_bit_for_bit() {
     }
     place.compare(app, &pictures);
 }
+
+#[test]
+fn a_recording_of_a_track_that_repeats_ends_with_its_first_lap() {
+    apart!();
+    let mut place = Place::new();
+    place.song = place.inner.quiet_song("short.wav", 6);
+    let app = place.open(&["--fade", "0"]);
+    app.press(&["F9"]);
+    app.wait_until_reported("recording: press F9 to stop");
+    app.press(&["n"]);
+    app.wait_until_reported("recorded: ");
+    let reported = app.reported();
+    let path = reported.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
+    // The second lap changes nothing.
+    app.press(&["n"]);
+    app.run_for(std::time::Duration::from_secs(2));
+    let show = fs::read_to_string(path).unwrap();
+    assert!(show.contains("wall.scene") && show.contains("wool.scene"), "{show}");
+    assert!(!app.state().recording);
+    app.quit();
+}
