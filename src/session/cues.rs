@@ -7,6 +7,7 @@ use crate::session::direction::OfTrack;
 use crate::show::{Cue, PreparedShow};
 use crate::ui::overlay::CueRow;
 use mariana_music::SongStructure;
+use mariana_player::Moment;
 
 #[derive(Default)]
 pub(super) struct Cues {
@@ -15,6 +16,8 @@ pub(super) struct Cues {
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
     /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
+    /// The segment and the lap of the last moment.
+    heard: (u64, u32),
     /// All entries of the show, with the present key presses.
     pub(super) rows: Arc<Vec<CueRow>>,
 }
@@ -49,6 +52,17 @@ impl Cues {
     fn update_rows(&mut self) {
         let rows = self.show.as_ref().map(|(show, song)| show.cue_rows(song, &self.pressed));
         self.rows = Arc::new(rows.into_iter().flatten().map(row_of).collect());
+    }
+
+    /// Forgets the key presses after this moment if the song was sought or began again. Returns the show without them.
+    pub(super) fn follow(&mut self, at: &Moment) -> Jump {
+        let heard = (at.segment, at.lap);
+        let continues = std::mem::replace(&mut self.heard, heard) == heard;
+        if continues || self.pressed.last().is_none_or(|last| *last <= at.song_time) {
+            return Jump::Nowhere;
+        }
+        self.pressed.retain(|pressed| *pressed <= at.song_time);
+        self.press_anew()
     }
 
     /// Returns the index of the entry that is shown at `time` seconds of the song.
@@ -168,6 +182,27 @@ mod tests {
         assert!(cues.prepared_show().is_some());
         cues.set_show(Some(8), Some(Arc::new(show)), None);
         assert!(cues.prepared_show().is_none());
+    }
+
+    #[test]
+    fn cues_wait_again_when_the_song_repeats_or_is_sought_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("my.show");
+        std::fs::write(&path, "at start orb\nat cue city cut\nat cue letters cut\n").unwrap();
+        let show = PreparedShow::of_song(&ShowSource::File(path), &SongStructure::default(), &[]).unwrap().0;
+        let at = |segment, lap, song_time| Moment { segment, lap, song_time, ..Moment::default() };
+        for (back, kept) in [(at(1, 1, 0.1), 0), (at(2, 0, 5.0), 0), (at(2, 0, 15.0), 1)] {
+            let mut cues = Cues::default();
+            cues.set_show(Some(7), Some(Arc::new(show.clone())), None);
+            assert!(matches!(cues.follow(&at(1, 0, 9.0)), Jump::Nowhere));
+            cues.press(10.0).unwrap();
+            cues.press(20.0).unwrap();
+            // The clock of a device may step back a little.
+            assert!(matches!(cues.follow(&at(1, 0, 19.9)), Jump::Nowhere));
+            let Jump::Pressed(show) = cues.follow(&back) else { panic!("{back:?}") };
+            assert_eq!(show.at(30.0).unwrap().clip.scene, ["orb", "city"][kept]);
+            assert_eq!(cues.press(31.0).unwrap().1, ["cue 1 of 2: city", "cue 2 of 2: letters"][kept]);
+        }
     }
 
     #[test]

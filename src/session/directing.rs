@@ -58,6 +58,9 @@ impl Playback {
             Some(ShowNotice::Problem { heading, text }) => self.scene.messages.set_problem(heading, text),
             None => {}
         }
+        if let Jump::Pressed(prepared_show) = self.cues.follow(&moment) {
+            self.scene.show.extend_prepared_show(prepared_show, self.cues.next());
+        }
         if let Some((show, director)) = &mut self.live {
             let (features, time) = (&moment.features, moment.song_time);
             let (tempo, phase) = (features.tempo, features.phase);
