@@ -1,7 +1,7 @@
 //! Backups of unsaved texts, which survive a crash.
 //!
-//! Each backup is a separate file: one line of JSON that names the text's file, then the text byte for byte. A user
-//! can recover the text with any editor.
+//! Each backup is a separate file: one line of JSON with the absolute path of the text's file, then the text byte for
+//! byte. A user can recover the text with any editor.
 
 use std::ffi::OsStr;
 use std::io;
@@ -56,6 +56,7 @@ impl KeptTexts {
     /// # Errors
     /// Fails with a message that has the path and the system's error.
     pub fn keep(&self, file: &Path, text: &[u8]) -> Result<(), String> {
+        let file = &absolute(file);
         let Some(place) = self.place(file) else { return Ok(()) };
         let head = Head {
             what: "unsaved text from Mariana; it begins on the next line".to_owned(),
@@ -76,6 +77,7 @@ impl KeptTexts {
 
     /// Returns the backup of a file's text, if there is one.
     pub fn of(&self, file: &Path) -> Option<Kept> {
+        let file = &absolute(file);
         let place = self.place(file)?;
         let bytes = crate::reading::read_at_most(&place, limits::KEPT_TEXT_BYTES_MAX).ok()??;
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
@@ -87,7 +89,7 @@ impl KeptTexts {
 
     /// Removes the backup of a file's text.
     pub fn forget(&self, file: &Path) {
-        let removed = self.place(file).map_or(Ok(()), std::fs::remove_file);
+        let removed = self.place(&absolute(file)).map_or(Ok(()), std::fs::remove_file);
         if let Err(error) = removed.or_else(|error| match error.kind() {
             io::ErrorKind::NotFound => Ok(()),
             _ => Err(error),
@@ -96,10 +98,16 @@ impl KeptTexts {
         }
     }
 
+    /// The place of the backup of the file with this absolute path.
     fn place(&self, file: &Path) -> Option<PathBuf> {
         let name = format!("{:016x}.{ENDING}", short_name(name_of(file)));
         Some(self.folder.as_deref()?.join(name))
     }
+}
+
+/// The path from the root, because another run may start in another folder.
+fn absolute(file: &Path) -> PathBuf {
+    std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
 }
 
 fn name_of(file: &Path) -> &[u8] {

@@ -146,6 +146,20 @@ fn unsaved_text_survives_restarts_until_it_is_saved() {
 }
 
 #[test]
+fn the_backup_of_a_relative_path_belongs_to_the_absolute_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = KeptTexts::among(&Folders::within(folder.path()));
+    let (relative, absolute) = (Path::new("sc/one.scene"), std::path::absolute("sc/one.scene").unwrap());
+    kept.keep(relative, b"typed").unwrap();
+    assert_eq!(kept.of(&absolute).map(|kept| kept.text), Some(bytes(b"typed")));
+    let stored = fs::read_dir(folder.path().join("state/unsaved"));
+    let head = stored.unwrap().flatten().map(|file| fs::read_to_string(file.path()).unwrap()).next().unwrap();
+    assert!(head.contains(absolute.to_str().unwrap()), "{head}");
+    kept.forget(&absolute);
+    assert_eq!(kept.of(relative), None);
+}
+
+#[test]
 fn unsaved_text_is_backed_up_while_the_program_runs() {
     let place = Place::new();
     let kept = KeptTexts::among(&Folders::within(place.folder.path()));
