@@ -23,15 +23,11 @@ impl Session {
         if self.surprises.coming.is_awaited() {
             return;
         }
-        let wanted = match &self.playback.scene.preparation.library.wanted {
-            SceneSource::Blend(blend) => blend.to.source.clone(),
-            source => source.clone(),
-        };
-        if !self.surprises.is_unsaved(&wanted) {
+        let replaced = self.playback.scene.foremost().clone();
+        if !self.surprises.is_unsaved(&replaced) {
             self.forget_surprises();
-            self.surprises.original = Some(wanted);
         }
-        let Some(original) = self.surprises.original.clone() else { return };
+        let original = self.surprises.lasting(&replaced).clone();
         let own_scenes = self.interface.folders.own_scenes();
         let folder = original.file().and_then(Path::parent).map(Path::to_owned).or(own_scenes);
         let Some(folder) = folder else {
@@ -45,37 +41,45 @@ impl Session {
         // Reading and checking a scene may take longer than a frame.
         let vary = move || vary(&original, &folder, &drafts, number..number + tries);
         match once("surprise", self.interface.waker.waking(), vary) {
-            Ok(coming) => self.surprises.coming = coming,
+            Ok(coming) => (self.surprises.coming, self.surprises.replaced) = (coming, Some(replaced)),
             Err(error) => self.playback.reports.answer(format!("cannot vary the scene: {error}")),
         }
     }
 
     /// Shows the variation before, and at last the scene itself.
     pub(super) fn surprise_back(&mut self) {
-        let wanted = &self.playback.scene.preparation.library.wanted;
-        let last = self.surprises.variation(wanted).is_some().then(|| self.surprises.shown.pop()).flatten();
-        let Some(last) = last else {
+        let replaced = self.playback.scene.foremost().clone();
+        let shown = &self.surprises.shown;
+        let Some(at) = shown.iter().rposition(|one| replaced.file() == Some(&one.file)) else {
             return self.playback.reports.answer("this is the scene itself: press F5 for a variation");
         };
-        let (source, words) = match (self.surprises.shown.last(), self.surprises.original.clone()) {
-            (Some(before), _) => (SceneSource::File(before.file.clone()), words_of(before.number)),
-            (None, Some(original)) => (original, "the scene itself again".to_owned()),
-            (None, None) => return,
+        let Variation { original, file, .. } = &shown[at];
+        let (source, words) = match shown[..at].iter().rfind(|one| one.original == *original) {
+            Some(before) => (SceneSource::File(before.file.clone()), words_of(before.number)),
+            None => (original.clone(), "the scene itself again".to_owned()),
         };
-        self.playback.scene.show_source(source);
+        let file = file.clone();
+        if !self.playback.scene.replace_scene(&replaced, source) {
+            return;
+        }
         self.playback.reports.answer(words);
-        if !self.surprises.shown.iter().any(|one| one.file == last.file) {
-            self.interface.drafts.remove(&last.file);
+        self.surprises.shown.remove(at);
+        if !self.surprises.shown.iter().any(|one| one.file == file) {
+            self.interface.drafts.remove(&file);
         }
     }
 
     /// Saves the shown variation in the folder of the scene that it varies; for a shipped scene, of the user's scenes.
     pub(super) fn keep_surprise(&mut self) {
-        let wanted = &self.playback.scene.preparation.library.wanted;
-        let Some(Variation { file, text, .. }) = self.surprises.variation(wanted) else {
-            let words = "only a variation can be kept: press F5 for a variation";
-            return self.playback.reports.answer(words);
-        };
+        let foremost = self.playback.scene.foremost().clone();
+        if !self.surprises.is_unsaved(&foremost) {
+            return self.playback.reports.answer("only a variation can be kept: press F5 for a variation");
+        }
+        self.keep_variation(&foremost);
+    }
+
+    fn keep_variation(&mut self, source: &SceneSource) {
+        let Some(Variation { file, text, .. }) = self.surprises.variation(source) else { return };
         if self.surprises.keeping.is_some() {
             return;
         }
@@ -113,17 +117,20 @@ impl Session {
             }
         }
         // A recorded show names its scenes by their files.
-        let shown = self.playback.scene.scenes.shown_source();
         let may_keep = self.playback.recording.is_on && !self.surprises.is_unkeepable;
-        if may_keep && shown.is_some_and(|shown| self.surprises.is_unsaved(shown)) {
-            self.keep_surprise();
+        let unsaved = self.playback.scene.played().iter().find(|source| self.surprises.is_unsaved(source));
+        if let Some(unsaved) = unsaved.filter(|_| may_keep).cloned() {
+            self.keep_variation(&unsaved);
         }
     }
 
     fn show_variation(&mut self, variation: Variation) {
-        let Variation { number, file, text } = &variation;
+        let Variation { number, file, text, .. } = &variation;
         self.interface.drafts.set(file, text.as_bytes().into());
-        self.playback.scene.show_source(SceneSource::File(file.clone()));
+        let Some(replaced) = self.surprises.replaced.take() else { return };
+        if !self.playback.scene.replace_scene(&replaced, SceneSource::File(file.clone())) {
+            return;
+        }
         self.playback.reports.answer(words_of(*number));
         self.surprises.is_unkeepable = false;
         self.surprises.shown.push(variation);
@@ -134,15 +141,20 @@ impl Session {
         let Some(kept) = self.surprises.keeping.take() else { return };
         self.surprises.shown.retain(|one| one.file != kept);
         self.interface.drafts.remove(&kept);
-        let is_shown = self.playback.scene.preparation.library.wanted.file() == Some(&kept);
-        if file != kept && is_shown {
-            self.playback.scene.show_source(SceneSource::File(file.clone()));
+        let kept = SceneSource::File(kept);
+        let scene = &mut self.playback.scene;
+        let is_shown = scene.foremost() == &kept || scene.played().contains(&kept);
+        if is_shown && kept.file() != Some(&file) {
+            scene.replace_scene(&kept, SceneSource::File(file.clone()));
         }
         self.playback.reports.answer(format!("kept as {}", file.display()));
     }
 
+    /// Forgets all variations except those that are played.
     fn forget_surprises(&mut self) {
-        for variation in self.surprises.shown.drain(..) {
+        let played: Vec<_> = self.playback.scene.played().iter().filter_map(SceneSource::file).collect();
+        let is_played = |one: &mut Variation| played.contains(&one.file.as_path());
+        for variation in self.surprises.shown.extract_if(.., |one| !is_played(one)) {
             self.interface.drafts.remove(&variation.file);
         }
     }

@@ -14,6 +14,8 @@ const NUMBERS: u64 = 10_000;
 
 /// A variation, ready to be shown.
 pub(super) struct Variation {
+    /// The scene that is varied.
+    pub original: SceneSource,
     pub number: u64,
     pub file: PathBuf,
     pub text: String,
@@ -21,9 +23,9 @@ pub(super) struct Variation {
 
 #[derive(Default)]
 pub(super) struct Surprises {
-    /// The scene that is varied.
-    pub original: Option<SceneSource>,
-    /// The variations shown so far, the last one shown now.
+    /// The scene in whose place the coming variation is shown.
+    pub replaced: Option<SceneSource>,
+    /// The variations shown so far, the last one at the end.
     pub shown: Vec<Variation>,
     pub coming: Awaited<Result<Variation, String>>,
     last_number: u64,
@@ -42,7 +44,7 @@ impl Surprises {
 
     /// Returns the scene to remember for the next run: the original of an unsaved variation.
     pub(super) fn lasting<'a>(&'a self, source: &'a SceneSource) -> &'a SceneSource {
-        self.original.as_ref().filter(|_| self.is_unsaved(source)).unwrap_or(source)
+        self.variation(source).map_or(source, |one| &one.original)
     }
 
     pub(super) fn variation(&self, source: &SceneSource) -> Option<&Variation> {
@@ -86,7 +88,7 @@ pub(super) fn vary(
         let source = SceneSource::File(file.clone());
         let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
         if source.ready_with(&mut textures, &mut edits, &trial.texts()).0.is_ok() {
-            return Ok(Variation { number, file, text });
+            return Ok(Variation { original: original.clone(), number, file, text });
         }
     }
     Err("no variation of this scene can be drawn: press F5 again".to_owned())

@@ -107,3 +107,42 @@ fn a_scene_without_numbers_is_not_varied() {
     app.take_steps(50);
     app.quit();
 }
+
+#[test]
+fn the_scene_on_the_more_visible_deck_is_varied_and_kept_by_a_recording() {
+    apart!();
+    let (place, osc) = (session::Place::with_song(), Sender::new());
+    let app = open(&place, &osc, &["--prepare-ahead", "on"]);
+    app.press(&["F3"]);
+    app.wait_until("two decks", |app| app.state().decks);
+    app.wait_until_reported("is ready ahead");
+    let on_a = app.wait_until_still();
+    app.press(&["F8"]);
+    let on_b = app.settled(&on_a, "deck B");
+    let varied = variation(&app, &osc, 41.0);
+    assert!(varied != on_b, "the variation is on the deck that cannot be seen");
+    app.press(&["F6"]);
+    app.wait_for("the scene on deck B itself", |picture| *picture == on_b);
+    let again = variation(&app, &osc, 41.0);
+    assert!(again == varied);
+    app.press(&["F8"]);
+    app.wait_for("deck A", |picture| *picture == on_a);
+    // A variation of the other scene leaves the first on its deck.
+    let on_a = variation(&app, &osc, 42.0);
+    app.press(&["F8"]);
+    app.wait_for("the variation on deck B", |picture| *picture == varied);
+    app.press(&["F8"]);
+    app.wait_for("the variation on deck A", |picture| *picture == on_a);
+    // A recorded show names its scenes by their files.
+    app.press(&["F9"]);
+    app.wait_until_reported_times("kept as ", 2);
+    let kept = |name: &str| place.path(name).is_file();
+    assert!(
+        kept("wall-42.scene")
+            && fs::read_dir(place.folder())
+                .unwrap()
+                .flatten()
+                .any(|file| { file.file_name().to_str().is_some_and(|name| name.ends_with("-41.scene")) })
+    );
+    app.quit();
+}

@@ -91,6 +91,11 @@ impl Decks {
         usize::from(self.crossfade(now) <= 0.5)
     }
 
+    /// The scene of the more visible deck.
+    pub(super) fn foremost(&self, now: f64) -> &SceneSource {
+        &self.scenes[1 - self.cued(now)]
+    }
+
     /// Loads a scene into a deck. Returns `false` if the scene is on the other deck.
     pub(super) fn load(&mut self, deck: usize, source: SceneSource, time: f64) -> bool {
         let other = &self.scenes[1 - deck];

@@ -10,10 +10,7 @@ pub(crate) struct DeckChanges<'a>(pub(super) &'a mut SceneSession);
 impl DeckChanges<'_> {
     /// Begins with the requested scene and the next one.
     pub(super) fn begin(&mut self) {
-        let shown = match &self.0.preparation.library.wanted {
-            SceneSource::Blend(blend) => blend.to.source.clone(),
-            source => source.clone(),
-        };
+        let shown = self.0.foremost().clone();
         let next = self.0.preparation.library.next_after(&shown, true);
         if next == shown {
             return self.0.messages.answer("there is no second scene for another deck: open more scenes");
@@ -31,8 +28,7 @@ impl DeckChanges<'_> {
         let decks = self.0.decks.take()?;
         self.0.show.end_decks();
         self.0.messages.answer("one scene again: press F3 for two decks");
-        let stays = 1 - decks.cued(self.0.parameters.clock());
-        decks.scenes().get(stays).cloned()
+        Some(decks.foremost(self.0.parameters.clock()).clone())
     }
 
     pub(crate) fn set_crossfade(&mut self, position: f32) {
@@ -71,8 +67,8 @@ impl DeckChanges<'_> {
         }
     }
 
-    /// Loads a scene into the deck with this index, and takes it in hand.
-    pub(crate) fn load(&mut self, deck: usize, source: SceneSource) {
+    /// Loads a scene into the deck with this index, and takes it in hand. Returns `false` if it is on the other deck.
+    pub(crate) fn load(&mut self, deck: usize, source: SceneSource) -> bool {
         let (title, time) = (source.title(), self.0.parameters.song_time);
         let mut is_loaded = false;
         self.change(|decks, _| {
@@ -85,6 +81,7 @@ impl DeckChanges<'_> {
         } else if self.0.decks.is_some() {
             self.0.messages.answer(format!("{title} is on the other deck: choose another scene"));
         }
+        is_loaded
     }
 
     /// Loads a scene into the less visible deck. Returns the scene if there are no decks.

@@ -383,6 +383,18 @@ impl SceneSession {
         self.request_scene(source);
     }
 
+    /// Shows `source` in place of the scene `replaced`, on the same deck. Returns `false` if it is on the other deck.
+    pub(crate) fn replace_scene(&mut self, replaced: &SceneSource, source: SceneSource) -> bool {
+        let mut decks = self.decks.iter().flat_map(Decks::scenes);
+        match decks.position(|scene| scene == replaced) {
+            Some(deck) => self.deck_changes().load(deck, source),
+            None => {
+                self.show_source(source);
+                true
+            }
+        }
+    }
+
     /// Requests a scene, and shows a hint if the user has to wait for it.
     fn request_scene(&mut self, source: SceneSource) {
         let is_prepared = self.preparation.request_scene(source, &mut self.scenes);
@@ -537,6 +549,21 @@ impl SceneSession {
     /// The shown scene, or the requested one before a scene is shown.
     pub(crate) fn present_source(&self) -> &SceneSource {
         self.scenes.shown_source().unwrap_or(&self.preparation.library.wanted)
+    }
+
+    /// The requested scene; of two scenes, the one that a transition leads to, or the one on the more visible deck.
+    pub(crate) fn foremost(&self) -> &SceneSource {
+        match (&self.decks, &self.preparation.library.wanted) {
+            (Some(decks), _) => decks.foremost(self.parameters.clock()),
+            (None, SceneSource::Blend(blend)) => &blend.to.source,
+            (None, source) => source,
+        }
+    }
+
+    /// The scenes on the decks, or the shown scene.
+    pub(crate) fn played(&self) -> &[SceneSource] {
+        let shown = || self.scenes.shown_source().map(std::slice::from_ref).unwrap_or_default();
+        self.decks.as_ref().map_or_else(shown, |decks| decks.scenes())
     }
 
     /// The shown scene, and the mode in which it is drawn now.
