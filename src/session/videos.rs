@@ -219,6 +219,9 @@ impl VideoDesk<'_> {
         if self.0.playback.listening.playing() == Playing::Input {
             return Err(no_song.to_owned());
         }
+        if status.track.count == 0 {
+            return Err("a video needs a song: open a file, because the list of tracks is empty".to_owned());
+        }
         let unreadable = "this song cannot be read a second time: save it to a file and open the file";
         let content = status.track.reopen.content().ok_or(unreadable)?;
         let song = match &content.song {

@@ -219,7 +219,11 @@ impl ShowFollower {
         scenes: &mut PreparedScenes,
         now: &Circumstances<'_>,
     ) -> Option<Step> {
-        let prepared_show = self.course.prepared_show.clone()?;
+        let Some(prepared_show) = self.course.prepared_show.clone() else {
+            // A transition whose show has ended, as its song was removed from the list, ends as well.
+            let SceneSource::Blend(blend) = now.wanted else { return None };
+            return Some(Step { source: blend.to.source.clone(), seconds: Some(0.0) });
+        };
         let fader = self.course.fader;
         let moment = moment_of(&prepared_show, fader, time)?;
         let is_between = moment.leaving.is_some();
@@ -419,6 +423,7 @@ mod tests {
     use super::super::ahead::PreparedAhead;
     use super::*;
     use crate::show::ShowSource;
+    use mariana_field::world::BlendKind;
     use mariana_music::{Section, SongStructure};
 
     const SCENES: [&str; 3] = ["gyroid", "orb", "terrain"];
@@ -464,6 +469,21 @@ mod tests {
         assert!(show.follow(first, &mut scenes, &now(&other)).is_none());
         assert!(!show.toggle_lock());
         assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
+    }
+
+    #[test]
+    fn a_transition_ends_with_its_show() {
+        let (mut show, [(_, one), (second, other)]) = follower();
+        let prepared_show = show.course.prepared_show.clone().unwrap();
+        let [from, to, ..] = prepared_show.clips() else { panic!("{:?}", prepared_show.clips()) };
+        let blend = prepared_show.blend(from, to, BlendKind::Melt).unwrap();
+        let blend = SceneSource::Blend(Arc::new(blend));
+        assert!(one != other);
+        let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
+        show.set_prepared_show(None, None);
+        let step = show.follow(second, &mut scenes, &now(&blend)).unwrap();
+        assert_eq!((&step.source, step.seconds), (&other, Some(0.0)));
+        assert!(show.follow(second, &mut scenes, &now(&other)).is_none());
     }
 
     #[test]
