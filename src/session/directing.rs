@@ -55,7 +55,13 @@ impl Playback {
                     }
                 }
             }
-            Some(ShowNotice::Problem { heading, text }) => self.scene.messages.set_problem(heading, text),
+            Some(ShowNotice::Problem(text)) => {
+                let heading = match self.scene.show.has_prepared_show() {
+                    true => "the show has mistakes; the previous show continues",
+                    false => "the show has mistakes and starts when its file is corrected",
+                };
+                self.scene.messages.set_problem(heading.to_owned(), text);
+            }
             None => {}
         }
         if let Jump::Pressed(prepared_show) = self.cues.follow(&moment) {

@@ -15,11 +15,8 @@ pub(crate) type OfTrack = Option<u64>;
 
 pub(crate) enum ShowNotice {
     PreparedShow(Option<Arc<PreparedShow>>),
-    /// The show file has mistakes; the previous show continues.
-    Problem {
-        heading: String,
-        text: String,
-    },
+    /// The show file has these mistakes; the previous show continues.
+    Problem(String),
 }
 
 #[derive(Clone, Default)]
@@ -186,10 +183,7 @@ impl Direction {
             Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
             Err(error) => {
                 tracing::warn!("{error}");
-                Some(ShowNotice::Problem {
-                    heading: "the show has mistakes; the previous show continues".to_owned(),
-                    text: error.to_string(),
-                })
+                Some(ShowNotice::Problem(error.to_string()))
             }
         }
     }
