@@ -188,24 +188,26 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     };
     arguments.frame_options.check()?;
     let repeat = if arguments.once { Repeat::Off } else { arguments.repeat };
-    let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
-    let names_scene = scene.is_some() || !arguments.scene.is_default();
-    let (chosen, resumed_scene_or) = match last.scene.as_deref().filter(|_| !names_scene) {
-        Some(name) => resumed_scene(name, &common)?,
-        None => (arguments.scene.choose(scene, &common)?, None),
-    };
+    let files = Files::of(arguments.files)?;
+    let names_scene = files.scene.is_some() || !arguments.scene.is_default();
     let projection = arguments.projection.projection()?;
-    let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
-    let moved = (!arguments.new).then(|| file.settings().moved(&scene.source.title()));
-    let goes_on = songs.is_empty() && !arguments.new && !arguments.once && choices.last_tracks;
+    let goes_on = files.songs.is_empty() && !arguments.new && !arguments.once && choices.last_tracks;
     let last_tracks = file.last_tracks().filter(|_| goes_on && listen.is_none());
     let resumed = last_tracks.and_then(|list| resume_list(list, &last, repeat, arguments.shuffle));
     let begin_at = resumed.as_ref().map_or(0.0, |(_, begin_at)| *begin_at);
     let tracks = match (listen, resumed) {
         (Some(_), _) => None,
         (None, Some((opened, _))) => Some(opened),
-        (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
+        (None, None) => Some(open_songs(&files.songs, repeat, arguments.shuffle)?),
     };
+    // Import a shader last, because this writes files.
+    let scene = files.with_imported_shader(&folders)?.scene;
+    let (chosen, resumed_scene_or) = match last.scene.as_deref().filter(|_| !names_scene) {
+        Some(name) => resumed_scene(name, &common)?,
+        None => (arguments.scene.choose(scene, &common)?, None),
+    };
+    let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
+    let moved = (!arguments.new).then(|| file.settings().moved(&scene.source.title()));
     let settings = PlaySettings {
         choices,
         show: arguments.show.flatten().filter(|source| *source != ShowSource::Auto),

@@ -210,6 +210,9 @@ fn a_shader_becomes_a_scene_and_a_scene_becomes_a_shader() {
                 if (p.y + 1.0 < r.x) r = vec2(p.y + 1.0, 2.0); return r; }\n\
                 void mainImage(out vec4 c, in vec2 f) { c = vec4(f, 0.0, 1.0); }\n";
     place.write("ball.glsl", glsl);
+    let played = place.run(&["ball.glsl", "none.ogg"]);
+    assert!(played.code == 1 && played.stderr.contains("none.ogg does not exist"), "{played:?}");
+    assert!(!played.stderr.contains("imported as"), "a refused start writes no scene: {played:?}");
     let import = |arguments: &[&str]| {
         let outcome = place.run(&[&["import", "--as", "shape"], arguments].concat());
         assert!(outcome.code == 0 && outcome.stderr.contains("mariana: left out: camera"), "{outcome:?}");
