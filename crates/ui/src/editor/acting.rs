@@ -173,9 +173,16 @@ impl Editor {
 
     /// Records how many rows are visible, and how many columns each row has.
     pub(crate) fn record_drawn(&mut self, rows: usize, columns: usize) {
-        if self.texts.documents.resize(rows, columns) {
-            self.revision += 1;
+        let view = |editor: &Self| editor.texts.documents.shown().map(|document| document.view);
+        let before = view(self);
+        let is_resized = self.texts.documents.resize(rows, columns);
+        if is_resized {
             self.texts.documents.reveal();
+        }
+        // The text may have become shorter since the last scrolling.
+        self.texts.documents.scroll(0.0);
+        if is_resized || view(self) != before {
+            self.revision += 1;
         }
     }
 
@@ -272,7 +279,8 @@ impl Editor {
     fn leave(&mut self) {
         let small = self.held_numbers.close_picker(&mut self.texts)
             || self.close_probed()
-            || self.finding.line().is_some();
+            || self.finding.line().is_some()
+            || self.picture.close_profile();
         self.close_small();
         self.notice.clear();
         if !small {

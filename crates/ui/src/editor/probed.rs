@@ -62,6 +62,13 @@ impl ProbedPicture {
         self.forget_ray_statistics_if_unused();
     }
 
+    pub(super) fn close_profile(&mut self) -> bool {
+        let is_open = self.profiles;
+        self.profiles = false;
+        self.forget_ray_statistics_if_unused();
+        is_open
+    }
+
     fn forget_ray_statistics_if_unused(&mut self) {
         if !self.wants_ray_statistics() {
             self.ray_statistics = None;

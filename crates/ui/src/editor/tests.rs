@@ -445,6 +445,29 @@ fn huge_pastes_invalid_bytes_and_mixed_line_ends_do_no_harm() {
 }
 
 #[test]
+fn a_text_that_becomes_short_is_visible_from_its_first_row() {
+    let by_keys = |setup: &mut TestEditor| {
+        setup.ctrl("a");
+        setup.editor.put_in(b"one\ntwo\nthree");
+    };
+    let by_another_program = |setup: &mut TestEditor| {
+        fs::write(setup.file(), "one\ntwo\n").unwrap();
+        setup.wait("the short text", |editor| editor.document().unwrap().editing.buffer().line_count() < 9);
+    };
+    for shorten in [by_keys as fn(&mut TestEditor), by_another_program] {
+        let mut setup = TestEditor::new("# line\n".repeat(99).as_bytes());
+        let view = |setup: &TestEditor| setup.editor.document().unwrap().view;
+        setup.editor.record_drawn(20, 80);
+        setup.key(Key::Named(NamedKey::End), Modifiers::CONTROL);
+        assert!(view(&setup).0 > 70.0);
+        shorten(&mut setup);
+        let drawn = setup.editor.revision;
+        setup.editor.record_drawn(20, 80);
+        assert!(view(&setup) == (0.0, 0.0) && setup.editor.revision > drawn, "{:?}", view(&setup));
+    }
+}
+
+#[test]
 fn the_search_finds_the_next_match() {
     let mut setup = TestEditor::new(b"one two\ntwo one\n");
     setup.ctrl("f");

@@ -140,6 +140,11 @@ fn the_most_expensive_object_comes_first() {
     let (text, byte) = objects.iter().find(|object| object.name == "floor").unwrap().place.unwrap();
     setup.editor.jump_to(text, byte);
     assert_eq!(line_of_cursor(&setup), 6);
+    setup.named(NamedKey::Escape);
+    assert!(setup.editor.picture.profile().is_none() && !setup.editor.wants_ray_statistics());
+    assert!(!setup.commands().contains(&CLOSE), "the profile is closed before the editor");
+    setup.named(NamedKey::Escape);
+    assert!(setup.commands().contains(&CLOSE));
 }
 
 #[test]
