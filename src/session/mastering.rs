@@ -115,13 +115,10 @@ impl Playback {
         self.pace.shown.is_some() && self.master_output.gain(now) != self.renderer.gain()
     }
 
-    /// All scenes in the order of their numbers, favourites first.
+    /// All scenes in the order of their numbers, marked scenes first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
-        let marks = &self.listening.sound.settings().favourite_scenes;
-        let scenes = self.scene.preparation.library.all_sources();
-        let (marked, others): (Vec<_>, Vec<_>) =
-            scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
-        marked.into_iter().chain(others).collect()
+        let library = &self.scene.preparation.library;
+        library.numbered(&library.wanted)
     }
 
     pub(super) fn show_scene_number(&mut self, number: usize) {
@@ -137,6 +134,15 @@ impl Playback {
 }
 
 impl Interface {
+    /// Follows the marks of scenes, which change the scenes' numbers.
+    pub(super) fn update_marks(&mut self, playback: &mut Playback) {
+        let marks = &playback.listening.sound.settings().favourite_scenes;
+        if playback.scene.preparation.library.marks != *marks {
+            playback.scene.preparation.library.marks.clone_from(marks);
+            self.ui_state.words.placed_scene = None;
+        }
+    }
+
     /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
     /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
     pub(super) fn update_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {

@@ -299,6 +299,7 @@ impl Session {
     /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
     pub(super) fn update(&mut self) -> Result<Instant, SessionError> {
         self.open_dropped();
+        self.interface.update_marks(&mut self.playback);
         self.playback.scene.update()?;
         self.update_editor();
         self.interface.update_probing(&mut self.playback);

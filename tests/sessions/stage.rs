@@ -4,6 +4,7 @@ use crate::support::apart::apart;
 use crate::support::session::App;
 use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red};
 use image::RgbaImage;
+use mariana::commands::Command;
 use mariana::srgb::linear;
 
 #[test]
@@ -55,6 +56,13 @@ fn numbers_show_the_scenes_of_the_list() {
     // A number without a scene has no effect.
     app.press(&["9", "3"]);
     app.wait_for_title("c", |title| title.contains("(c,"));
+    app.wait_until_reported("message: c, 3 of ");
+    // The message has the number by which a key shows the scene, also of a marked scene.
+    app.command(Command::MarkScenes(["b".to_owned()].into()));
+    app.press(&["1"]);
+    app.wait_until_reported("message: b, 1 of ");
+    app.press(&["2"]);
+    app.wait_until_reported("message: a, 2 of ");
     app.quit();
 }
 

@@ -39,12 +39,6 @@ impl SceneList {
         self.round(current).0
     }
 
-    /// Returns the index of `current` in the cycle and the length of the cycle. Reads the folder again.
-    pub fn place(&self, current: &SceneSource) -> (usize, usize) {
-        let (round, at) = self.round(current);
-        (at, round.len())
-    }
-
     /// Returns the cycle, including `current`, and the index of `current`.
     fn round(&self, current: &SceneSource) -> (Vec<SceneSource>, usize) {
         let mut round: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
@@ -159,13 +153,6 @@ mod tests {
         expected.extend(shipped());
         expected.push(file("a.scene"));
         assert_eq!(round(&file("b.txt")), expected);
-    }
-
-    #[test]
-    fn every_scene_has_an_index() {
-        let list = SceneList::around(&shipped()[0]);
-        let places: Vec<_> = shipped().iter().map(|scene| list.place(scene)).collect();
-        assert_eq!(places, (0..shipped().len()).map(|at| (at, shipped().len())).collect::<Vec<_>>());
     }
 
     #[test]

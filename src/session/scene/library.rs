@@ -1,5 +1,6 @@
 //! The requested scene, the list of scenes, and the loader that watches the scene's files.
 
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use super::awaited_edit::AwaitedEdit;
@@ -15,6 +16,8 @@ const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 pub(crate) struct SceneLibrary {
     pub(super) loader: SceneLoader,
     list: SceneList,
+    /// The titles of the marked scenes.
+    pub(crate) marks: BTreeSet<String>,
     /// The last requested scene: shown, or being loaded.
     pub(crate) wanted: SceneSource,
     edit: AwaitedEdit,
@@ -25,7 +28,7 @@ pub(crate) struct SceneLibrary {
 impl SceneLibrary {
     pub(super) fn new(loader: SceneLoader, wanted: SceneSource) -> Self {
         let list = SceneList::around(&wanted);
-        Self { loader, list, wanted, edit: AwaitedEdit::default(), is_written: false }
+        Self { loader, list, marks: BTreeSet::new(), wanted, edit: AwaitedEdit::default(), is_written: false }
     }
 
     /// All scenes of the list. Reads a folder.
@@ -33,10 +36,18 @@ impl SceneLibrary {
         self.list.all(&self.wanted)
     }
 
-    /// A scene's name with its position in the list, such as "terrain, 3 of 17". Reads a folder.
+    /// All scenes, including `current`, in the order of their numbers: marked scenes first. Reads a folder.
+    pub(crate) fn numbered(&self, current: &SceneSource) -> Vec<SceneSource> {
+        let mut scenes = self.list.all(current);
+        scenes.sort_by_key(|scene| !self.marks.contains(&scene.title()));
+        scenes
+    }
+
+    /// A scene's name with its number, such as "terrain, 3 of 17". Reads a folder.
     pub(crate) fn placed_name(&self, source: &SceneSource) -> String {
-        let (at, count) = self.list.place(source);
-        format!("{}, {} of {count}", source.title(), at + 1)
+        let scenes = self.numbered(source);
+        let at = scenes.iter().position(|scene| scene == source).unwrap_or(0);
+        format!("{}, {} of {}", source.title(), at + 1, scenes.len())
     }
 
     pub(super) fn neighbours_of(&self, source: &SceneSource) -> [Option<SceneSource>; 2] {
