@@ -346,7 +346,7 @@ mod tests {
             let text = std::fs::read_to_string(folder.path().join("one.show")).unwrap();
             assert!(text.ends_with("\nat 0:02  orb  cut\nat 0:08  city  cut\n"), "{text}");
         }
-        // A seek back, or a start after the end, goes on.
+        // A seek back, or a start after the end, does not stop the recording.
         let (mut recording, _folder) = begun();
         recording.record(Some(0), "one", &Moment { segment: 1, ..next }, seen(&orb, None), now);
         recording.follow(Some(0), &Moment { segment: 1, ..next }, true, now);

@@ -150,7 +150,7 @@ impl Session {
         self.playback.reports.answer(format!("kept as {}", file.display()));
     }
 
-    /// Forgets all variations except those that are played.
+    /// Forgets all variations that are not played.
     fn forget_surprises(&mut self) {
         let played: Vec<_> = self.playback.scene.played().iter().filter_map(SceneSource::file).collect();
         let is_played = |one: &mut Variation| played.contains(&one.file.as_path());

@@ -302,6 +302,21 @@ fn the_user_overrides_the_show_until_its_next_scene_or_keeps_a_scene() {
 }
 
 #[test]
+fn a_show_with_mistakes_starts_when_it_is_corrected() {
+    apart!();
+    let place = Place::new();
+    let (show, song) = (place.path("my.show"), place.song.to_str().unwrap());
+    place.write("my.show", "at start red.scene\nat noon green.scene\n");
+    let app = place.inner.begin(&[song, "--silent", "--new", "--clean", "--size", SIZE, "--show", &show]);
+    app.wait_until_reported("problem: the show has mistakes and starts when its file is corrected");
+    place.write("my.show", "at start green.scene\n");
+    wait_for_channel(&app, 1);
+    place.write("my.show", "at noon red.scene\n");
+    app.wait_until_reported("problem: the show has mistakes; the previous show continues");
+    app.quit();
+}
+
+#[test]
 fn a_show_keeps_the_scene_that_is_edited() {
     apart!();
     let place = Place::new();

@@ -17,6 +17,7 @@ pub(crate) struct Messages {
 impl Messages {
     /// Shows a problem of the scene, or of a show or controller, until the next scene is loaded.
     pub(crate) fn set_problem(&mut self, heading: String, text: String) {
+        tracing::debug!("problem: {heading}");
         self.problem = Some((heading, text));
     }
 

@@ -383,7 +383,7 @@ impl SceneSession {
         self.request_scene(source);
     }
 
-    /// Shows `source` in place of the scene `replaced`, on the same deck. Returns `false` if it is on the other deck.
+    /// Replaces the scene `replaced` by `source`, on the same deck. Returns `false` if `source` is on the other deck.
     pub(crate) fn replace_scene(&mut self, replaced: &SceneSource, source: SceneSource) -> bool {
         let mut decks = self.decks.iter().flat_map(Decks::scenes);
         match decks.position(|scene| scene == replaced) {
@@ -551,7 +551,7 @@ impl SceneSession {
         self.scenes.shown_source().unwrap_or(&self.preparation.library.wanted)
     }
 
-    /// The requested scene; of two scenes, the one that a transition leads to, or the one on the more visible deck.
+    /// The requested scene, the second scene of a transition, or the scene on the more visible deck.
     pub(crate) fn foremost(&self) -> &SceneSource {
         match (&self.decks, &self.preparation.library.wanted) {
             (Some(decks), _) => decks.foremost(self.parameters.clock()),

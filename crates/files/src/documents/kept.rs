@@ -98,7 +98,7 @@ impl KeptTexts {
         }
     }
 
-    /// The place of the backup of the file with this absolute path.
+    /// The path of the backup for the file at this absolute path.
     fn place(&self, file: &Path) -> Option<PathBuf> {
         let name = format!("{:016x}.{ENDING}", short_name(name_of(file)));
         Some(self.folder.as_deref()?.join(name))
