@@ -26,6 +26,8 @@ const WINDOW: usize = 8;
 const LENGTHS_MAX: usize = 64;
 /// The number of nodes that are read to find the start of one loop.
 const READ_MAX: usize = 1 << 22;
+/// Longest list of numbers that differ from round to round.
+const LISTED_MAX: usize = 1024;
 /// Whole numbers up to this size and their sums are exact.
 const WHOLE_MAX: f32 = (1 << 20) as f32;
 
@@ -306,6 +308,9 @@ impl<'a> Unrolled<'a> {
             let is_whole = |value: f32| value.trunc() == value && value.abs() < WHOLE_MAX;
             if (1..=count).all(counts) && is_whole(value) && is_whole(step) {
                 return Some(Source::Counted { first: value, step });
+            }
+            if count > LISTED_MAX {
+                return None;
             }
             let list = (1..=count).map(number).collect::<Option<Vec<f32>>>()?;
             let known = lists.iter().position(|known| *known == list);
