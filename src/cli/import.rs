@@ -9,9 +9,10 @@ use super::common::colors;
 use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
+use crate::export::output::refuse_to_replace;
 use crate::export::print::{print_line, print_message};
 use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader, text_around};
-use mariana_field::glsl_export::{left_out, shadertoy};
+use mariana_field::glsl_export::{MADE_BY, left_out, shadertoy};
 use mariana_field::glsl_import::{Problem, Shown};
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
 
@@ -63,8 +64,8 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     if is_standard(&output) {
         print_line(scene.trim_end())?;
     } else {
-        if arguments.output.is_none() && output.exists() {
-            bail!("{} exists: name another file with -o, or the same one to replace it", output.display());
+        if arguments.output.is_none() {
+            refuse_to_replace(&output, None)?;
         }
         copy_beside(shader, &read.whole.text, &output, name)?;
         AtomicFile::create(&output)?.write(scene.as_bytes())?;
@@ -113,6 +114,7 @@ pub(super) fn run_export(arguments: &ExportArguments) -> anyhow::Result<()> {
     if is_standard(&arguments.output) {
         print_line(text.trim_end())?;
     } else {
+        refuse_to_replace(&arguments.output, Some(MADE_BY))?;
         AtomicFile::create(&arguments.output)?.write(text.as_bytes())?;
         print_line(&arguments.output.display().to_string())?;
     }

@@ -1,11 +1,13 @@
 //! The destination of an image or a video.
 
 use std::fmt;
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use super::print::is_open;
+use mariana_player::song::Song;
 
 /// The name of standard output and standard input on the command line.
 pub const STANDARD: &str = "-";
@@ -40,6 +42,35 @@ pub(super) fn pieces_of(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".pieces");
     path.with_file_name(name)
+}
+
+/// Refuses to write a text over a file that may hold someone's work: any file that does not begin with `own`, the
+/// beginning of the files that only Mariana writes.
+pub fn refuse_to_replace(path: &Path, own: Option<&str>) -> Result<(), ExportError> {
+    let begins = |own: &str| {
+        let mut first = vec![0; own.len()];
+        File::open(path).and_then(|mut file| file.read_exact(&mut first)).is_ok() && first == own.as_bytes()
+    };
+    if path.is_file() && !own.is_some_and(begins) {
+        return refuse(format!(
+            "{} exists: choose another path with -o, or remove this file first",
+            path.display()
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
+    match song {
+        Song::File(path) if same_file(path, output) => {
+            refuse(format!("{} is the song itself: choose another path with -o", output.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// Writes bytes to standard output. Returns false if the reader has closed it.

@@ -1,8 +1,7 @@
 //! `mariana show`: writes the director's show for a song to a file that can be edited.
 
 use super::error::ExportError;
-use super::output::{Output, write_standard};
-use super::still::refuse_the_song;
+use super::output::{Output, refuse_the_song, refuse_to_replace, write_standard};
 use super::structure::{structure_of, summary};
 use crate::atomic_file::AtomicFile;
 use crate::scenes::SceneSource;
@@ -17,6 +16,7 @@ pub fn write_show_file(song: &Song, scenes: &[SceneSource], output: &Output) -> 
     let file = match output {
         Output::Path(path) => {
             refuse_the_song(song, path)?;
+            refuse_to_replace(path, None)?;
             Some(AtomicFile::create(path)?)
         }
         Output::Standard => None,

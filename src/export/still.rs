@@ -8,7 +8,7 @@ use image::{ColorType, ImageFormat};
 
 use super::alpha::straight;
 use super::error::{ExportError, refuse};
-use super::output::{Output, write_standard};
+use super::output::{Output, refuse_the_song, write_standard};
 use super::painter::{SceneChoice, ScenePainter, require_inputs};
 use super::panorama;
 use super::path_store::{PathStore, SharedStore};
@@ -194,22 +194,9 @@ fn format_of(path: &Path) -> Result<ImageFormat, ExportError> {
     }
 }
 
-pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
-    match song {
-        Song::File(path) if same_file(path, output) => {
-            refuse(format!("{} is the song itself: choose another path with -o", output.display()))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Refuses a transparent image in a format that does not support it.
 pub(super) fn refuse_alpha<T>(output: &Output, instead: &str) -> Result<T, ExportError> {
     refuse(format!("{output} cannot be transparent, which --alpha requires: give -o {instead}"))
-}
-
-pub(super) fn same_file(a: &Path, b: &Path) -> bool {
-    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 pub(super) struct Pixels {

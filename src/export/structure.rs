@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::error::ExportError;
+use super::error::{ExportError, refuse};
 use super::print::is_open;
 use super::song_page::page;
-use super::still::refuse_the_song;
 use crate::atomic_file::AtomicFile;
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::{PreparedShow, ShowSource};
@@ -56,7 +55,12 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
     // Create the file first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {
         Some(path) => {
-            refuse_the_song(&request.song, path)?;
+            if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
+                return refuse(format!(
+                    "{} cannot be written: --plot draws an SVG, so give it a name that ends in .svg",
+                    path.display()
+                ));
+            }
             Some(AtomicFile::create(path)?)
         }
         None => None,

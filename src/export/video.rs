@@ -16,8 +16,7 @@ mod spherical;
 mod title_card;
 
 use super::error::ExportError;
-use super::output::Output;
-use super::still::refuse_the_song;
+use super::output::{Output, refuse_the_song};
 
 use drawing::VideoFrames;
 #[cfg(test)]

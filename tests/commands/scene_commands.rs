@@ -330,3 +330,24 @@ fn a_camera_inside_of_an_object_drew_nothing_in_silence() {
         assert!(!place.run(&["check", scene]).done().contains("camera"), "{scene}");
     }
 }
+
+#[test]
+fn edited_shows_and_scenes_were_silently_replaced_by_text_outputs() {
+    let place = Workplace::new();
+    let scene = "sphere(p, 1)\n";
+    for name in ["my.scene", "own.show", "own.glsl"] {
+        place.write(name, scene);
+    }
+    place.write_tone("tone.wav", 440.0, 0.5, [0.5, 0.5]);
+    place.run(&["show", "tone.wav", "-o", "own.show"]).refused(&["own.show", "exists"]);
+    for output in ["my.scene", "own.show", "own.glsl"] {
+        place.run(&["export", "--glsl", "my.scene", "-o", output]).refused(&[output, "exists"]);
+    }
+    place.run(&["analyze", "tone.wav", "--plot", "my.scene"]).refused(&["my.scene", ".svg"]);
+    for name in ["my.scene", "own.show", "own.glsl"] {
+        assert_eq!(place.read(name), scene.as_bytes(), "{name}");
+    }
+    // Its own GLSL is written again after each change of the scene.
+    place.run(&["export", "--glsl", "my.scene", "-o", "out.glsl"]).done();
+    place.run(&["export", "--glsl", "my.scene", "-o", "out.glsl"]).done();
+}

@@ -10,6 +10,9 @@ use crate::lang::{Material, Scene};
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 use crate::world::Motions;
 
+/// The beginning of all GLSL that is made here.
+pub const MADE_BY: &str = "// Made by `mariana export`.";
+
 /// Functions that the generated code may call, each with its text.
 const HELPERS: [(&str, &str); 8] = [
     ("cell_hash(", CELL_HASH_GLSL),
@@ -104,9 +107,7 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
     }
 
     let (body, constants) = with_names(scene, &graph, &used, body)?;
-    let mut text = String::from(
-        "// Made by `mariana export`. map: distance, map_color: colour of the nearest object.\n",
-    );
+    let mut text = format!("{MADE_BY} map: distance, map_color: colour of the nearest object.\n");
     for sentence in left_out(scene) {
         let _ = writeln!(text, "// Left out: {sentence}.");
     }

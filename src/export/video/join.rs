@@ -8,8 +8,7 @@ use super::part::PartRecord;
 use super::request::{VideoRequest, Written};
 use crate::export::error::{ExportError, refuse};
 use crate::export::fingerprint::song_hash;
-use crate::export::output::Output;
-use crate::export::still::{refuse_the_song, same_file};
+use crate::export::output::{Output, refuse_the_song, same_file};
 
 /// Joins parts in any order. `request` has the song and the output; the parts' records decide about everything else.
 ///
