@@ -98,6 +98,13 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         let empty = Diagnostic::new(end, "the show has no entries");
         diagnostics.push(empty.hint("add an entry, such as `at start speakers`"));
     }
+    if let Some(first) = cue_list.entries.first()
+        && first.when.anchor == Anchor::Previous
+        && diagnostics.is_empty()
+    {
+        let above = Diagnostic::new(first.span, "`previous` needs an entry above it");
+        diagnostics.push(above.hint("begin with another moment, such as `at start`"));
+    }
     let entries = cue_list.entries.clone();
     let cue_list = diagnostics.is_empty().then_some(cue_list);
     Parsed { cue_list, entries, diagnostics, sources }

@@ -91,8 +91,15 @@ fn starts(
             let back =
                 format!("this entry is at {}, before the previous entry at {}", clock(time), clock(before));
             let backwards =
-                Diagnostic::new(entry.span, back).label("left out").note(span, "the previous entry");
+                Diagnostic::warning(entry.span, back).label("left out").note(span, "the previous entry");
             return Err(Box::new(backwards.hint("sort the entries by time")));
+        }
+        // A song cut short is longer than its structure, and a live input has no length.
+        if time > song.seconds + 1e-3 && song.seconds > 0.0 && !song.cut_short {
+            let late =
+                format!("the song ends at {}, before this entry at {}", clock(song.seconds), clock(time));
+            let late = Diagnostic::warning(entry.span, late).label("left out");
+            return Err(Box::new(late.hint("choose an earlier moment, such as `end - 4 bars`")));
         }
         last = Some((time, entry.span));
         Ok(start)
@@ -124,7 +131,7 @@ fn time_of(
     lines: &BarLines,
 ) -> Result<Option<f64>, Box<Diagnostic>> {
     let missing = |sentence: String, hint: String| {
-        Box::new(Diagnostic::new(entry.span, sentence).label("left out").hint(hint))
+        Box::new(Diagnostic::warning(entry.span, sentence).label("left out").hint(hint))
     };
     let numbered = |what: &str, number: u32, times: &[f64]| {
         let index = (number as usize).checked_sub(1);
@@ -284,6 +291,15 @@ mod tests {
             "this entry is at 0:02.5, before the previous entry at 0:30",
         ];
         assert_eq!(left_out, wanted);
+    }
+
+    #[test]
+    fn entries_after_the_end_of_the_song_were_accepted_without_a_warning() {
+        let (timeline, left_out) =
+            resolved("at end one\nat 20:00 two\nat bar 999 three\nat end + 1 bar four");
+        assert_eq!(timeline.clips().len(), 1);
+        let late = ["20:00", "33:16.5", "1:06.5"];
+        assert_eq!(left_out, late.map(|at| format!("the song ends at 1:04.5, before this entry at {at}")));
     }
 
     #[test]
