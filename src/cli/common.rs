@@ -1,13 +1,18 @@
 //! Flags and helpers of several subcommands.
 
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::fmt::format::Writer;
+use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::prelude::*;
+use tracing_subscriber::registry::LookupSpan;
 
 use super::choices::choice;
 use super::files::scene_of;
@@ -132,6 +137,27 @@ fn answer_signals(answer: impl Fn(Signal) + Send + 'static) {
     }
 }
 
+/// Prints warnings and errors of the log like the program's other messages.
+struct Sentences;
+
+impl<S, N> FormatEvent<S, N> for Sentences
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+    N: for<'a> FormatFields<'a> + 'static,
+{
+    fn format_event(
+        &self,
+        context: &FmtContext<'_, S, N>,
+        mut out: Writer<'_>,
+        event: &Event<'_>,
+    ) -> fmt::Result {
+        let kind = if *event.metadata().level() == Level::ERROR { "error" } else { "warning" };
+        write!(out, "mariana: {kind}: ")?;
+        context.format_fields(out.by_ref(), event)?;
+        writeln!(out)
+    }
+}
+
 impl CommonArguments {
     /// Starts the log on standard error. The log contains the program's warnings, with -v also the program's progress
     /// and the libraries' warnings, and with -vv also debug messages.
@@ -146,6 +172,10 @@ impl CommonArguments {
             .with_writer(std::io::stderr)
             .with_ansi(colors(&std::io::stderr()))
             .without_time();
+        let lines = match self.verbose {
+            0 => lines.event_format(Sentences).boxed(),
+            _ => lines.boxed(),
+        };
         tracing_subscriber::registry().with(lines.with_filter(filter)).init();
     }
 

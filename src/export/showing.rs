@@ -43,7 +43,7 @@ impl Showing {
             Self::Show(source, scenes) => {
                 let (prepared_show, left_out) = PreparedShow::of_song(source, song.structure(), scenes)?;
                 if let Some(left_out) = left_out {
-                    tracing::warn!("parts of the show do not fit the song:\n{left_out}");
+                    tracing::warn!("parts of the show do not fit the song\n{}", left_out.trim_end());
                 }
                 if let cues @ 1.. = prepared_show.cues().len() {
                     tracing::warn!(

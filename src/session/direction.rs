@@ -176,7 +176,7 @@ impl Direction {
                 says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
             Ok((prepared_show, Some(text))) => {
-                tracing::warn!("parts of the show do not fit the song:\n{text}");
+                tracing::warn!("parts of the show do not fit the song\n{}", text.trim_end());
                 Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
             // No scene can be used. Report nothing here: the loader reports each broken scene.

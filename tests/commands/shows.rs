@@ -184,6 +184,10 @@ fn mistakes_of_a_show_are_reported_with_their_positions() {
     refused("at start red.scene mlet over 2 bars\n", &["bad.show:1:20", "did you mean `melt`?"]);
     refused("at start red.scene\n set siz = 3\n", &["`siz`", "the scene's parameters are size"]);
     refused(
+        "at start red.scene\n set size = 0.5 -> 99 over 1 s\n",
+        &["bad.show:2:", "`size` ranges from", "99"],
+    );
+    refused(
         "at start red.scene\n set picture brightness = 7\n",
         &["bad.show:2:", "7 is not between 0 and 1"],
     );
@@ -193,6 +197,8 @@ fn mistakes_of_a_show_are_reported_with_their_positions() {
     place.write("some.show", "at start red.scene\nat section Q green.scene\nat 0 s blue.scene cut\n");
     let outcome = place.run(&["still", "--show", "some.show", "-o", "a.png"]);
     assert!(outcome.code == 0 && outcome.stderr.contains("the song has no section Q"), "{outcome:?}");
+    let sentence = "mariana: warning: parts of the show do not fit the song\nwarning: the song";
+    assert!(outcome.stderr.starts_with(sentence), "it looked like a log with an error: {outcome:?}");
     place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
     place.run(&["show", "silence.wav", "--scene", "red.scene", "-o", "silence.show"]).done();
     let text = String::from_utf8(place.read("silence.show")).unwrap();
