@@ -15,6 +15,7 @@ use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 use mariana_player::stems::{Stem, separating_command, stems_of};
+use mariana_show::BarLines;
 
 /// Options of the output.
 #[derive(Debug, Clone)]
@@ -65,7 +66,11 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
         }
         None => None,
     };
-    let (name, structure) = structure_of(&request.song)?;
+    let (name, mut structure) = structure_of(&request.song)?;
+    // The analysis hears mono as it is played, on two loudspeakers. The standard measures its one channel.
+    if request.song.open()?.info().source_channels == 1 {
+        structure.loudness = structure.loudness.map(|loudness| loudness - 10.0 * 2.0_f32.log10());
+    }
     if let Some(plot) = plot {
         let shipped: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
         let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, &shipped)?;
@@ -118,7 +123,7 @@ pub(super) fn summary(structure: &SongStructure) -> String {
     }
     let tempo = match (structure.tempo, structure.meter) {
         (Some(tempo), Some(meter)) => {
-            format!("{tempo:.1} beats per minute in {}, {} bars", meter.name(), structure.downbeats().count())
+            format!("{tempo:.1} beats per minute in {}, {} bars", meter.name(), structure.bar_count())
         }
         _ => "no steady beat".to_owned(),
     };
@@ -134,7 +139,12 @@ fn text(name: &str, structure: &SongStructure) -> String {
     if structure.cut_short {
         let _ = writeln!(text, "the song is longer, but the rest was not analysed");
     }
-    let bar_of = |time: f64| structure.downbeats().filter(|downbeat| *downbeat < time + 0.01).count();
+    let lines = BarLines::of(structure);
+    // A section that begins less than a bar before the first bar line begins with the upbeat to bar 1.
+    let bar_of = |time: f64| {
+        let bar = lines.bar_at(time + 0.01);
+        (bar > 0.0 && !structure.beats.is_empty()).then_some(bar.floor().max(1.0))
+    };
     for section in &structure.sections {
         let _ = write!(
             text,
@@ -144,8 +154,8 @@ fn text(name: &str, structure: &SongStructure) -> String {
             section.letter,
             section.energy
         );
-        if !structure.beats.is_empty() {
-            let _ = write!(text, "  from bar {}", bar_of(section.start).max(1));
+        if let Some(bar) = bar_of(section.start) {
+            let _ = write!(text, "  from bar {bar}");
         }
         text.push('\n');
     }
@@ -161,6 +171,32 @@ fn text(name: &str, structure: &SongStructure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_music::{Meter, Section, SongBeat};
+
+    #[test]
+    fn sections_before_the_first_bar_got_bar_1_and_an_end_on_a_bar_line_another_bar() {
+        let beat = |index: u32| SongBeat {
+            time: 20.0 + 0.5 * f64::from(index),
+            of_bar: (index % 4) as u8 + 1,
+            tempo: 120.0,
+        };
+        let section = |start: f64, end: f64| Section { start, end, letter: "A".into(), energy: 0.5 };
+        let mut structure = SongStructure {
+            seconds: 36.01,
+            tempo: Some(120.0),
+            meter: Some(Meter::FourFour),
+            beats: (0..33).map(beat).collect(),
+            sections: vec![section(0.0, 19.0), section(19.0, 24.0), section(24.0, 36.0)],
+            ..SongStructure::default()
+        };
+        assert_eq!(structure.bar_count(), 8);
+        structure.seconds = 37.0;
+        assert_eq!(structure.bar_count(), 9);
+        let text = text("song", &structure);
+        let bars: Vec<&str> =
+            text.lines().skip(1).map(|line| line.split("energy 0.50").last().unwrap()).collect();
+        assert_eq!(bars, ["", "  from bar 1", "  from bar 3"]);
+    }
 
     #[test]
     fn times_are_written_in_the_form_in_which_they_are_read() {

@@ -196,5 +196,14 @@ fn a_songs_structure_is_printed_as_text_json_and_svg() {
     let page = String::from_utf8(place.read("song.svg")).unwrap();
     assert!(page.starts_with("<svg") || page.starts_with("<?xml"), "{page:.80}");
     place.write_tone("tone.wav", 440.0, 0.5, [0.5, 0.5]);
-    assert!(place.run(&["analyze", "--structure", "tone.wav"]).done().contains("no steady beat"));
+    let loudness = |song: &str| {
+        let text = place.run(&["analyze", "--structure", song]).done();
+        assert!(text.contains("no steady beat"), "{text}");
+        let line = text.lines().find(|line| line.starts_with("integrated loudness ")).unwrap();
+        line.split(' ').nth(2).unwrap().parse::<f64>().unwrap()
+    };
+    // One channel of mono was measured twice.
+    place.ffmpeg(&["-i", "tone.wav", "-ac", "1"], "mono.wav");
+    let [stereo, mono] = ["tone.wav", "mono.wav"].map(loudness);
+    assert!((stereo - mono - 3.0).abs() < 0.11, "{stereo} and {mono} LUFS");
 }
