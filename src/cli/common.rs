@@ -111,10 +111,15 @@ fn end_progress_line() {
 }
 
 pub(super) fn end_by_signals() {
-    answer_signals(|signal| {
+    end_by_signals_and("unfinished files are removed");
+}
+
+/// `rest` ends the message: what becomes of the files.
+pub(super) fn end_by_signals_and(rest: &'static str) {
+    answer_signals(move |signal| {
         ending::end_now(signal, || {
             end_progress_line();
-            print_message(&format!("{signal} ended the work; unfinished files are removed"));
+            print_message(&format!("{signal} ended the work; {rest}"));
         })
     });
 }

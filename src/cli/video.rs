@@ -7,7 +7,9 @@ use anyhow::bail;
 use clap::{ArgAction, Args};
 
 use super::choices::choice;
-use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
+use super::common::{
+    CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, end_by_signals_and, refuse_a_terminal,
+};
 use super::controlled::Controlled;
 use super::files::{Files, scene_of};
 use super::light::LightArguments;
@@ -16,11 +18,14 @@ use super::progress::Progress;
 use super::projection::ProjectionArguments;
 use super::show::{WantedShow, or_shipped, parse_show};
 use super::view::ViewArguments;
+use crate::export::output::is_folder;
+use crate::export::print::counted;
 use crate::export::video::{
     Codec, EncodingQuality, Preset, VideoPart, VideoPlace, VideoRequest, Written, join_parts, write_video,
 };
 use crate::export::{Output, SceneChoice, Showing, print_line};
 use crate::gpu::edge_samples::EdgeSamples;
+use crate::scenes::is_scene_file;
 use mariana_player::lyrics::Lyrics;
 
 #[derive(Args)]
@@ -41,7 +46,7 @@ pub(super) struct VideoArguments {
     /// Frames per second, such as 60, 23.976 or 30000/1001 [default: 30, or set by --for]
     #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]
+    /// Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by --for, --projection and --stereo]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     #[command(flatten)]
@@ -106,7 +111,11 @@ pub(super) struct VideoArguments {
 pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let common = arguments.common;
     common.start_log();
-    end_by_signals();
+    if arguments.part.is_some() && !is_folder(&arguments.output) {
+        end_by_signals_and("run the same command again to continue the part");
+    } else {
+        end_by_signals();
+    }
     let controlled = arguments.controlled.then(Controlled::begin).transpose()?;
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana video -o - | mpv -")?;
@@ -172,13 +181,14 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     if arguments.quiet || request.output == Output::Standard {
         return Ok(());
     }
-    Ok(print_line(&format!("{frames} frames in {}", request.output))?)
+    let frames = counted(frames, "frame");
+    Ok(print_line(&format!("{frames} in {}", request.output))?)
 }
 
 /// Returns the scenes with their start times in seconds, sorted by time. If the director chooses among the scenes
 /// (`is_choice`), times are ignored.
 fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Result<Vec<(f64, OsString)>> {
-    let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
+    let mut scenes = flags.iter().map(|flag| with_time(flag)).collect::<anyhow::Result<Vec<_>>>()?;
     if is_choice {
         return Ok(scenes.into_iter().chain(file.map(|file| (0.0, file.into()))).collect());
     }
@@ -205,11 +215,16 @@ fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Re
     Ok(scenes)
 }
 
-/// Splits a flag into a start time and a scene. Does not split the path of an existing file at an @.
-fn with_time(flag: &OsStr) -> (f64, OsString) {
-    let parts = flag.to_str().and_then(|text| text.rsplit_once('@'));
-    let timed = parts.and_then(|(scene, time)| Some((parse_seconds(time).ok()?, scene.into())));
-    timed.filter(|_| !Path::new(flag).exists()).unwrap_or_else(|| (0.0, flag.to_owned()))
+/// Splits a flag into a start time and a scene. Does not split the path of a scene at an @.
+fn with_time(flag: &OsStr) -> anyhow::Result<(f64, OsString)> {
+    let path = Path::new(flag);
+    match flag.to_str().and_then(|text| text.rsplit_once('@')) {
+        Some((scene, time)) if !path.exists() && !is_scene_file(path) => match parse_seconds(time) {
+            Ok(seconds) => Ok((seconds, scene.into())),
+            Err(problem) => bail!("--scene {}: {problem}", flag.display()),
+        },
+        _ => Ok((0.0, flag.to_owned())),
+    }
 }
 
 #[cfg(test)]

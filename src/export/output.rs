@@ -37,6 +37,11 @@ impl fmt::Display for Output {
     }
 }
 
+/// True if the output is a folder, or will be a folder because it ends in a slash.
+pub fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with(['/', '\\'])
+}
+
 /// The folder of the pieces of an unfinished output.
 pub(super) fn pieces_of(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();

@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 
 use super::error::ExportError;
 use super::output::write_standard;
+use mariana_field::lang::plural;
 
 /// Prints a line on standard output. A closed pipe is no error.
 ///
@@ -30,6 +31,14 @@ pub(super) fn is_open(written: std::io::Result<()>) -> Result<bool, ExportError>
 /// [`ExportError::Print`] if standard output cannot be written.
 pub fn print_text(text: &str) -> Result<(), ExportError> {
     write_standard(text.as_bytes()).map(drop)
+}
+
+/// A number of things: `1 frame`, `2 frames`.
+pub fn counted(number: impl TryInto<u64>, what: &str) -> String {
+    match number.try_into().unwrap_or(u64::MAX) {
+        1 => format!("1 {what}"),
+        number => format!("{number} {}", plural(what)),
+    }
 }
 
 /// Prints a message for the user on standard error, after the program's name. Does nothing if standard error is closed.

@@ -8,7 +8,7 @@ use image::{ColorType, ImageFormat};
 
 use super::alpha::straight;
 use super::error::{ExportError, refuse};
-use super::output::{Output, refuse_the_song, write_standard};
+use super::output::{Output, is_folder, refuse_the_song, write_standard};
 use super::painter::{SceneChoice, ScenePainter, require_inputs};
 use super::panorama;
 use super::path_store::{PathStore, SharedStore};
@@ -181,6 +181,12 @@ const JPEG_QUALITY: u8 = 93;
 
 /// Returns the format that the path's extension names; PNG for a path without an extension.
 fn format_of(path: &Path) -> Result<ImageFormat, ExportError> {
+    if is_folder(path) {
+        return refuse(format!(
+            "{} is a folder, but a still is one file: give -o a name that ends in .png or .jpg or .webp",
+            path.display()
+        ));
+    }
     let Some(ending) = path.extension() else { return Ok(ImageFormat::Png) };
     match ending.to_string_lossy().to_lowercase().as_str() {
         "png" => Ok(ImageFormat::Png),

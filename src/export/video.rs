@@ -52,6 +52,9 @@ pub fn write_video(
     if let Some(part) = request.part {
         return part::write_part(request, part, progress);
     }
+    if let Output::Path(path) = &request.output {
+        sink::refuse_frames(path)?;
+    }
     let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
     let mut seam = match (request.seam, asked) {
         (Some(seconds), Some(frames)) => Some(Seam::new(frames, frames_in(seconds, request.fps))?),

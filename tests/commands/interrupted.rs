@@ -113,6 +113,23 @@ fn an_interrupted_video_leaves_no_hidden_files() {
     }
 }
 
+#[test]
+fn a_second_run_of_a_part_was_told_to_find_space_and_an_interrupted_one_left_a_folder() {
+    let place = workplace();
+    let part = ["video", SCENE[0], SCENE[1], "--size", "640x360", "--fps", "1000", "-o", "part.mp4"];
+    let part = [&part[..], &["--part", "1/1", "--flash-limiter", "off"]].concat();
+    let mut process = Process::start(&mut command(&place, &part), "coreutils");
+    let pieces = place.path("part.mp4.pieces");
+    wait_until("the first piece", || pieces.exists() && !unfinished_in(&pieces).is_empty());
+    place.run(&part).refused(&["another run renders part.mp4", "-o"]);
+    assert!(pieces.exists());
+    send("INT", process.id());
+    wait_until("its end", || process.ended().is_some());
+    let reported = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
+    assert!(reported.contains("run the same command again"), "{reported}");
+    assert!(!pieces.exists(), "{:?}", names_in(&pieces));
+}
+
 fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -> &'c mut Command {
     std::fs::create_dir_all(place.path("tools")).unwrap();
     place.write("tools/ffmpeg", script);

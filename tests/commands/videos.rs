@@ -52,8 +52,10 @@ fn scenes_follow_each_other_at_their_times() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
     write_colors(&place);
-    let run = |scenes: &[&str]| place.run(&[&["video", "one.wav", "-o", "out/"], &LOOK[..], scenes].concat());
-    run(&["--scene", "blue.scene@0:00.4", "--scene", "red.scene"]).done();
+    let video =
+        |to: &str, scenes: &[&str]| place.run(&[&["video", "one.wav", "-o", to], &LOOK[..], scenes].concat());
+    video("out/", &["--scene", "blue.scene@0:00.4", "--scene", "red.scene"]).done();
+    let run = |scenes: &[&str]| video("refused/", scenes);
     let redness: Vec<bool> =
         (0..10).map(|frame| redness(&still(&place, &format!("out/frame-{frame:05}.png"))) > 0).collect();
     assert_eq!(redness, [[true; 4].as_slice(), &[false; 6]].concat());
@@ -334,12 +336,12 @@ fn a_title_is_shown_only_on_request() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("A song of tones.wav", 440.0, 2.0, [0.5, 0.5]);
-    let frame = |card: &[&str]| {
-        let look = ["--size", "320x180", "--fps", "1", "-o", "out/"];
+    let frame = |out: &str, card: &[&str]| {
+        let look = ["--size", "320x180", "--fps", "1", "-o", out];
         place.run(&[&["video", "A song of tones.wav", "red.scene"], &look[..], card].concat()).done();
-        still(&place, "out/frame-00001.png")
+        still(&place, &format!("{out}frame-00001.png"))
     };
-    let (with, without) = (frame(&["--title-card"]), frame(&[]));
+    let (with, without) = (frame("with/", &["--title-card"]), frame("without/", &[]));
     let differ = |rows: std::ops::Range<u32>| {
         rows.flat_map(|y| (0..320).map(move |x| (x, y)))
             .filter(|&(x, y)| with.get_pixel(x, y) != without.get_pixel(x, y))
@@ -353,11 +355,11 @@ fn a_title_is_shown_only_on_request() {
 fn a_title_card_hid_the_lyrics_of_a_short_video() {
     let place = Workplace::new();
     write_colors(&place);
-    place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
-    place.write("one.lrc", "[00:00.50]Somewhere in the sea\n[00:01.70]");
+    place.write_tone("Sea song.wav", 440.0, 2.0, [0.5, 0.5]);
+    place.write("Sea song.lrc", "[00:00.50]Somewhere in the sea\n[00:01.70]");
     let frames = |flags: &[&str], out: &str| {
         let part = ["--fps", "2", "--size", "320x180", "-o", out];
-        place.run(&[&["video", "one.wav", "red.scene"], &part[..], flags].concat()).done();
+        place.run(&[&["video", "Sea song.wav", "red.scene"], &part[..], flags].concat()).done();
         [2, 3].map(|number| still(&place, &format!("{out}frame-{number:05}.png")))
     };
     let plain = frames(&[], "plain/");
@@ -543,4 +545,28 @@ fn a_thumbnail_outlived_the_window_that_asked_for_it() {
     let ended = place.run(&["still", "--controlled", "--scene=red.scene", "-o", "picture.png"]);
     assert!(ended.code == 129 && ended.stderr.contains("the window has ended this work"), "{ended:?}");
     assert_eq!(place.names(), names);
+}
+
+#[test]
+fn outputs_and_flags_that_no_video_has_were_accepted_or_misread() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let video = |output: &str, flags: &[&str]| {
+        let look = ["--scene", "length(p) - 1", "--fps", "3", "--size", "16x10"];
+        place.run(&[&["video", "one.wav", "-o", output], &look[..], flags].concat())
+    };
+    // The song would become its own output, with a frame as cover.
+    video("a.mp3", &[]).refused(&["a.mp3", "cannot hold a video", ".mp4"]);
+    assert!(video("out/", &["--duration", "0.2"]).done().contains("1 frame in out/"));
+    std::fs::rename(place.path("out/frame-00000.png"), place.path("out/frame-00099.png")).unwrap();
+    // An old frame stayed in the sequence.
+    video("out/", &[]).refused(&["out/ has frames already", "frame-00099.png"]);
+    video("out/", &["--part", "1/1", "--flash-limiter", "off"]).done();
+    video("a.mp4", &["--for", "loop", "--start", "0.9", "--duration", "1"])
+        .refused(&["only 0.10 s are left"]);
+    place.run(&["video", "--scene", "orb@abc", "-o", "a.mp4"]).refused(&["orb@abc", "'abc' is no time"]);
+    place.run(&["still", "-o", "out/"]).refused(&["out/ is a folder", "one file"]);
+    place.run(&["still", "-o", "a.png", "--set", "volume=0.3"]).refused(&["volume.x or volume.y"]);
+    place.write("large.ogg", [&b"OggS"[..], &vec![0xff; 2 << 20]].concat());
+    place.run(&["check", "large.ogg"]).refused(&["large.ogg", "is not text"]);
 }

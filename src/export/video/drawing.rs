@@ -28,10 +28,11 @@ impl<'a> VideoFrames<'a> {
     ) -> Result<Self, ExportError> {
         let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
         song.require(request.start)?;
-        let left = song.duration().map(|seconds| frames_in(seconds - request.start, request.fps));
+        let seconds_left = song.duration().map(|seconds| seconds - request.start);
+        let left = seconds_left.map(|seconds| frames_in(seconds, request.fps));
         let expected = asked.into_iter().chain(left).min();
         if needs_all && expected < asked {
-            return Err(too_long(request, asked, expected.unwrap_or(0)));
+            return Err(too_long(request, asked, seconds_left.unwrap_or(0.0)));
         }
         let length = expected.map(|frames| frames as f64 / request.fps);
         let length = length.into_iter().chain(request.duration).reduce(f64::min);
@@ -79,16 +80,18 @@ impl<'a> VideoFrames<'a> {
     pub(super) fn require_all(&self, asked: Option<u64>, drawn: u64) -> Result<(), ExportError> {
         let is_over = self.song.is_over(self.request.start + drawn as f64 / self.request.fps);
         match asked {
-            Some(frames) if is_over && drawn < frames => Err(too_long(self.request, asked, drawn)),
+            Some(frames) if is_over && drawn < frames => {
+                Err(too_long(self.request, asked, drawn as f64 / self.request.fps))
+            }
             _ => Ok(()),
         }
     }
 }
 
-fn too_long(request: &VideoRequest, asked: Option<u64>, left: u64) -> ExportError {
-    let seconds = |frames: u64| frames as f64 / request.fps;
-    let (length, needed) = (request.duration.unwrap_or(0.0), asked.map_or(0.0, seconds));
-    loop_too_long(length, needed, seconds(left))
+/// `left` is the rest of the song in seconds.
+fn too_long(request: &VideoRequest, asked: Option<u64>, left: f64) -> ExportError {
+    let needed = asked.map_or(0.0, |frames| frames as f64 / request.fps);
+    loop_too_long(request.duration.unwrap_or(0.0), needed, left)
 }
 
 /// The error of a loop of `length` seconds that needs more of the song than is left after its start.

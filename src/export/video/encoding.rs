@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use super::request::VideoRequest;
-use super::sink::is_folder;
 use super::spherical::is_marked;
 use crate::config::Choice;
 use crate::export::error::{ExportError, refuse};
-use crate::export::output::Output;
+use crate::export::output::{Output, is_folder};
 use crate::export::still::refuse_alpha;
 
 /// Video codecs.
@@ -104,6 +103,12 @@ pub(super) fn can_be_joined(path: &Path) -> bool {
     is_quicktime(path) || is_matroska(path)
 }
 
+/// Files of sound. ffmpeg would write the song into some of them, with the first frame as its cover.
+const SOUND_ENDINGS: &[&str] = &[
+    "aac", "aif", "aifc", "aiff", "caf", "flac", "m4a", "m4b", "mka", "mp2", "mp3", "oga", "opus", "wav",
+    "wma",
+];
+
 fn ends_in(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
@@ -167,6 +172,12 @@ pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result
             ));
         }
         _ => {}
+    }
+    if ends_in(path, SOUND_ENDINGS) {
+        return refuse(format!(
+            "{name} cannot hold a video: give -o a name that ends in .mp4, .mkv, .mov, .webm, .gif or .webp, or a \
+             folder that ends in '/'"
+        ));
     }
     let refused = |codec: &str, takes: &str| {
         refuse(format!(

@@ -4,6 +4,7 @@
 //! each complete on the disk before the next one begins: a run that follows an interrupted one continues with the
 //! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
 
+use std::fs::{File, TryLockError};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -13,11 +14,12 @@ use super::drawing::VideoFrames;
 use super::encoder::{Encoder, Frames};
 use super::encoding::can_be_joined;
 use super::request::{VideoPart, VideoRequest, Written, frames_in};
-use super::sink::{FrameWriter, Sink, is_folder};
+use super::sink::{FrameWriter, Sink};
 use crate::atomic_file::Unwritable;
+use crate::ending;
 use crate::export::error::{ExportError, refuse};
 use crate::export::fingerprint::{Fingerprint, song_hash};
-use crate::export::output::{Output, pieces_of};
+use crate::export::output::{Output, is_folder, pieces_of};
 use crate::export::showing::Showing;
 use crate::frame::projection::Projection;
 use crate::show::ShowSource;
@@ -216,7 +218,19 @@ fn write_pieces(
     let silent = VideoRequest { sound: false, ..request.clone() };
     let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
-    std::fs::create_dir_all(&folder).map_err(|error| Unwritable::new(&folder, &error))?;
+    let (lock, undo) = ending::begin(|| {
+        std::fs::create_dir_all(&folder).map_err(|error| Unwritable::new(&folder, &error))?;
+        let empty = folder.clone();
+        // A folder with pieces stays, because it is not empty.
+        Ok::<_, ExportError>((File::open(&folder), move || drop(std::fs::remove_dir(empty))))
+    })?;
+    // On systems that cannot open folders, two runs disturb each other.
+    if lock.as_ref().is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock))) {
+        return refuse(format!(
+            "another run renders {} already: wait for it to end, or give -o another path",
+            path.display()
+        ));
+    }
     let piece_frames = if request.scene.paths.is_some() { PATH_PIECE_FRAMES } else { PIECE_FRAMES };
     let mut pieces = Vec::new();
     let Range { start: mut number, end } = range;
@@ -235,7 +249,7 @@ fn write_pieces(
     }
     let file = Encoder::start(&silent, path, Frames::Files(&pieces), Some(&record.describe()))?.finish()?;
     // Pieces that cannot be removed only take room.
-    let _ = std::fs::remove_dir_all(&folder);
+    let _ = undo.settle(|| std::fs::remove_dir_all(&folder));
     Ok(file)
 }
 

@@ -10,8 +10,8 @@ use super::encoder::{Encoder, Frames};
 use super::request::VideoRequest;
 use crate::atomic_file::Unwritable;
 use crate::export::alpha::straight;
-use crate::export::error::ExportError;
-use crate::export::output::{Output, write_standard};
+use crate::export::error::{ExportError, refuse};
+use crate::export::output::{Output, is_folder, write_standard};
 use crate::export::still::Pixels;
 use crate::y4m::{self, Chroma};
 
@@ -30,9 +30,17 @@ pub(super) enum Sink {
     },
 }
 
-/// True if the output is a folder, or will be a folder because it ends in a slash.
-pub(super) fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.to_string_lossy().ends_with(['/', '\\'])
+/// Refuses a folder that has frames already: those that this video does not replace would stay among its own.
+pub(super) fn refuse_frames(folder: &Path) -> Result<(), ExportError> {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+    match names.filter(|name| name.starts_with("frame-") && name.ends_with(".png")).min() {
+        Some(frame) => refuse(format!(
+            "{} has frames already, such as {frame}: choose another folder with -o, or remove them first",
+            folder.display()
+        )),
+        None => Ok(()),
+    }
 }
 
 impl Sink {

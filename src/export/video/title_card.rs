@@ -1,5 +1,7 @@
 //! The song's title and artist, shown during the first seconds of a video.
 
+use std::path::Path;
+
 use super::request::VideoRequest;
 use crate::export::error::ExportError;
 use crate::view::caption::Caption;
@@ -18,14 +20,20 @@ pub(super) struct TitleCard {
     seen: f64,
 }
 
+fn without_ending(name: &str) -> String {
+    let stem = Path::new(name).file_stem().unwrap_or_default();
+    one_line(&stem.to_string_lossy())
+}
+
 impl TitleCard {
-    /// Returns the card of a video of `seconds`: the song's title and artist, or the file's name if title or artist is
-    /// missing.
+    /// Returns the card of a video of `seconds`: the song's title and artist, the title alone, or the file's name
+    /// without its ending.
     pub(super) fn of(request: &VideoRequest, seconds: Option<f64>) -> Result<Self, ExportError> {
         let decoder = request.song.open()?;
         let info = decoder.info();
         let (title, artist) = match (&info.title, &info.artist) {
             (Some(title), Some(artist)) => (one_line(title), Some(one_line(artist))),
+            (None, _) => (without_ending(&info.name), None),
             _ => (display_name(&decoder), None),
         };
         let caption = Caption::of_title(&title, artist.as_deref(), request.lyrics.is_some(), request.size);
