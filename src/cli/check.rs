@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use super::common::colors;
 use super::files::scene_of;
-use crate::export::print::{print_line, print_message};
+use crate::export::print::{counted, print_line, print_message};
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::{Counting, ShaderLibrary};
 use crate::moving_textures::description;
 use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
 use mariana_field::lang::{
-    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Swarm, TextureRef, plural, render_all,
+    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Swarm, TextureRef, render_all,
 };
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
@@ -237,9 +237,10 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
         .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
         .count();
     Ok(format!(
-        "{} clauses, {constants} constants, {} registers for the distance; {}; listens to {}",
-        tape.clauses().len(),
-        tape.registers(),
+        "{}, {}, {} for the distance; {}; listens to {}",
+        counted(tape.clauses().len(), "clause"),
+        counted(constants, "constant"),
+        counted(tape.registers(), "register"),
         parts(scene),
         inputs(scene, &scene.graph, &expressions(scene))?
     ))
@@ -290,11 +291,8 @@ fn parts(scene: &Scene) -> String {
         [(scene.objects.len(), "object"), (scene.materials.len(), "material"), (scene.lights.len(), "light")];
     let others = [(scene.media.len(), "medium"), (scene.swarms.len(), "swarm"), (points, "point")];
     let others = others.into_iter().filter(|(number, _)| *number > 0);
-    let counted = usual.into_iter().chain(others).map(|(number, what)| match number {
-        1 => format!("1 {what}"),
-        _ => format!("{number} {}", plural(what)),
-    });
-    counted.collect::<Vec<_>>().join(", ")
+    let all = usual.into_iter().chain(others).map(|(number, what)| counted(number, what));
+    all.collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the names, in the scene language, of the time, the sounds and the parameters that `roots` read.

@@ -25,6 +25,7 @@ use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPainter;
 use crate::view::setup::ViewSetup;
+use mariana_field::graph::SoundInput;
 use mariana_field::lang::Scene;
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{TapeBuffers, ToneMap, World};
@@ -417,6 +418,15 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
         }
         if !known {
             let (name, inputs) = (&setting.name, InputNames(scenes));
+            let dotted = format!("{name}.");
+            let sides = SoundInput::ALL.map(SoundInput::name);
+            let sides: Vec<&str> = sides.into_iter().filter(|side| side.starts_with(&dotted)).collect();
+            if !sides.is_empty() {
+                let sides = sides.join(" or ");
+                return refuse(format!(
+                    "'{name}' is a value of the sound with several numbers: give --set one of them, {sides}"
+                ));
+            }
             return refuse(format!("no input is called '{name}': choose one of {inputs} for --set"));
         }
     }

@@ -84,6 +84,9 @@ pub(crate) mod x11 {
     const PERIOD: Duration = Duration::from_millis(500);
 
     pub(crate) fn connect() -> Result<(RustConnection, Window), Box<dyn Error>> {
+        if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
+            return Err("there is no display, because DISPLAY is not set".into());
+        }
         let (connection, screen) = x11rb::connect(None)?;
         let root = connection.setup().roots.get(screen).ok_or("the X server has no screen")?.root;
         connection.randr_query_version(1, 5)?.reply()?;

@@ -60,8 +60,16 @@ fn numbers_out_of_range_are_refused() {
 #[test]
 fn without_an_x_server_monitor_lists_wallpapers_and_savers_are_refused() {
     let place = Workplace::new();
-    place.run(&["--output", "list"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
-    place.run(&["--wallpaper"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
+    place.run(&["--output", "list"]).refused(&[
+        "monitors can be listed on X11 only",
+        "there is no display",
+        "start Mariana",
+    ]);
+    place.run(&["--wallpaper"]).refused(&[
+        "monitors can be listed on X11 only",
+        "there is no display",
+        "start Mariana",
+    ]);
     let mut wayland = place.command(&["--wallpaper"]);
     wayland.env("WAYLAND_DISPLAY", "wayland-none");
     Outcome::of(&mut wayland).refused(&["cannot open a window", "start Mariana"]);

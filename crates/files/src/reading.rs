@@ -32,12 +32,24 @@ pub enum TextError {
     NotText(usize),
 }
 
+/// The bytes of a file that is too large by which a text is known.
+const HEAD_BYTES: u64 = 4096;
+
 /// Reads a text of at most `max` bytes.
 ///
 /// # Errors
 /// Fails like [`read_at_most`], and for a file that is too large or is not UTF-8.
 pub fn read_text(path: &Path, max: usize) -> Result<String, TextError> {
-    let bytes = read_at_most(path, max).map_err(TextError::Unreadable)?.ok_or(TextError::TooLarge(max))?;
+    let Some(bytes) = read_at_most(path, max).map_err(TextError::Unreadable)? else {
+        // A song is no text that could be split.
+        let mut head = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+        read.map_err(TextError::Unreadable)?;
+        return Err(match std::str::from_utf8(&head) {
+            Err(error) if error.error_len().is_some() => TextError::NotText(error.valid_up_to()),
+            _ => TextError::TooLarge(max),
+        });
+    };
     String::from_utf8(bytes).map_err(|error| TextError::NotText(error.utf8_error().valid_up_to()))
 }
 
