@@ -9,13 +9,12 @@ use super::print::is_open;
 use super::song_page::page;
 use crate::atomic_file::AtomicFile;
 use crate::scenes::{SceneSource, shipped_names};
-use crate::show::{PreparedShow, ShowSource};
+use crate::show::{BarLines, PreparedShow, ShowSource};
 use mariana_music::{SongListener, SongStructure, StereoFrame, Tonality};
 use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 use mariana_player::stems::{Stem, separating_command, stems_of};
-use mariana_show::BarLines;
 
 /// Options of the output.
 #[derive(Debug, Clone)]
@@ -123,12 +122,18 @@ pub(super) fn summary(structure: &SongStructure) -> String {
     }
     let tempo = match (structure.tempo, structure.meter) {
         (Some(tempo), Some(meter)) => {
-            format!("{tempo:.1} beats per minute in {}, {} bars", meter.name(), structure.bar_count())
+            format!("{tempo:.1} beats per minute in {}, {} bars", meter.name(), bar_count(structure))
         }
         _ => "no steady beat".to_owned(),
     };
     let key = structure.key.map_or_else(|| "no key".to_owned(), key_name);
     format!("{}, {tempo}, {key}", clock(structure.seconds))
+}
+
+/// The number of bars, without a last bar of which the song has less than half.
+fn bar_count(structure: &SongStructure) -> usize {
+    let at_end = BarLines::of(structure).bar_at(structure.seconds);
+    structure.downbeats().count().min((at_end - 0.5) as usize)
 }
 
 fn text(name: &str, structure: &SongStructure) -> String {
@@ -189,9 +194,9 @@ mod tests {
             sections: vec![section(0.0, 19.0), section(19.0, 24.0), section(24.0, 36.0)],
             ..SongStructure::default()
         };
-        assert_eq!(structure.bar_count(), 8);
+        assert_eq!(bar_count(&structure), 8);
         structure.seconds = 37.0;
-        assert_eq!(structure.bar_count(), 9);
+        assert_eq!(bar_count(&structure), 9);
         let text = text("song", &structure);
         let bars: Vec<&str> =
             text.lines().skip(1).map(|line| line.split("energy 0.50").last().unwrap()).collect();

@@ -3,7 +3,7 @@
 mod prepared_show;
 
 pub use mariana_show::{
-    Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, Moved, OnStage, OtherDeck, Performance,
-    ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
+    BarLines, Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, Moved, OnStage, OtherDeck,
+    Performance, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, name_of};

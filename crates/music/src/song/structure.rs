@@ -122,14 +122,6 @@ impl SongStructure {
         self.beats.iter().filter(|beat| beat.of_bar == 1).map(|beat| beat.time)
     }
 
-    /// The number of bars, without a last bar of which the song has less than half.
-    pub fn bar_count(&self) -> usize {
-        let beats = self.meter.map_or(0, Meter::beats) as f64;
-        let has_half =
-            |beat: &&SongBeat| beat.time + 0.5 * beats * 60.0 / f64::from(beat.tempo) <= self.seconds;
-        self.beats.iter().filter(|beat| beat.of_bar == 1).filter(has_half).count()
-    }
-
     pub(super) fn of(heard: &Heard) -> Self {
         let seconds = heard.seconds;
         let mut structure = Self {
