@@ -15,7 +15,7 @@ use crate::moving_textures::description;
 use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
 use mariana_field::lang::{
-    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Swarm, TextureRef, render_all,
+    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Span, Swarm, TextureRef, render_all,
 };
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
@@ -133,10 +133,19 @@ fn grey(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
 /// Columns and rows of the rays that look for faults: about half a second on a slow computer.
 const RAYS: (usize, usize) = (48, 27);
 
+/// Rays are followed through distances of at most this many steps. Shipped scenes have less than 1,000; the tree of a
+/// formula of 100,000 steps takes minutes.
+const RAYS_STEPS_MAX: usize = 8192;
+
 /// Returns the warnings about a text, and about the rays of the scene's camera at its first frame.
 fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
     texts.extend(world.feedback_warning());
-    if RegionPlan::new(world).runs() {
+    let plan = RegionPlan::new(world);
+    if plan.whole_texels > RAYS_STEPS_MAX {
+        let long =
+            Diagnostic::warning(Span::default(), "the distance is too long to follow rays, and to draw soon");
+        texts.push(long.hint("use fewer parts, or loops with fewer rounds"));
+    } else if plan.runs() {
         texts.extend(ray_faults(world, 0.0, RAYS.0, RAYS.1).warnings(world));
     }
     texts

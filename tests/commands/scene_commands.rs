@@ -351,3 +351,14 @@ fn edited_shows_and_scenes_were_silently_replaced_by_text_outputs() {
     place.run(&["export", "--glsl", "my.scene", "-o", "out.glsl"]).done();
     place.run(&["export", "--glsl", "my.scene", "-o", "out.glsl"]).done();
 }
+
+/// The tree of cells for its rays took minutes.
+#[test]
+fn a_very_long_distance_is_checked_without_following_rays() {
+    let heavy = "sphere(p, 1) + 0.001*sum(for i in 0..400: noise(p * i))";
+    let text = Workplace::new().run(&["check", heavy]).done();
+    assert!(
+        text.contains("registers for the distance") && text.contains("too long to follow rays"),
+        "{text}"
+    );
+}
