@@ -10,7 +10,7 @@
 
 /// The version of the analysis. It increases when a change to the analysis gives the same samples another structure, so
 /// that outdated cached structures are not used.
-pub const STRUCTURE_VERSION: u32 = 9;
+pub const STRUCTURE_VERSION: u32 = 10;
 
 mod bars;
 mod chroma;

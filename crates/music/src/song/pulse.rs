@@ -130,6 +130,12 @@ pub(super) fn likeliest_beats(odds: &[f32], hop_seconds: f64) -> Vec<usize> {
         }
     }
     join(&mut beats, path.beats(), usize::MAX);
+    // If a song begins with a beat, the rounding of the period may put this beat just before the song.
+    if let [first, second, ..] = beats[..]
+        && first.abs_diff(second - first) <= EARLY
+    {
+        beats.insert(0, 0);
+    }
     beats
 }
 
@@ -141,6 +147,8 @@ pub(super) fn likeliest_beats(odds: &[f32], hop_seconds: f64) -> Vec<usize> {
 const FLUX_LATE: f64 = 0.6;
 /// The onset of a beat is searched within this many hops before and after the beat.
 const AROUND: usize = 2;
+/// The first beat may be this many hops before its sound: 64 ms, about the usual tolerance for beats.
+const EARLY: usize = 6;
 const BEATS_MIN: usize = 8;
 /// A stretch of this many successive beats may be steady.
 const STRETCH_BEATS: usize = 32;
@@ -194,7 +202,7 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     else {
         return &[];
     };
-    let from = beats.partition_point(|beat| beat + 4 < first);
+    let from = beats.partition_point(|beat| beat + EARLY < first);
     let to = beats.partition_point(|beat| *beat <= last);
     beats.get(from..to).unwrap_or_default()
 }

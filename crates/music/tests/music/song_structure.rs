@@ -66,6 +66,19 @@ fn beats_bars_sections_and_key_of_songs_are_found() {
     }
 }
 
+/// Its bars were numbered from the second one on.
+#[test]
+fn the_first_beat_of_a_song_without_a_lead_in_was_lost() {
+    for (style, tempo) in [(Style::Rock, 112.5), (Style::FourOnTheFloor, 128.0), (Style::Syncopated, 97.0)] {
+        let key = Tonality { root: 0, mode: Mode::Minor };
+        let (frames, truth) = Song::new(style, tempo, key, pop(key.mode)[1..5].to_vec()).play(RATE);
+        let start = (truth.downbeats[0] * f64::from(RATE)).round() as usize;
+        let found = structure(RATE, &frames[start..]);
+        let first = found.beats[0];
+        assert!(first.time < 0.05 && first.of_bar == 1, "{style:?} at {tempo}: {first:?}");
+    }
+}
+
 /// Their eighths were taken for beats.
 #[test]
 fn slow_songs_are_not_told_at_twice_their_tempo() {
