@@ -39,7 +39,8 @@ pub(super) struct StillArguments {
     /// Use the size of a service; --size overrides it
     #[arg(long = "for", value_name = "PLACE", value_parser = choice::<VideoPlace>())]
     place: Option<VideoPlace>,
-    /// Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by --for, --projection and --stereo]
+    /// Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by
+    /// --for, --projection and --stereo]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     #[command(flatten)]

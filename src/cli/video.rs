@@ -46,7 +46,8 @@ pub(super) struct VideoArguments {
     /// Frames per second, such as 60, 23.976 or 30000/1001 [default: 30, or set by --for]
     #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by --for, --projection and --stereo]
+    /// Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by
+    /// --for, --projection and --stereo]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     #[command(flatten)]
