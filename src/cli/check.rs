@@ -133,17 +133,18 @@ fn grey(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
 /// Columns and rows of the rays that look for faults: about half a second on a slow computer.
 const RAYS: (usize, usize) = (48, 27);
 
-/// Rays are followed through distances of at most this many steps. Shipped scenes have less than 1,000; the tree of a
-/// formula of 100,000 steps takes minutes.
-const RAYS_STEPS_MAX: usize = 8192;
+/// Rays are followed only if the distance has at most this many texels, of two clauses each. Shipped scenes have fewer
+/// than 1,000; the tree of 100,000 takes minutes.
+const RAYS_TEXELS_MAX: usize = 8192;
 
 /// Returns the warnings about a text, and about the rays of the scene's camera at its first frame.
 fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
     texts.extend(world.feedback_warning());
     let plan = RegionPlan::new(world);
-    if plan.whole_texels > RAYS_STEPS_MAX {
-        let long =
-            Diagnostic::warning(Span::default(), "the distance is too long to follow rays, and to draw soon");
+    if plan.whole_texels > RAYS_TEXELS_MAX {
+        let message = "the distance is too long: no rays are followed, and the first frame may take minutes";
+        let place = world.scene.objects.first().map_or(Span::default(), |object| object.span);
+        let long = Diagnostic::warning(place, message);
         texts.push(long.hint("use fewer parts, or loops with fewer rounds"));
     } else if plan.runs() {
         texts.extend(ray_faults(world, 0.0, RAYS.0, RAYS.1).warnings(world));

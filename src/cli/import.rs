@@ -21,7 +21,7 @@ pub(super) struct ImportArguments {
     /// The GLSL file
     #[arg(value_name = "FILE.glsl")]
     shader: PathBuf,
-    /// The scene to write; a GLSL file in another folder is copied beside it. '-' prints the scene [default: the name
+    /// The scene to write, in place of no other file; a GLSL file in another folder is copied beside it. '-' prints the scene [default: the name
     /// of the GLSL file with the ending .scene]
     #[arg(short, long, value_name = "FILE.scene")]
     output: Option<PathBuf>,
@@ -42,7 +42,7 @@ pub(super) struct ExportArguments {
     /// Add a mainImage that draws the scene in Shadertoy
     #[arg(long)]
     main_image: bool,
-    /// The file to write; '-' is standard output
+    /// The file to write, in place of none or of an earlier export; '-' is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
 }
@@ -64,9 +64,7 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     if is_standard(&output) {
         print_line(scene.trim_end())?;
     } else {
-        if arguments.output.is_none() {
-            refuse_to_replace(&output, None)?;
-        }
+        refuse_to_replace(&output, None)?;
         copy_beside(shader, &read.whole.text, &output, name)?;
         AtomicFile::create(&output)?.write(scene.as_bytes())?;
         print_line(&format!("{}: check it with `mariana check`, show it with `mariana`", output.display()))?;

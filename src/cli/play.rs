@@ -200,7 +200,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         (None, Some((opened, _))) => Some(opened),
         (None, None) => Some(open_songs(&files.songs, repeat, arguments.shuffle)?),
     };
-    // Import a shader last, because this writes files.
+    // Import a shader after the songs are opened, because this writes files.
     let scene = files.with_imported_shader(&folders)?.scene;
     let (chosen, resumed_scene_or) = match last.scene.as_deref().filter(|_| !names_scene) {
         Some(name) => resumed_scene(name, &common)?,

@@ -15,7 +15,7 @@ pub(crate) type OfTrack = Option<u64>;
 
 pub(crate) enum ShowNotice {
     PreparedShow(Option<Arc<PreparedShow>>),
-    /// The show file has these mistakes; the previous show continues.
+    /// The mistakes of the show file, as a text.
     Problem(String),
 }
 

@@ -128,7 +128,7 @@ impl Reports {
         self.track_errors = track_errors.count;
         let text = match new {
             1 => last.clone(),
-            _ => format!("{last}; {new} track errors in all"),
+            _ => format!("{last}; {new} new track errors"),
         };
         print_message(&text);
         self.announce(text);
@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(text(&reports), Some("x is gone"));
         now += Duration::from_secs(10);
         reports.update(now, true);
-        assert_eq!(text(&reports), Some("x is gone; 399 track errors in all"));
+        assert_eq!(text(&reports), Some("x is gone; 399 new track errors"));
         (0..9).for_each(|n| reports.announce(n.to_string()));
         now += Duration::from_secs(10);
         reports.update(now, true);

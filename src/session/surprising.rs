@@ -127,7 +127,13 @@ impl Session {
     fn show_variation(&mut self, variation: Variation) {
         let Variation { number, file, text, .. } = &variation;
         self.interface.drafts.set(file, text.as_bytes().into());
-        let Some(replaced) = self.surprises.replaced.take() else { return };
+        let scene = &self.playback.scene;
+        let is_played =
+            |replaced: &SceneSource| scene.foremost() == replaced || scene.played().contains(replaced);
+        // Another scene may have been chosen meanwhile.
+        let Some(replaced) = self.surprises.replaced.take().filter(is_played) else {
+            return self.interface.drafts.remove(file);
+        };
         if !self.playback.scene.replace_scene(&replaced, SceneSource::File(file.clone())) {
             return;
         }

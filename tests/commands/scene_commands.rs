@@ -358,7 +358,7 @@ fn a_very_long_distance_is_checked_without_following_rays() {
     let heavy = "sphere(p, 1) + 0.001*sum(for i in 0..400: noise(p * i))";
     let text = Workplace::new().run(&["check", heavy]).done();
     assert!(
-        text.contains("registers for the distance") && text.contains("too long to follow rays"),
+        text.contains("registers for the distance") && text.contains("the distance is too long"),
         "{text}"
     );
 }

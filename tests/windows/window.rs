@@ -18,7 +18,6 @@ use mariana_testing::wave::write_wav;
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
 use x11rb::rust_connection::RustConnection;
 
-/// The maximum time from the request to quit to the end of the program.
 /// The window size of most tests. It is small, because there is no graphics card.
 const SMALL: &str = "320x180";
 

@@ -166,7 +166,7 @@ impl InputQueue {
         });
     }
 
-    /// Counts a message, once its input is queued or rejected: who sees it counted finds its input.
+    /// Counts a message. Call this after its input is queued or rejected, so that a reader of the count finds the input.
     pub fn count(&self) {
         lock(&self.pending).messages += 1;
     }

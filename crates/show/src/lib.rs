@@ -22,7 +22,7 @@
 //!             at bar 9 city melt over 2 bars\n\
 //!             set height = 1 -> 3 over 4 bars";
 //! let find = |name: &str| {
-//!     let (scene, params) = (name.to_owned(), vec![("height".to_owned(), 0.0..=4.0)]);
+//!     let (scene, params) = (name.to_owned(), vec!["height".to_owned()]);
 //!     Ok(SceneCard { scene, about: About::default(), cameras: Vec::new(), params, rise: None })
 //! };
 //! let (show, left_out) = Show::of_text("my.show", text, &song, find)?;

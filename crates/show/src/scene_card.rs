@@ -1,8 +1,6 @@
 //! Facts about the scenes of a show: cameras, parameters and preferences.
 
-use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::RangeInclusive;
 
 use super::cue_list::{Entry, is_of_no_scene};
 use mariana_field::lang::{About, Diagnostic, Scene, Span};
@@ -16,8 +14,8 @@ pub struct SceneCard {
     pub about: About,
     /// Names of the scene's cameras.
     pub cameras: Vec<String>,
-    /// Names and ranges of the scene's parameters.
-    pub params: Vec<(String, RangeInclusive<f32>)>,
+    /// Names of the scene's parameters.
+    pub params: Vec<String>,
     /// The parameter that the director lets rise during a build; `None` if there is none.
     pub rise: Option<Rise>,
 }
@@ -63,47 +61,28 @@ impl SceneCard {
     /// Returns the facts about `scene`, which is called `name` in the show.
     pub fn of(name: &str, scene: Scene) -> Self {
         let rise = Rise::of(&scene);
-        let params = scene.params.into_iter().filter(|param| !param.is_number);
-        let params = params.map(|param| (param.name, param.min..=param.max));
+        let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
         let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
         Self { scene: name.to_owned(), about: scene.about, cameras, params: params.collect(), rise }
     }
 
-    /// Returns a diagnostic for each camera and parameter in `entry` that the scene does not have, and for each value
-    /// beyond its parameter's range.
-    fn mistakes_in(&self, entry: &Entry) -> Vec<Diagnostic> {
+    /// Returns a diagnostic for each camera and parameter in `entry` that the scene does not have.
+    fn missing(&self, entry: &Entry) -> Vec<Diagnostic> {
         let scene = &entry.scene;
         let lacks = |span: Span, what: &str, name: &str, hint: String| {
             Diagnostic::new(span, format!("the scene {scene} has no {what} `{name}`")).hint(hint)
         };
-        let mut mistakes = Vec::new();
+        let mut missing = Vec::new();
         if let Some(camera) = entry.camera.as_ref().filter(|camera| !self.cameras.contains(camera)) {
-            mistakes.push(lacks(entry.camera_span, "camera", camera, listed("cameras", &self.cameras)));
+            missing.push(lacks(entry.camera_span, "camera", camera, listed("cameras", &self.cameras)));
         }
         for setting in &entry.settings {
-            let Some((name, range)) = self.params.iter().find(|(name, _)| *name == setting.param) else {
-                if !is_of_no_scene(&setting.param) {
-                    let names: Vec<&str> = self.params.iter().map(|(name, _)| name.as_str()).collect();
-                    mistakes.push(lacks(
-                        setting.span,
-                        "parameter",
-                        &setting.param,
-                        listed("parameters", &names),
-                    ));
-                }
-                continue;
-            };
-            let mut values = std::iter::once(setting.from).chain(setting.steps.iter().map(|step| step.to));
-            if let Some(value) = values.find(|value| !range.contains(value)) {
-                let beyond = format!(
-                    "`{name}` ranges from {} to {}, but is set to {value}",
-                    range.start(),
-                    range.end()
-                );
-                mistakes.push(Diagnostic::new(setting.span, beyond).hint("write a value in this range"));
+            if !self.params.contains(&setting.param) && !is_of_no_scene(&setting.param) {
+                let hint = listed("parameters", &self.params);
+                missing.push(lacks(setting.span, "parameter", &setting.param, hint));
             }
         }
-        mistakes
+        missing
     }
 }
 
@@ -112,7 +91,7 @@ impl SceneCard {
 pub(super) struct NamedScenes {
     /// The key is the name in the cue list.
     pub cards: BTreeMap<String, SceneCard>,
-    /// A diagnostic for each refused scene, missing camera, missing parameter and value beyond a range.
+    /// A diagnostic for each refused scene, missing camera and missing parameter.
     pub mistakes: Vec<Diagnostic>,
     /// Rendered mistakes in the texts of scenes.
     pub reports: Vec<String>,
@@ -139,7 +118,7 @@ impl NamedScenes {
                 }
             }
             if let Some(card) = named.cards.get(&entry.scene) {
-                named.mistakes.extend(card.mistakes_in(entry));
+                named.mistakes.extend(card.missing(entry));
             }
         }
         named
@@ -159,7 +138,7 @@ impl NamedScenes {
 }
 
 /// Returns a hint about a wrong name, with a list of the valid names.
-fn listed(what: &str, names: &[impl Borrow<str>]) -> String {
+fn listed(what: &str, names: &[String]) -> String {
     match names {
         [] => format!("the scene has no named {what}: leave this one out"),
         names => format!("the scene's {what} are {}: choose one, or leave this one out", names.join(", ")),

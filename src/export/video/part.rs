@@ -5,6 +5,7 @@
 //! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
 
 use std::fs::{File, TryLockError};
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -219,10 +220,16 @@ fn write_pieces(
     let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
     let (lock, undo) = ending::begin(|| {
-        std::fs::create_dir_all(&folder).map_err(|error| Unwritable::new(&folder, &error))?;
+        let opened = || std::fs::create_dir_all(&folder).map(|()| File::open(&folder));
+        let lock = match opened() {
+            // A run that ends at this moment removes the folder.
+            Ok(Err(error)) if error.kind() == ErrorKind::NotFound => opened(),
+            opened => opened,
+        };
+        let lock = lock.map_err(|error| Unwritable::new(&folder, &error))?;
         let empty = folder.clone();
         // A folder with pieces stays, because it is not empty.
-        Ok::<_, ExportError>((File::open(&folder), move || drop(std::fs::remove_dir(empty))))
+        Ok::<_, ExportError>((lock, move || drop(std::fs::remove_dir(empty))))
     })?;
     // On systems that cannot open folders, two runs disturb each other.
     if lock.as_ref().is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock))) {

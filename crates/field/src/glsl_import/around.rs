@@ -188,11 +188,12 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneArou
     Ok(SceneAround { body: scene, choice: None, left_out })
 }
 
-/// The number of nodes that are evaluated to see whether a picture has one colour, and of moments and places at most.
+/// The number of nodes that are evaluated to see whether a picture has one colour.
 const FLAT_NODES: usize = 1 << 23;
+/// The largest number of moments and places at which it is evaluated.
 const FLAT_SAMPLES: usize = 4096;
 
-/// True for a picture that has one colour wherever and whenever it is evaluated.
+/// True for a picture that has one colour in all samples.
 fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     let colour = colour.get(..3).unwrap_or_default();
     let Ok(order) = graph.order(colour) else { return false };
@@ -204,7 +205,7 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
         textures: Some(Arc::new(Slopes)),
         ..FrameInputs::default()
     };
-    let samples = (FLAT_NODES / order.nodes.len().max(1)).clamp(48, FLAT_SAMPLES);
+    let samples = (FLAT_NODES / graph.len().max(1)).clamp(48, FLAT_SAMPLES);
     // Places spread evenly by the plastic number (Roberts 2018, The unreasonable effectiveness of quasirandom sequences).
     let mut colours = (0..samples).map(|index| {
         frame.time = [3.0, 4.7][index % 2];

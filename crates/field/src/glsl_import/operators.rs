@@ -294,7 +294,7 @@ fn difference(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
 pub(super) fn bits(place: &Range<u32>) -> Problem {
     let message = "this works on the bits of a whole number that is not constant";
     Problem::unsupported(place.clone(), message)
-        .hint("compute it with `floor`, `mod` and `exp2` of floats, and a hash with `fract(sin(…))`")
+        .hint("compute the bits with `floor`, `mod` and `exp2` of floats, and a hash with `fract(sin(…))`")
 }
 
 /// Computes an operation on two constants of one type of whole numbers, or compares them.

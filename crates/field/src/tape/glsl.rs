@@ -89,14 +89,15 @@ fn reciprocal(divisor: f32) -> Option<f32> {
     reciprocal.is_normal().then_some(reciprocal)
 }
 
-/// Returns the number of statements that the loops of a function save, which computes the roots.
+/// Returns the number of statements of the function that computes `roots`. The rounds of a loop count once.
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].
-pub fn saved_by_loops(graph: &Graph, roots: &[NodeId]) -> Result<usize> {
+pub fn statements(graph: &Graph, roots: &[NodeId]) -> Result<usize> {
     let order = graph.order(roots)?.nodes;
-    let loops = Unrolled::new(graph, &order, roots).loops();
-    Ok(loops.iter().map(|rounds| rounds.places.len() - rounds.steps.len()).sum())
+    let unrolled = Unrolled::new(graph, &order, roots);
+    let saved = unrolled.loops().iter().map(|rounds| rounds.places.len() - rounds.steps.len()).sum::<usize>();
+    Ok(unrolled.order.len() - saved)
 }
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3

@@ -9,6 +9,7 @@
 //! Once the condition is true, it stays true. If no variable changes from then on, the loop ends when the condition
 //! becomes true, and the choices inside the loop are removed.
 
+use std::cell::Cell;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -24,10 +25,12 @@ const NODES_MAX: usize = 1 << 18;
 const WINDOW: usize = 8;
 /// The number of lengths that are tried.
 const LENGTHS_MAX: usize = 64;
-/// The number of nodes that are read to find the start of one loop.
-const READ_MAX: usize = 1 << 22;
-/// Longest list of numbers that differ from round to round.
-const LISTED_MAX: usize = 1024;
+/// The number of nodes that are read to find the starts of all loops.
+const READ_MAX: usize = 1 << 26;
+/// The most numbers of a loop in lists, which are arrays in shaders.
+const LISTED_MAX: usize = 4096;
+/// The number of nodes that are read to see whether a condition is 0 or 1.
+const TRUTHS_MAX: usize = 64;
 /// Whole numbers up to this size and their sums are exact.
 const WHOLE_MAX: f32 = (1 << 20) as f32;
 
@@ -96,6 +99,8 @@ pub(super) struct Unrolled<'a> {
     places: Vec<Option<usize>>,
     /// For each node, the place of its last reader; for results, a place after all others.
     last_reader: Vec<usize>,
+    /// The number of nodes that may still be read to find the starts of loops.
+    unread: Cell<usize>,
 }
 
 /// Places `first..end` whose nodes do the same as the nodes that are `length` places later.
@@ -116,7 +121,7 @@ impl Repetition {
         self.rounds_from(self.first.max(self.length)).saturating_sub(1) * self.length
     }
 
-    /// All places of the run.
+    /// From the first place of the run to its end.
     fn places(&self) -> Range<usize> {
         self.first..self.end + self.length
     }
@@ -129,9 +134,9 @@ impl Repetition {
     }
 
     /// Places at which the loop may start: a round precedes it.
-    fn starts(&self) -> impl Iterator<Item = usize> {
+    fn starts(&self) -> Range<usize> {
         let first = self.first.max(self.length);
-        (first..first + self.length + 1).take(1 + READ_MAX / self.places().len())
+        first..first + self.length + 1
     }
 }
 
@@ -141,8 +146,13 @@ impl<'a> Unrolled<'a> {
         let computed = |id: &NodeId| !matches!(graph.node(*id), Node::Constant(_) | Node::Input(_));
         let mut order: Vec<NodeId> = needed.iter().copied().filter(computed).collect();
         order.sort_unstable();
-        let mut unrolled =
-            Self { graph, places: vec![None; graph.len()], last_reader: (0..order.len()).collect(), order };
+        let mut unrolled = Self {
+            graph,
+            places: vec![None; graph.len()],
+            last_reader: (0..order.len()).collect(),
+            order,
+            unread: Cell::new(READ_MAX),
+        };
         for (place, id) in unrolled.order.iter().enumerate() {
             unrolled.places[id.index()] = Some(place);
         }
@@ -165,7 +175,7 @@ impl<'a> Unrolled<'a> {
         self.places.get(id.index()).copied().flatten()
     }
 
-    /// Returns the loops, in order. Of runs that overlap, the one that saves most becomes a loop.
+    /// Returns the loops, in order. Where runs overlap, the one that saves most becomes a loop.
     pub(super) fn loops(&self) -> Vec<Rounds> {
         let ranked = |run: Repetition| (run.saves(), Reverse(run.length), Reverse(run.first), run.end);
         let mut runs: BinaryHeap<_> = self.runs().into_iter().map(ranked).collect();
@@ -257,6 +267,7 @@ impl<'a> Unrolled<'a> {
         let last = places.end - length;
         let mut lists = Vec::new();
         let step = |offset: usize| {
+            self.unread.set(self.unread.get().checked_sub(count)?);
             let id = self.order[start + offset];
             let (op, is_unary) = match self.graph.node(id) {
                 Node::Unary(op, _) => (op, true),
@@ -309,11 +320,11 @@ impl<'a> Unrolled<'a> {
             if (1..=count).all(counts) && is_whole(value) && is_whole(step) {
                 return Some(Source::Counted { first: value, step });
             }
-            if count > LISTED_MAX {
-                return None;
-            }
             let list = (1..=count).map(number).collect::<Option<Vec<f32>>>()?;
             let known = lists.iter().position(|known| *known == list);
+            if known.is_none() && (lists.len() + 1) * count > LISTED_MAX {
+                return None;
+            }
             return Some(Source::Listed(known.unwrap_or_else(|| {
                 lists.push(list);
                 lists.len() - 1
@@ -337,6 +348,21 @@ impl<'a> Unrolled<'a> {
         }
     }
 
+    /// True if a node is always 0 or 1: a truth, or the least or greatest of truths.
+    fn is_truth(&self, id: NodeId) -> bool {
+        let mut open = vec![id];
+        for _ in 0..TRUTHS_MAX {
+            let Some(id) = open.pop() else { return true };
+            match self.graph.node(id) {
+                Node::Constant(value) if value == 0.0 || value == 1.0 => {}
+                Node::Binary(Op::Min | Op::Max, a, b) => open.extend([a, b]),
+                Node::Unary(op, _) | Node::Binary(op, ..) if op.properties().has(Properties::TRUTH) => {}
+                _ => return false,
+            }
+        }
+        false
+    }
+
     fn without_early_end(&self, run: Repetition) -> Option<Rounds> {
         let mut rounds = run.starts().find_map(|start| self.rounds(run, start))?;
         rounds.keep_what_is_read();
@@ -345,9 +371,11 @@ impl<'a> Unrolled<'a> {
 
     /// Returns the loop of a run that ends by a condition. Its rounds start after the condition.
     fn with_early_end(&self, run: Repetition) -> Option<Rounds> {
-        let follows_max =
-            |start: &usize| matches!(self.graph.node(self.order[start - 1]), Node::Binary(Op::Max, ..));
-        run.starts().filter(follows_max).find_map(|start| {
+        let follows_condition = |start: &usize| {
+            let before = self.order[start - 1];
+            matches!(self.graph.node(before), Node::Binary(Op::Max, ..)) && self.is_truth(before)
+        };
+        run.starts().filter(follows_condition).find_map(|start| {
             let rounds = self.rounds(run, start)?;
             let ended = rounds.settled(self.graph, 1.0);
             let mut rounds = rounds.simplified(self.graph);

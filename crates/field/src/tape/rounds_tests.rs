@@ -177,6 +177,24 @@ fn a_long_march_with_numbers_for_each_round_is_a_loop() {
     march.check([5.0, 1.0, 0.0]);
 }
 
+/// A value that was no truth before the loop ended it at once.
+#[test]
+fn a_number_that_grows_to_one_does_not_end_the_loop() {
+    let grows = looped(
+        "fn f(p) {
+          let z = p  let e = max(p.x, p.y)
+          for i in 0..12 {
+            let w = abs(z) * 1.7 - vec3(0.5, 0.7, 0.3) + z.zxy * z.yzx
+            if e < 0.5 { z = w }
+            e = max(e, if dot(z, z) > 9 then 1 else 0)
+          }
+          length(z)
+        }",
+    );
+    assert!(!grows.loops.is_empty());
+    grows.check([0.3, 0.1, 0.2]);
+}
+
 #[test]
 fn a_condition_that_does_not_keep_every_value_does_not_end_the_loop() {
     // The trap goes on after the point has escaped.
@@ -211,6 +229,8 @@ fn functions() -> impl Strategy<Value = String> {
         "if z.x < z.y { z = z.yxz }",
         "if z.z > 0.5 { slope += i  trap = min(trap, z.x) } else { z = z * 1.1 }",
         "if dot(z, z) > 6 { break }",
+        "e = max(e, if dot(z, z) > 9 then 1 else 0)",
+        "if e < 0.5 { z = z * 1.1 - z.zxy }",
         "if i > 6 { break }",
         "slope += 0.25 * i",
         "slope = slope * 0.9 + z.x * (1 - 0.07 * i)",
@@ -223,11 +243,12 @@ fn functions() -> impl Strategy<Value = String> {
         "for i in 0..9 while dot(z, z) < 4",
         "for i in 0..9 while trap > 0.01",
         "for i in 0..rounds",
+        "let e = max(p.x, p.y)  for i in 0..12",
     ]);
     let result = proptest::sample::select(vec!["length(z) / slope", "trap", "z.x + slope + trap", "slope"]);
     (head, proptest::collection::vec(statement, 1..7), result).prop_map(|(head, body, result)| {
         format!(
-            "param rounds = 7 in 3 .. 11\nfn f(p) {{\n  let z = p  let slope = 1  let trap = 10\n  {head} {{\n    {}\n  }}\n  {result}\n}}",
+            "param rounds = 7 in 3 .. 11\nfn f(p) {{\n  let z = p  let slope = 1  let trap = 10  let e = 0\n  {head} {{\n    {}\n  }}\n  {result}\n}}",
             body.join("\n    ")
         )
     })

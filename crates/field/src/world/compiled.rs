@@ -21,6 +21,13 @@ use crate::limits::{LIMITS, Limits};
 use crate::tape::glsl::{self, Sampling};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
+/// A function of the compiled program.
+pub(super) struct CompiledFunction {
+    name: String,
+    pub(super) roots: Vec<NodeId>,
+    sampling: Sampling,
+}
+
 impl World {
     /// True if a program compiled for this world also draws `other`, because they differ only in hoisted values.
     pub fn is_compiled_like(&self, other: &Self) -> bool {
@@ -46,34 +53,44 @@ impl World {
         Ok(generated + &self.contract())
     }
 
+    /// The functions of the compiled program.
+    pub(super) fn functions(&self) -> Vec<CompiledFunction> {
+        let roots = &self.roots;
+        let function = |name: &str, roots: &[NodeId], sampling: Sampling| CompiledFunction {
+            name: name.to_owned(),
+            roots: roots.to_vec(),
+            sampling,
+        };
+        let mut functions = vec![
+            function("rest_distance", &roots.distance, Sampling::None),
+            function("rest_surface", &[roots.distance[1], roots.object], Sampling::None),
+            function("sky", &roots.sky, Sampling::AlongDirection),
+            function("ambient", &roots.ambient, Sampling::AlongNormal),
+            function("glow", &roots.glow, Sampling::AlongPosition),
+        ];
+        functions.extend(roots.medium.iter().map(|medium| function("medium", medium, Sampling::None)));
+        let materials = roots.materials.iter().enumerate();
+        functions.extend(materials.map(|(index, material)| {
+            let numbers = &material[..self.material_numbers()];
+            function(&format!("material_{index}"), numbers, Sampling::AlongPosition)
+        }));
+        functions
+    }
+
     fn generated_functions(&self) -> Result<String, WorldError> {
         let graph = &self.graph;
-        let roots = &self.roots;
-        let numbers = self.material_numbers();
-        let materials = roots.materials.iter().map(|material| &material[..numbers]).enumerate();
-        let functions = [
-            glsl::function(graph, &roots.distance, "rest_distance", Sampling::None),
-            glsl::function(graph, &[roots.distance[1], roots.object], "rest_surface", Sampling::None),
-            glsl::function(graph, &roots.sky, "sky", Sampling::AlongDirection),
-            glsl::function(graph, &roots.ambient, "ambient", Sampling::AlongNormal),
-            glsl::function(graph, &roots.glow, "glow", Sampling::AlongPosition),
-        ]
-        .into_iter()
-        .chain(roots.medium.iter().map(|medium| glsl::function(graph, medium, "medium", Sampling::None)))
-        .chain(materials.map(|(index, material)| {
-            glsl::function(graph, material, &format!("material_{index}"), Sampling::AlongPosition)
-        }));
-        let functions: Result<Vec<String>, _> = functions.collect();
-        let functions = functions.map_err(WorldError::of(&self.name))?.concat();
-        let materials = roots.materials.iter().flat_map(|material| &material[..numbers]).copied();
-        let all: Vec<NodeId> = roots.apart_from_materials().chain(materials).collect();
+        let functions = self.functions();
+        let written = functions.iter().map(|of| glsl::function(graph, &of.roots, &of.name, of.sampling));
+        let written =
+            written.collect::<Result<Vec<String>, _>>().map_err(WorldError::of(&self.name))?.concat();
+        let all: Vec<NodeId> = functions.into_iter().flat_map(|of| of.roots).collect();
         let nodes = graph.order(&all).map_err(WorldError::of(&self.name))?.nodes;
         let inputs = nodes.into_iter().filter_map(|id| match graph.node(id) {
             Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
             Node::Input(input) => Some(input),
             _ => None,
         });
-        Ok(with_copies(functions, inputs))
+        Ok(with_copies(written, inputs))
     }
 
     /// The count of numbers that the shaders read from a material.

@@ -269,13 +269,13 @@ impl World {
             |(roots, over): (&[NodeId], Over)| SurfaceTape::build(&self.graph, roots, over).map_err(failed);
         let tape =
             |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
-        let of_light_roots = [
+        let of_light = [
             (&self.roots.sky[..], Over::Directions),
             (&self.roots.ambient, Over::Directions),
             (&self.roots.glow, Over::Points),
             (self.roots.medium.as_ref().map_or(&[][..], |medium| &medium[..]), Over::Points),
         ];
-        let mut programs = of_light_roots.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
+        let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
         let materials = &self.roots.materials;
         for roots in materials {
             programs.push(program((&roots[..SURFACE_NUMBERS], Over::Points))?);
@@ -302,11 +302,10 @@ impl World {
         let object = tape(&[self.roots.object])?.clauses().len();
         let materials = clauses(of_materials);
         let total = distance + object + materials + clauses(of_light);
-        let functions = of_light_roots.iter().map(|(roots, _)| *roots).chain([&self.roots.distance[..]]);
-        let functions = functions.chain(self.roots.materials.iter().map(|roots| &roots[..]));
-        let saved = functions.map(|roots| glsl::saved_by_loops(&self.graph, roots));
-        let saved = saved.sum::<Result<usize>>().map_err(WorldError::of(&self.name))?;
-        let cost = Cost { distance, materials, total, compiled: total.saturating_sub(saved) };
+        let functions = self.functions().into_iter();
+        let statements = functions.map(|function| glsl::statements(&self.graph, &function.roots));
+        let compiled = statements.sum::<Result<usize>>().map_err(WorldError::of(&self.name))?;
+        let cost = Cost { distance, materials, total, compiled };
         let [on_gpu, on_processor] = {
             let tapes = programs[..run].iter().flat_map(SurfaceTape::tapes);
             let compounds = Tape::compounds_that_pay(tapes.clone());

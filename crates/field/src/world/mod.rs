@@ -105,12 +105,9 @@ pub struct Roots {
 impl Roots {
     /// Returns all expressions.
     pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
-        self.apart_from_materials().chain(self.materials.iter().flatten().copied())
-    }
-
-    fn apart_from_materials(&self) -> impl Iterator<Item = NodeId> + '_ {
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
-        self.distance.into_iter().chain(rest).chain(self.medium.into_iter().flatten())
+        let light = self.distance.into_iter().chain(rest).chain(self.medium.into_iter().flatten());
+        light.chain(self.materials.iter().flatten().copied())
     }
 
     fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
