@@ -132,7 +132,8 @@ impl Session {
             |replaced: &SceneSource| scene.foremost() == replaced || scene.played().contains(replaced);
         // Another scene may have been chosen meanwhile.
         let Some(replaced) = self.surprises.replaced.take().filter(is_played) else {
-            return self.interface.drafts.remove(file);
+            self.interface.drafts.remove(file);
+            return;
         };
         if !self.playback.scene.replace_scene(&replaced, SceneSource::File(file.clone())) {
             return;

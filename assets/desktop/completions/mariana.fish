@@ -125,7 +125,7 @@ reel\t'Portrait, 1080x1920 at 30 frames a second, the first 90 seconds'
 story\t'Portrait, 1080x1920 at 30 frames a second, the first 60 seconds'
 square\t'1080x1080 at 30 frames a second'
 loop\t'Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose end fades into the beginning'"
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by --for, --projection and --stereo]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
 360\t'The whole sphere, twice as wide as high'
 dome\t'A square dome master: a disc of 180 degrees'
@@ -178,7 +178,7 @@ loop\t'Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose 
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l start -d 'Start, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l duration -d 'Length, as 80 or 1:20.5 [default: to the end, or set by --for]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l fps -d 'Frames per second, such as 60, 23.976 or 30000/1001 [default: 30, or set by --for]' -r
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l size -d 'Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l size -d 'Size of the whole picture in pixels, with both eyes of --stereo [default: 1280x720, or set by --for, --projection and --stereo]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
 360\t'The whole sphere, twice as wide as high'
 dome\t'A square dome master: a disc of 180 degrees'
@@ -280,11 +280,11 @@ complete -c mariana -n "__fish_mariana_using_subcommand eval" -l at -d 'A point 
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l points -d 'A file with one point per line: x,y,z; \'-\' is standard input' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand import" -s o -l output -d 'The scene to write; a GLSL file in another folder is copied beside it. \'-\' prints the scene [default: the name of the GLSL file with the ending .scene]' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand import" -s o -l output -d 'The scene to write, in place of no other file; a GLSL file in another folder is copied beside it. \'-\' prints the scene [default: the name of the GLSL file with the ending .scene]' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand import" -l as -d 'What to show of a shader that draws a picture and has a distance function: its own picture, or the distance as an object in the light of a scene' -r -f -a "picture\t''
 shape\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand import" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand export" -s o -l output -d 'The file to write; \'-\' is standard output' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand export" -s o -l output -d 'The file to write, in place of none or of an earlier export; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l glsl -d 'Write GLSL; this is the only format so far'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l main-image -d 'Add a mainImage that draws the scene in Shadertoy'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -s h -l help -d 'Print help'
