@@ -29,8 +29,6 @@ const LENGTHS_MAX: usize = 64;
 const READ_MAX: usize = 1 << 26;
 /// The most numbers of a loop in lists, which are arrays in shaders.
 const LISTED_MAX: usize = 4096;
-/// The number of nodes that are read to see whether a condition is 0 or 1.
-const TRUTHS_MAX: usize = 64;
 /// Whole numbers up to this size and their sums are exact.
 const WHOLE_MAX: f32 = (1 << 20) as f32;
 
@@ -99,6 +97,8 @@ pub(super) struct Unrolled<'a> {
     places: Vec<Option<usize>>,
     /// For each node, the place of its last reader; for results, a place after all others.
     last_reader: Vec<usize>,
+    /// True for nodes that are always 0 or 1: truths, and the least and greatest of truths.
+    truths: Vec<bool>,
     /// The number of nodes that may still be read to find the starts of loops.
     unread: Cell<usize>,
 }
@@ -150,6 +150,7 @@ impl<'a> Unrolled<'a> {
             graph,
             places: vec![None; graph.len()],
             last_reader: (0..order.len()).collect(),
+            truths: vec![false; order.len()],
             order,
             unread: Cell::new(READ_MAX),
         };
@@ -157,6 +158,11 @@ impl<'a> Unrolled<'a> {
             unrolled.places[id.index()] = Some(place);
         }
         for place in 0..unrolled.order.len() {
+            unrolled.truths[place] = match graph.node(unrolled.order[place]) {
+                Node::Binary(Op::Min | Op::Max, a, b) => unrolled.is_truth(a) && unrolled.is_truth(b),
+                Node::Unary(op, _) | Node::Binary(op, ..) => op.properties().has(Properties::TRUTH),
+                _ => false,
+            };
             for operand in graph.node(unrolled.order[place]).operands() {
                 if let Some(of) = unrolled.place(operand) {
                     unrolled.last_reader[of] = place;
@@ -348,19 +354,11 @@ impl<'a> Unrolled<'a> {
         }
     }
 
-    /// True if a node is always 0 or 1: a truth, or the least or greatest of truths.
+    /// True if a node is always 0 or 1.
     fn is_truth(&self, id: NodeId) -> bool {
-        let mut open = vec![id];
-        for _ in 0..TRUTHS_MAX {
-            let Some(id) = open.pop() else { return true };
-            match self.graph.node(id) {
-                Node::Constant(value) if value == 0.0 || value == 1.0 => {}
-                Node::Binary(Op::Min | Op::Max, a, b) => open.extend([a, b]),
-                Node::Unary(op, _) | Node::Binary(op, ..) if op.properties().has(Properties::TRUTH) => {}
-                _ => return false,
-            }
-        }
-        false
+        let known = |value| value == 0.0 || value == 1.0;
+        self.place(id)
+            .map_or_else(|| self.graph.as_constant(id).is_some_and(known), |place| self.truths[place])
     }
 
     fn without_early_end(&self, run: Repetition) -> Option<Rounds> {
