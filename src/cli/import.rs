@@ -21,8 +21,8 @@ pub(super) struct ImportArguments {
     /// The GLSL file
     #[arg(value_name = "FILE.glsl")]
     shader: PathBuf,
-    /// The scene to write, in place of no other file; a GLSL file in another folder is copied beside it. '-' prints the scene [default: the name
-    /// of the GLSL file with the ending .scene]
+    /// The scene to write, which must not exist yet; a GLSL file in another folder is copied to its folder. '-' prints
+    /// the scene [default: the name of the GLSL file with the ending .scene]
     #[arg(short, long, value_name = "FILE.scene")]
     output: Option<PathBuf>,
     /// What to show of a shader that draws a picture and has a distance function: its own picture, or the distance as
@@ -42,7 +42,7 @@ pub(super) struct ExportArguments {
     /// Add a mainImage that draws the scene in Shadertoy
     #[arg(long)]
     main_image: bool,
-    /// The file to write, in place of none or of an earlier export; '-' is standard output
+    /// The file to write; only an earlier export is replaced; '-' is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
 }

@@ -280,11 +280,11 @@ complete -c mariana -n "__fish_mariana_using_subcommand eval" -l at -d 'A point 
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l points -d 'A file with one point per line: x,y,z; \'-\' is standard input' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand import" -s o -l output -d 'The scene to write, in place of no other file; a GLSL file in another folder is copied beside it. \'-\' prints the scene [default: the name of the GLSL file with the ending .scene]' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand import" -s o -l output -d 'The scene to write, which must not exist yet; a GLSL file in another folder is copied to its folder. \'-\' prints the scene [default: the name of the GLSL file with the ending .scene]' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand import" -l as -d 'What to show of a shader that draws a picture and has a distance function: its own picture, or the distance as an object in the light of a scene' -r -f -a "picture\t''
 shape\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand import" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand export" -s o -l output -d 'The file to write, in place of none or of an earlier export; \'-\' is standard output' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand export" -s o -l output -d 'The file to write; only an earlier export is replaced; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l glsl -d 'Write GLSL; this is the only format so far'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -l main-image -d 'Add a mainImage that draws the scene in Shadertoy'
 complete -c mariana -n "__fish_mariana_using_subcommand export" -s h -l help -d 'Print help'

@@ -41,7 +41,7 @@ const HEAD_BYTES: u64 = 4096;
 /// Fails like [`read_at_most`], and for a file that is too large or is not UTF-8.
 pub fn read_text(path: &Path, max: usize) -> Result<String, TextError> {
     let Some(bytes) = read_at_most(path, max).map_err(TextError::Unreadable)? else {
-        // Nobody can split a file that is no text, such as a song.
+        // The advice to split the file would be wrong for a file that is no text, such as a song.
         let mut head = Vec::new();
         let read = File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
         read.map_err(TextError::Unreadable)?;

@@ -16,7 +16,7 @@ pub fn is_glsl(name: &str) -> bool {
     ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
-/// First words of texts in GLSL, besides the types and qualifiers that the parser of scenes knows.
+/// First words of texts in GLSL that are not among the types and qualifiers of the parser of scenes.
 const DECLARING: &str = "ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4 struct in layout smooth";
 
 /// True if a text is GLSL. Behind comments and lines for the preprocessor, which scenes read as comments, such a text

@@ -95,7 +95,7 @@ pub(super) struct Unrolled<'a> {
     pub(super) order: Vec<NodeId>,
     /// Places in `order`, by the nodes' positions in the graph.
     places: Vec<Option<usize>>,
-    /// For each node, the place of its last reader; for results, a place after all others.
+    /// For each node, the index of its last reader in `order`; for results, the length of `order`.
     last_reader: Vec<usize>,
     /// True for nodes that are always 0 or 1: truths, and the least and greatest of truths.
     truths: Vec<bool>,
@@ -121,7 +121,7 @@ impl Repetition {
         self.rounds_from(self.first.max(self.length)).saturating_sub(1) * self.length
     }
 
-    /// From the first place of the run to its end.
+    /// All nodes of the run.
     fn places(&self) -> Range<usize> {
         self.first..self.end + self.length
     }
@@ -181,7 +181,7 @@ impl<'a> Unrolled<'a> {
         self.places.get(id.index()).copied().flatten()
     }
 
-    /// Returns the loops, in order. Where runs overlap, the one that saves most becomes a loop.
+    /// Returns the loops, in order. If runs overlap, the run that saves most nodes becomes a loop.
     pub(super) fn loops(&self) -> Vec<Rounds> {
         let ranked = |run: Repetition| (run.saves(), Reverse(run.length), Reverse(run.first), run.end);
         let mut runs: BinaryHeap<_> = self.runs().into_iter().map(ranked).collect();
