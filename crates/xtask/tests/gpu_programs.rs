@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Parts of the names of the programs to compile: every compiled scene, the passes, the universal interpreters, and
-/// the largest interpreter of a scene. Compiling them takes a minute.
+/// the largest interpreter of a scene. Compiling all of them takes a minute.
 const PROGRAMS: [&str; 4] = [".frag", "compiled", "universal", "speakers, interpreted"];
 
 #[test]

@@ -57,7 +57,8 @@ fn shim() -> Option<PathBuf> {
     files.into_iter().find(|file| file.exists())
 }
 
-/// Prints a table of programs and GPUs. With `--check`, fails if a program got worse; with `--accept`, records the
+/// Prints a table of programs and GPUs. With `--check`, fails if a program got worse, and compiles only programs whose
+/// text has changed since their figures were accepted, because a compiler gives the same figures for the same text; with `--accept`, records the
 /// figures as accepted.
 ///
 /// # Errors
@@ -96,9 +97,11 @@ fn compile(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<
     // Disable optimized variants, which the driver compiles after linking.
     let mut options = vec!["nooptvariant".to_owned()];
     options.extend(requested.options.iter().cloned());
+    let is_known = requested.check && requested.options.is_empty();
     let output = Command::new(std::env::current_exe()?)
         .args(["gpu-programs", "--json"])
         .args(requested.shaders.iter().flat_map(|folder| ["--shaders", folder]))
+        .args(is_known.then_some(["--known", gpu]).into_iter().flatten())
         .args(&requested.names)
         .env("LD_PRELOAD", shim)
         .env("AMDGPU_GPU_ID", gpu)

@@ -12,12 +12,15 @@ use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::renderer::{EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{SCENE_SHADER, as_views, drawing_variant_of, variant_of};
-use mariana::gpu::{CellUse, Counting, Headless, Interpreter, Mode, Program, ShaderLibrary, Variant};
+use mariana::gpu::{
+    CellUse, Counting, Headless, Interpreter, Mode, Program, ProgramKey, ShaderLibrary, Variant,
+};
 use mariana::scenes::{SceneSource, shipped_names};
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
+use super::budgets;
 use super::counts::Counts;
 
 /// A formula similar to the formulas that section 4.4 of the thesis measures (Abt 2022).
@@ -30,6 +33,8 @@ const VIEWED: &str = "speakers";
 pub(super) struct Linked {
     pub(super) driver: String,
     pub(super) name: String,
+    /// The hash of the fragment shader's text.
+    pub(super) hash: String,
     /// Figures of the fragment shader; `None` if the driver reports none.
     pub(super) counts: Option<Counts>,
     /// CPU time of compiling and linking in seconds, summed over all threads.
@@ -132,6 +137,9 @@ struct Arguments {
     json: bool,
     #[arg(long)]
     shaders: Option<PathBuf>,
+    /// Does not compile programs whose text has not changed since their figures for this GPU were accepted.
+    #[arg(long)]
+    known: Option<String>,
     names: Vec<String>,
 }
 
@@ -141,27 +149,32 @@ struct Arguments {
 /// # Errors
 /// Fails if the driver is missing or rejects a program.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let Arguments { json, shaders, names } = Arguments::parse_from(arguments);
+    let Arguments { json, shaders, known, names } = Arguments::parse_from(arguments);
     let library = shaders.map_or_else(ShaderLibrary::embedded, |folder| ShaderLibrary::on_disk(&folder));
     let heard = Heard::default();
     tracing_subscriber::registry().with(heard.clone()).init();
     let context = Headless::new(true)?;
     let gl = context.gl();
     let driver = format!("{}, {}", gl.info().renderer, gl.info().version);
+    let known = known.map(|gpu| budgets::known(&gpu, &driver)).transpose()?.unwrap_or_default();
     let mut refused = Vec::new();
     for Wanted { name, file, variant } in wanted(gl, &names)? {
+        let hash = ProgramKey::of([library.assemble(file, "", &variant)?.as_str()]).to_string();
         heard.drain();
         let start = ProcessTime::now();
-        let linked = Program::link(gl, &library, file, &variant);
+        let counts = match known.get(&hash) {
+            Some(counts) => Some(*counts),
+            None => {
+                if let Err(error) = Program::link(gl, &library, file, &variant) {
+                    refused.push(format!("{name}: {error}"));
+                    continue;
+                }
+                // Skip the vertex shader, which is much shorter.
+                heard.drain().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code)
+            }
+        };
         let seconds = start.elapsed().as_secs_f64();
-        if let Err(error) = linked {
-            refused.push(format!("{name}: {error}"));
-            continue;
-        }
-        // Skip the vertex shader, which is much shorter.
-        let counts =
-            heard.drain().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
-        let linked = Linked { driver: driver.clone(), name, counts, seconds };
+        let linked = Linked { driver: driver.clone(), name, hash, counts, seconds };
         if json {
             println!("{}", serde_json::to_string(&linked)?);
         } else {
