@@ -44,8 +44,8 @@ const BASS: std::ops::Range<usize> = 0..8;
 const MID: std::ops::Range<usize> = 8..21;
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// The onset strength shows an onset this many hops late, with centred and with trailing windows.
-const FLUX_LATE: (f32, f32) = (1.1, 2.1);
+/// The middle of the windows is this many hops before the moment, with centred and with trailing windows.
+const MIDDLE_LATE: (f32, f32) = (0.0, 2.0);
 
 /// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 1_500.0;
@@ -147,9 +147,9 @@ impl Analyzer {
         let (lookahead, late) = match alignment {
             // The moment is at the middle of the decimated long window.
             Alignment::Centred => {
-                ((slow_length / 2 - 1) * decimator.step + decimator.delay() + 1, FLUX_LATE.0)
+                ((slow_length / 2 - 1) * decimator.step + decimator.delay() + 1, MIDDLE_LATE.0)
             }
-            Alignment::Trailing => (0, FLUX_LATE.1),
+            Alignment::Trailing => (0, MIDDLE_LATE.1),
         };
         let place = |length: usize| match alignment {
             Alignment::Centred => {
@@ -185,7 +185,8 @@ impl Analyzer {
             rhythm: Rhythm::new(
                 short / 2,
                 rate / short as f64,
-                hop_seconds,
+                hop,
+                rate,
                 late,
                 alignment == Alignment::Trailing,
             ),
@@ -231,7 +232,7 @@ impl Analyzer {
         self.slow.restart();
         self.followers.stereo.restart();
         self.gain.restart();
-        self.rhythm.restart();
+        self.rhythm.restart(moment / self.buffer.hop as u64);
         self.sounds.restart();
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }

@@ -1,10 +1,10 @@
 //! Tempo and beat tracking: estimates the phase within the beat and predicts the next beat.
 //!
-//! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within the period,
-//! both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
-//! 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change to a similar period.
-//! The model expects an onset at the start of a beat and perhaps halfway through it, but hardly at its quarters. The
-//! states of a period form a ring. They advance together, so that the ring is rotated and not copied.
+//! The tracker is a causal hidden Markov model of the odds of a beat ([`crate::activation`]). A state is a period and a
+//! phase within the period, both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of
+//! Krebs, Böck and Widmer 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change
+//! to a similar period. The model also expects an onset at the start of a beat and perhaps halfway through it, but hardly
+//! at its quarters. The states of a period form a ring. They advance together, so that the ring is rotated and not copied.
 //!
 //! The reported tempo changes only to a much likelier tempo. The model keeps only windowed, held and leaky quantities,
 //! which forget the distant past. So after a seek, it is enough to analyse 13 s before the target.
@@ -17,40 +17,41 @@ use super::repetition::Repetition;
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// The start of a beat, of its half or of its quarter lasts this long, in seconds.
+/// The start of a beat lasts this long, in seconds.
 const START_SECONDS: f64 = 0.021;
-/// The time for which an onset strength is held, in seconds.
-const HELD_SECONDS: f64 = 0.032;
 
-/// Likelihood of an onset strength at the start of a beat, its half or its quarters, relative to the rest of the beat:
-/// a factor, and an exponent for the odds of the strength. Music has more onsets at halves than at quarters, which
-/// distinguishes a beat from half a beat.
-const BEAT: (f32, f32) = (1.1, 0.5);
-const HALF: (f32, f32) = (1.05, 0.05);
-const QUARTER: (f32, f32) = (1.0, -0.05);
+/// The range of the log odds, the log odds at which a beat is as likely as none, and the weight of a hop's odds.
+/// Successive hops depend on each other.
+const ODDS: (f32, f32) = (-6.0, 6.0);
+const USUAL: f32 = -4.0;
+const WEIGHT: f32 = 0.3;
+/// The weights of the odds of an onset at the start of a beat, at its half and at its quarters. Music has more onsets at
+/// halves than at quarters, which distinguishes a beat from half a beat.
+const ONSET_WEIGHTS: [f32; 3] = [0.3, 0.1, -0.03];
+/// The number of hops for which the flux of an onset is held.
+const HELD: usize = 3;
 
 /// The most likely tempo in beats per minute, and the distance in octaves at which a tempo is less likely by exp(-1/2).
-const LIKELY: (f64, f64) = (108.0, 0.9);
-/// The exponent with which the prior [`LIKELY`] is applied again at each beat.
-const LIKELY_EACH_BEAT: f64 = 0.7;
+const LIKELY: (f64, f64) = (100.0, 0.75);
 
 /// The cost of a tempo change at the end of a beat: the likelihood is exp(-`TEMPO_STIFFNESS` · relative change of the
 /// period). A change by one hop costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats
 /// alternate between both periods.
 const TEMPO_STIFFNESS: f32 = 90.0;
-const NEIGHBOUR: f32 = 1.2;
+const NEIGHBOUR: f32 = 2.0;
 /// The largest change of the period from one beat to the next, in hops.
 const REACH: usize = 8;
 
 /// The fraction of the belief that is redistributed over all states at each hop, so that a new tempo can be found.
-const DOUBT: f32 = 1e-6;
+const DOUBT: f32 = 1e-5;
 
 /// Thresholds of the total belief in the states near the likeliest state: within a tenth of a beat and a twelfth of its
 /// tempo. A tempo is reported once this belief reaches the first value, until it falls below the second value.
-const REPORTED: (f32, f32) = (0.6, 0.25);
+const REPORTED: (f32, f32) = (0.5, 0.2);
 
-/// A tempo is first reported when the onsets repeat this much at its period. Noise and speech hardly repeat.
-const REPEATED_MIN: f32 = 0.08;
+/// A tempo is first reported when the probability of a beat repeats this much at its period. Noise and speech hardly
+/// repeat.
+const REPEATED_MIN: f32 = 0.12;
 
 /// Another tempo replaces the reported tempo only if it is likelier by this factor.
 const INERTIA: f32 = 3.0;
@@ -111,18 +112,19 @@ pub(super) struct BeatTracker {
     totals: Vec<f32>,
     /// The number of hops that count as the start of a beat.
     start: usize,
-    hold: usize,
-    held: [f32; 4],
+    /// The fluxes of the last hops, the newest first. The oldest [`HELD`] are as late as the odds.
+    fluxes: Vec<f32>,
     onsets: RecentOnsets,
-    /// The delay of the flux, in hops.
+    /// The delay of the odds, in hops.
     late: f32,
     repetition: Repetition,
     reported: Beat,
 }
 
 impl BeatTracker {
-    /// Creates a tracker for hops of `hop_seconds`, whose flux shows onsets `late` hops after they happened.
-    pub(super) fn new(hop_seconds: f64, late: f32) -> Self {
+    /// Creates a tracker for hops of `hop_seconds`, whose odds show beats `late` hops after they happened, and `later`
+    /// hops after the flux shows them.
+    pub(super) fn new(hop_seconds: f64, late: f32, later: usize) -> Self {
         let period = |tempo: f64| (60.0 / tempo / hop_seconds).round() as usize;
         let mut rings: Vec<Ring> = Vec::new();
         let mut states = 0;
@@ -138,7 +140,7 @@ impl BeatTracker {
         let sum: f64 = likely.iter().sum();
         let doubt = rings.iter().zip(&likely).map(|(ring, l)| (l / sum / ring.period as f64) as f32);
         let most = likely.iter().fold(0.0_f64, |most, l| most.max(*l));
-        let again: Vec<f32> = likely.iter().map(|l| (l / most).powf(LIKELY_EACH_BEAT) as f32).collect();
+        let again: Vec<f32> = likely.iter().map(|l| (l / most) as f32).collect();
         let weight = |to: usize, from: usize| {
             let moments = rings[to].period.abs_diff(rings[from].period) as f32;
             let beyond = (moments - 1.0).max(0.0) / rings[from].period as f32;
@@ -164,8 +166,7 @@ impl BeatTracker {
             totals: vec![0.0; count],
             rings,
             start: (START_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
-            hold: (HELD_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
-            held: [0.0; 4],
+            fluxes: vec![0.0; later + HELD],
             onsets: RecentOnsets { forget: (FORGET_SECONDS / hop_seconds) as u32, since: 0, count: 0 },
             late,
             repetition: Repetition::new(hop_seconds),
@@ -180,14 +181,15 @@ impl BeatTracker {
             ring.head = 0;
             self.belief[ring.start..ring.start + ring.period].fill(*doubt);
         }
-        self.held = [0.0; 4];
+        self.fluxes.fill(0.0);
         (self.onsets.since, self.onsets.count) = (self.onsets.forget, 0);
         self.repetition.restart();
         self.reported = Beat::default();
     }
 
-    /// Processes a hop. `flux` is relative to the largest recent flux, 0..1. `begins` is true at the onset of a sound.
-    pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
+    /// Processes a hop with the log `odds` of a beat. `flux` is relative to the largest recent flux, 0..1. `begins` is
+    /// true at the onset of a sound.
+    pub(super) fn follow(&mut self, odds: f32, flux: f32, begins: bool) -> Beat {
         let onsets = &mut self.onsets;
         onsets.since = if begins { 0 } else { onsets.since.saturating_add(1) };
         onsets.count = onsets.count.saturating_add(u32::from(begins));
@@ -197,12 +199,12 @@ impl BeatTracker {
             }
             return Beat::default();
         }
-        self.repetition.follow(flux);
+        self.repetition.follow(1.0 / (1.0 + (-odds).exp()));
         self.move_on();
-        self.held.rotate_right(1);
-        self.held[0] = flux;
-        let held = self.held[..self.hold].iter().fold(0.0_f32, |largest, flux| largest.max(*flux));
-        self.observe(held);
+        self.fluxes.rotate_right(1);
+        self.fluxes[0] = flux;
+        let held = self.fluxes.iter().rev().take(HELD).fold(0.0_f32, |largest, flux| largest.max(*flux));
+        self.observe(odds, held);
         self.current()
     }
 
@@ -218,9 +220,10 @@ impl BeatTracker {
         }
     }
 
-    fn observe(&mut self, held: f32) {
-        let odds = (held + 0.03) / (1.03 - held);
-        let [beat, half, quarter] = [BEAT, HALF, QUARTER].map(|(factor, power)| factor * odds.powf(power));
+    fn observe(&mut self, odds: f32, flux: f32) {
+        let onset = (flux + 0.03) / (1.03 - flux);
+        let [beat, half, quarter] = ONSET_WEIGHTS.map(|weight| onset.powf(weight));
+        let beat = beat * (WEIGHT * (odds.clamp(ODDS.0, ODDS.1) - USUAL)).exp();
         let mut sum = 0.0;
         for (ring, total) in self.rings.iter().zip(&mut self.totals) {
             let states = &mut self.belief[ring.start..ring.start + ring.period];

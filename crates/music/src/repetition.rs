@@ -1,5 +1,5 @@
-//! How much the onsets of a live input repeat at a period: the autocorrelation of the onset strengths, which forgets
-//! the past exponentially. Noise and speech do not repeat.
+//! How much the beats of a live input repeat at a period: the autocorrelation of their strengths, which forgets the past
+//! exponentially. Noise and speech do not repeat.
 
 /// The longest compared distance, in seconds, and the number of compared multiples of a period.
 const LONGEST_SECONDS: f64 = 5.3;

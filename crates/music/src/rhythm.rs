@@ -1,5 +1,6 @@
 //! Onsets and beats, from the short window, and what is heard of the song in live input.
 
+use super::activation::{self, Activation, STEP_HOPS};
 use super::beat::{Beat, BeatTracker};
 use super::features::TimedFeatures;
 use super::live::{Hop, Live, Strokes};
@@ -16,28 +17,44 @@ pub(super) struct Rhythm {
     flux: Flux,
     low: LowFlux,
     onsets: Onsets,
+    activation: Activation,
+    /// The newest log odds of a beat.
+    odds: f32,
+    /// The number of the next hop.
+    hop: u64,
     beats: BeatTracker,
     /// For live input only. Bars, keys and drops of songs come from [`crate::song`].
     live: Option<Live>,
 }
 
 impl Rhythm {
-    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length. Onsets
-    /// appear `late` hops after they happened.
-    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64, late: f32, is_live: bool) -> Self {
+    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length, whose
+    /// windows' middle is `late` hops before the moment.
+    pub(super) fn new(bins: usize, bin_hz: f64, hop: usize, rate: f64, late: f32, is_live: bool) -> Self {
+        let hop_seconds = hop as f64 / rate;
+        let activation = Activation::new(activation::LIVE, hop, rate);
+        let later = STEP_HOPS * activation.late();
+        // Measured with clicks. The start of a beat lasts two hops, and so do odds.
+        let late = late + later as f32 - 0.5;
         Self {
             flux: Flux::new(bins, bin_hz, hop_seconds),
             low: LowFlux::new(2 * bins, 0.5 * bin_hz, hop_seconds),
             onsets: Onsets::new(hop_seconds),
-            beats: BeatTracker::new(hop_seconds, late),
+            activation,
+            odds: 0.0,
+            hop: 0,
+            beats: BeatTracker::new(hop_seconds, late, later),
             live: is_live.then(|| Live::new(bins, bin_hz, hop_seconds)),
         }
     }
 
-    pub(super) fn restart(&mut self) {
+    /// Forgets all hops. The next hop has the number `hop`.
+    pub(super) fn restart(&mut self, hop: u64) {
         self.flux.restart();
         self.low.restart();
         self.onsets.restart();
+        self.activation.restart();
+        (self.odds, self.hop) = (0.0, hop);
         self.beats.restart();
         if let Some(live) = &mut self.live {
             live.restart();
@@ -48,7 +65,11 @@ impl Rhythm {
         let rise = self.flux.follow(short);
         let (begins, flux) = self.onsets.follow(rise, self.low.follow(middle, &self.flux));
         let strokes = self.live.as_mut().map(|live| live.strokes(short, flux));
-        RhythmMoment { begins, beat: self.beats.follow(flux, begins), strokes }
+        if self.hop.is_multiple_of(STEP_HOPS as u64) {
+            self.odds = self.activation.follow(middle);
+        }
+        self.hop += 1;
+        RhythmMoment { begins, beat: self.beats.follow(self.odds, flux, begins), strokes }
     }
 
     /// Completes the features of a moment of live input.

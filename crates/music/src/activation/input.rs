@@ -37,6 +37,11 @@ impl Input {
         }
     }
 
+    /// Forgets all moments.
+    pub(super) fn restart(&mut self) {
+        (self.last, self.means, self.loudest) = ([0.0; BANDS], [0.0; BANDS], 0.0);
+    }
+
     /// Returns the levels relative to their recent means, then the rises.
     pub(super) fn follow(&mut self, power: &[f32]) -> [f32; NUMBERS] {
         let mut numbers = [0.0; NUMBERS];

@@ -1,5 +1,5 @@
-//! How likely a beat is at each moment of a song, by a small network. It was trained on generated music only
-//! (`training_tests`).
+//! How likely a beat is at each moment of a song or of live input, by a small network. It was trained on generated music
+//! only (`training_tests`).
 
 mod input;
 mod network;
@@ -9,19 +9,18 @@ mod training_tests;
 use input::Input;
 use network::Network;
 
-use super::StereoFrame;
-use super::spectrum::Spectrum;
-
 /// The network processes one spectrum every this many hops.
 pub(super) const STEP_HOPS: usize = 2;
 /// The length of a spectrum's window, in hops.
 pub(super) const WINDOW_HOPS: usize = 4;
 
-const WEIGHTS: &[u8] = include_bytes!("weights.bin");
+/// The weights of a network that knows the whole song.
+pub(super) const WHOLE: &[u8] = include_bytes!("weights.bin");
+/// The weights of a network that knows hardly more than the past.
+pub(super) const LIVE: &[u8] = include_bytes!("live_weights.bin");
 
 /// Measures the log odds of a beat.
 pub(super) struct Activation {
-    spectrum: Spectrum,
     input: Input,
     /// `None` if the weights are damaged.
     network: Option<Network>,
@@ -29,12 +28,12 @@ pub(super) struct Activation {
 
 impl Activation {
     /// Creates the measurement for hops of `hop` frames at `rate` hertz.
-    pub(super) fn new(hop: usize, rate: f64) -> Self {
+    pub(super) fn new(weights: &[u8], hop: usize, rate: f64) -> Self {
         let length = WINDOW_HOPS * hop;
+        let step_seconds = (STEP_HOPS * hop) as f64 / rate;
         Self {
-            spectrum: Spectrum::new(length, |_| 1.0),
-            input: Input::new(length / 2, rate / length as f64, (STEP_HOPS * hop) as f64 / rate),
-            network: Network::read(WEIGHTS),
+            input: Input::new(length / 2, rate / length as f64, step_seconds),
+            network: Network::read(weights),
         }
     }
 
@@ -43,13 +42,22 @@ impl Activation {
         self.network.as_ref().map_or(0, Network::late)
     }
 
-    /// Processes the newest [`WINDOW_HOPS`] hops, every [`STEP_HOPS`] hops, and returns the log odds of a beat.
-    pub(super) fn follow(&mut self, frames: &[StereoFrame]) -> f32 {
-        let numbers = self.input.follow(&self.spectrum.measure(frames).power);
+    /// Forgets all moments.
+    pub(super) fn restart(&mut self) {
+        self.input.restart();
+        if let Some(network) = &mut self.network {
+            network.restart();
+        }
+    }
+
+    /// Processes the power spectrum of the newest [`WINDOW_HOPS`] hops, every [`STEP_HOPS`] hops, and returns the log
+    /// odds of a beat.
+    pub(super) fn follow(&mut self, power: &[f32]) -> f32 {
+        let numbers = self.input.follow(power);
         self.network.as_mut().map_or(0.0, |network| network.follow(Some(&numbers)))
     }
 
-    /// Returns the next result after the last frames.
+    /// Returns the next result after the last spectrum.
     pub(super) fn end(&mut self) -> f32 {
         self.network.as_mut().map_or(0.0, |network| network.follow(None))
     }
@@ -61,7 +69,9 @@ mod tests {
 
     #[test]
     fn the_weights_are_complete() {
-        assert!(Network::read(WEIGHTS).is_some());
-        assert!(Network::read(&WEIGHTS[..WEIGHTS.len() - 1]).is_none());
+        for weights in [WHOLE, LIVE] {
+            assert!(Network::read(weights).is_some());
+            assert!(Network::read(&weights[..weights.len() - 1]).is_none());
+        }
     }
 }

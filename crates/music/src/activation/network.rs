@@ -1,8 +1,8 @@
 //! A network of dilated convolutions, which processes a stream: residual blocks with one weighted sum of three moments
 //! each (van den Oord et al. 2016). Davies and Böck (2019) used such networks for beats.
 //!
-//! The network looks ahead as far as back, so that its output is late by [`Network::late`] steps. Moments before the
-//! start and after the end count as 0.
+//! The first blocks look ahead as far as back, so that the output is late by [`Network::late`] steps. The other blocks
+//! only look back. Moments before the start and after the end count as 0.
 
 use super::input::NUMBERS;
 
@@ -11,6 +11,7 @@ const WIDE: usize = 24;
 /// A sum spans an earlier, a middle and a later moment.
 const TAPS: usize = 3;
 const MIDDLE: usize = 1;
+const NEWEST: usize = 2;
 /// The largest number of blocks.
 const BLOCKS_MAX: u8 = 12;
 /// The slope of the activation function below 0.
@@ -75,6 +76,10 @@ impl<const IN: usize> Past<IN> {
         Self { values: vec![[0.0; IN]; (TAPS - 1) * dilation + 1], dilation, newest: 0 }
     }
 
+    fn clear(&mut self) {
+        self.values.fill([0.0; IN]);
+    }
+
     fn push(&mut self, values: [f32; IN]) {
         self.newest = (self.newest + 1) % self.values.len();
         self.values[self.newest] = values;
@@ -89,8 +94,15 @@ impl<const IN: usize> Past<IN> {
 
 struct Block {
     past: Past<WIDE>,
+    looks_ahead: bool,
     around: Sum<WIDE, WIDE>,
     mixed: Sum<WIDE, WIDE>,
+}
+
+impl Block {
+    fn late(&self) -> usize {
+        if self.looks_ahead { self.past.dilation } else { 0 }
+    }
 }
 
 /// A network and its state.
@@ -105,14 +117,15 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Reads a file: the bytes `MBN` and 1, the number of blocks, then each sum. A sum has the bias and the scale of
-    /// each output, and the weights. Returns `None` if the file is damaged.
+    /// Reads a file: the bytes `MBN` and 2, the number of blocks, the number of blocks that look ahead, then each sum. A
+    /// sum has the bias and the scale of each output, and the weights. Returns `None` if the file is damaged.
     pub(super) fn read(file: &[u8]) -> Option<Self> {
-        let mut reader = Reader(file.strip_prefix(b"MBN\x01")?);
-        let [blocks] = reader.bytes(1)?.try_into().ok()?;
+        let mut reader = Reader(file.strip_prefix(b"MBN\x02")?);
+        let [blocks, ahead] = reader.bytes(2)?.try_into().ok()?;
         let first = reader.sum(TAPS)?;
         let blocks = (0..blocks.min(BLOCKS_MAX)).map(|n| {
-            Some(Block { past: Past::new(1 << n), around: reader.sum(TAPS)?, mixed: reader.sum(1)? })
+            let (past, looks_ahead) = (Past::new(1 << n), n < ahead);
+            Some(Block { past, looks_ahead, around: reader.sum(TAPS)?, mixed: reader.sum(1)? })
         });
         let blocks = blocks.collect::<Option<_>>()?;
         let last = reader.sum(1)?;
@@ -122,7 +135,14 @@ impl Network {
 
     /// The number of steps after which the output of a moment follows.
     pub(super) fn late(&self) -> usize {
-        1 + self.blocks.iter().map(|block| block.past.dilation).sum::<usize>()
+        1 + self.blocks.iter().map(Block::late).sum::<usize>()
+    }
+
+    /// Forgets all moments.
+    pub(super) fn restart(&mut self) {
+        self.past.clear();
+        self.blocks.iter_mut().for_each(|block| block.past.clear());
+        (self.count, self.end) = (0, usize::MAX);
     }
 
     /// Processes the next moment; `None` after the last one. Returns the log odds of a beat, [`Network::late`] steps
@@ -140,7 +160,7 @@ impl Network {
         state = if is_inside(late) { bent(state) } else { [0.0; WIDE] };
         for block in &mut self.blocks {
             block.past.push(state);
-            late += block.past.dilation;
+            late += block.late();
             if !is_inside(late) {
                 state = [0.0; WIDE];
                 continue;
@@ -149,7 +169,7 @@ impl Network {
             (0..TAPS).for_each(|tap| block.around.add(tap, block.past.at(tap), &mut inner));
             let mut sum = block.mixed.bias;
             block.mixed.add(0, &bent(inner), &mut sum);
-            state = *block.past.at(MIDDLE);
+            state = *block.past.at(if block.looks_ahead { MIDDLE } else { NEWEST });
             state.iter_mut().zip(sum).for_each(|(state, sum)| *state += sum);
         }
         let mut out = self.last.bias;

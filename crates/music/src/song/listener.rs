@@ -5,7 +5,7 @@ use ebur128::{EbuR128, Mode};
 use super::chroma::FineChroma;
 use super::heard::{Heard, Moment, SLOW_HOPS, SlowMoment, TIMBRE_BANDS};
 use super::structure::SongStructure;
-use crate::activation::{Activation, STEP_HOPS, WINDOW_HOPS};
+use crate::activation::{self, Activation, STEP_HOPS, WINDOW_HOPS};
 use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
 use crate::onset::{Flux, Onsets};
@@ -34,7 +34,8 @@ const LONG_HOPS: usize = 32;
 pub struct SongListener {
     rate: f64,
     buffer: HopBuffer,
-    short: Spectrum,
+    /// The spectra for onsets, and for the odds of beats.
+    spectra: [Spectrum; 2],
     activation: Activation,
     flux: Flux,
     onsets: Onsets,
@@ -90,8 +91,8 @@ impl SongListener {
         Self {
             rate,
             buffer: HopBuffer::new(length, hop, length - hop),
-            short: Spectrum::new(short, |_| 1.0),
-            activation: Activation::new(hop, rate),
+            spectra: [short, WINDOW_HOPS * hop].map(|length| Spectrum::new(length, |_| 1.0)),
+            activation: Activation::new(activation::WHOLE, hop, rate),
             flux: Flux::new(short / 2, bin_hz, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             rises: Rises::new(short / 2, bin_hz, hop_seconds),
@@ -162,7 +163,8 @@ impl SongListener {
         let peak = self.buffer.newest(hop).iter().flatten().fold(0.0_f32, |peak, x| peak.max(x.abs()));
         self.slow.follow(&self.buffer.frames, hop);
 
-        let bins = &self.short.measure(self.buffer.newest(SHORT_HOPS * hop)).power;
+        let [short, middle] = &mut self.spectra;
+        let bins = &short.measure(self.buffer.newest(SHORT_HOPS * hop)).power;
         let rise = self.flux.follow(bins);
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         self.timbre.add(bins);
@@ -172,7 +174,8 @@ impl SongListener {
         self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
         self.hops += 1;
         if self.hops.is_multiple_of(STEP_HOPS) {
-            let odds = self.activation.follow(self.buffer.newest(WINDOW_HOPS * hop));
+            let spectrum = middle.measure(self.buffer.newest(WINDOW_HOPS * hop));
+            let odds = self.activation.follow(&spectrum.power);
             self.heard.beat_odds.push(odds);
         }
         if self.hops.is_multiple_of(SLOW_HOPS) {

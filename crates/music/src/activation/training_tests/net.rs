@@ -14,6 +14,8 @@ pub(super) struct Conv {
     inputs: usize,
     outputs: usize,
     taps: usize,
+    /// The tap of the present moment.
+    present: usize,
     dilation: usize,
     weights: Vec<f32>,
     bias: Vec<f32>,
@@ -31,6 +33,7 @@ impl Conv {
             inputs,
             outputs,
             taps,
+            present: taps / 2,
             dilation,
             weights: (0..count).map(|_| scale * random.normal()).collect(),
             bias: vec![0.0; outputs],
@@ -43,7 +46,7 @@ impl Conv {
 
     /// The offset of a tap in moments.
     fn offset(&self, tap: usize) -> isize {
-        (tap as isize - self.taps as isize / 2) * self.dilation as isize
+        (tap as isize - self.present as isize) * self.dilation as isize
     }
 
     fn forward(&self, input: &[f32], out: &mut Vec<f32>) {
@@ -225,6 +228,8 @@ fn scaled(rows: &mut [f32], scales: &[f32; WIDE]) {
 pub(super) struct Net {
     first: Conv,
     blocks: Vec<(Conv, Conv)>,
+    /// The number of blocks that look ahead.
+    ahead: usize,
     last: Conv,
     number: i32,
 }
@@ -244,18 +249,21 @@ pub(super) struct Values {
 }
 
 impl Net {
-    pub(super) fn new(inputs: usize, blocks: usize, random: &mut Random) -> Self {
+    /// Creates a network whose first `ahead` blocks look ahead as far as back, and whose other blocks only look back.
+    pub(super) fn new(inputs: usize, blocks: usize, ahead: usize, random: &mut Random) -> Self {
         let blocks = (0..blocks)
             .map(|n| {
                 let mut second = Conv::new(WIDE, WIDE, 1, 1, random);
                 second.weights.iter_mut().for_each(|w| *w *= 0.3);
-                (Conv::new(WIDE, WIDE, TAPS, 1 << n, random), second)
+                let mut first = Conv::new(WIDE, WIDE, TAPS, 1 << n, random);
+                first.present = if n < ahead { TAPS / 2 } else { TAPS - 1 };
+                (first, second)
             })
             .collect();
         let mut last = Conv::new(WIDE, OUT, 1, 1, random);
         last.weights.iter_mut().for_each(|w| *w *= 0.1);
         last.bias.fill(-2.0);
-        Self { first: Conv::new(inputs, WIDE, TAPS, 1, random), blocks, last, number: 0 }
+        Self { first: Conv::new(inputs, WIDE, TAPS, 1, random), blocks, ahead, last, number: 0 }
     }
 
     pub(super) fn forward(
@@ -307,8 +315,8 @@ impl Net {
 
     /// Returns the file that the analysis reads ([`super::super::network`]). Of the last layer it has the first output.
     pub(super) fn file(&self) -> Vec<u8> {
-        let mut file = b"MBN\x01".to_vec();
-        file.push(self.blocks.len() as u8);
+        let mut file = b"MBN\x02".to_vec();
+        file.extend([self.blocks.len() as u8, self.ahead as u8]);
         self.first.write(WIDE, &mut file);
         for (first, second) in &self.blocks {
             first.write(WIDE, &mut file);
