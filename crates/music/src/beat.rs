@@ -3,8 +3,8 @@
 //! The tracker is a causal hidden Markov model of the odds of a beat ([`crate::activation`]). A state is a period and a
 //! phase within the period, both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of
 //! Krebs, Böck and Widmer 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change
-//! to a similar period. The model also expects an onset at the start of a beat and perhaps halfway through it, but hardly
-//! at its quarters. The states of a period form a ring. They advance together, so that the ring is rotated and not copied.
+//! to a similar period. The model also expects an onset at the start of a beat and perhaps halfway through it. The states
+//! of a period form a ring. They advance together, so that the ring is rotated and not copied.
 //!
 //! The reported tempo changes only to a much likelier tempo. The model keeps only windowed, held and leaky quantities,
 //! which forget the distant past. So after a seek, it is enough to analyse 13 s before the target.
@@ -23,16 +23,16 @@ const START_SECONDS: f64 = 0.021;
 /// The range of the log odds, the log odds at which a beat is as likely as none, and the weight of a hop's odds.
 /// Successive hops depend on each other.
 const ODDS: (f32, f32) = (-6.0, 6.0);
-const USUAL: f32 = -4.0;
+const USUAL: f32 = -3.5;
 const WEIGHT: f32 = 0.3;
-/// The weights of the odds of an onset at the start of a beat, at its half and at its quarters. Music has more onsets at
-/// halves than at quarters, which distinguishes a beat from half a beat.
-const ONSET_WEIGHTS: [f32; 3] = [0.3, 0.1, -0.03];
+/// The weights of the odds of an onset at the start of a beat and at its half. Onsets at halves distinguish a beat from
+/// half a beat.
+const ONSET_WEIGHTS: [f32; 2] = [0.4, 0.08];
 /// The number of hops for which the flux of an onset is held.
 const HELD: usize = 3;
 
 /// The most likely tempo in beats per minute, and the distance in octaves at which a tempo is less likely by exp(-1/2).
-const LIKELY: (f64, f64) = (100.0, 0.75);
+const LIKELY: (f64, f64) = (98.0, 0.75);
 
 /// The cost of a tempo change at the end of a beat: the likelihood is exp(-`TEMPO_STIFFNESS` · relative change of the
 /// period). A change by one hop costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats
@@ -222,13 +222,12 @@ impl BeatTracker {
 
     fn observe(&mut self, odds: f32, flux: f32) {
         let onset = (flux + 0.03) / (1.03 - flux);
-        let [beat, half, quarter] = ONSET_WEIGHTS.map(|weight| onset.powf(weight));
+        let [beat, half] = ONSET_WEIGHTS.map(|weight| onset.powf(weight));
         let beat = beat * (WEIGHT * (odds.clamp(ODDS.0, ODDS.1) - USUAL)).exp();
         let mut sum = 0.0;
         for (ring, total) in self.rings.iter().zip(&mut self.totals) {
             let states = &mut self.belief[ring.start..ring.start + ring.period];
-            for (quarters, likelihood) in [beat, quarter, half, quarter].into_iter().enumerate() {
-                let first = ring.head + (quarters * ring.period + 2) / 4;
+            for (first, likelihood) in [(ring.head, beat), (ring.head + ring.period.div_ceil(2), half)] {
                 for place in first..first + self.start {
                     states[place % ring.period] *= likelihood;
                 }
