@@ -165,7 +165,6 @@ impl Analyzer {
         };
         // A waveform has four hops, but a moment emits only the last one: earlier moments emitted the other three.
         let wave_end = place(4 * hop).end;
-        let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
             sample_rate,
             lookahead,
@@ -182,14 +181,7 @@ impl Analyzer {
             lines: Lines::new(hop, rate),
             followers: Followers::new(hop_seconds),
             gain: AutoGain::new(gain, hop_seconds),
-            rhythm: Rhythm::new(
-                short / 2,
-                rate / short as f64,
-                hop,
-                rate,
-                late,
-                alignment == Alignment::Trailing,
-            ),
+            rhythm: Rhythm::new(hop, rate, late, alignment == Alignment::Trailing),
             sounds: Sounds::new(hop, rate, alignment == Alignment::Centred),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };

@@ -17,7 +17,7 @@ use super::repetition::Repetition;
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// The start of a beat lasts this long, in seconds.
+/// The start of a beat or of its half lasts this long, in seconds.
 const START_SECONDS: f64 = 0.021;
 
 /// The range of the log odds, the log odds at which a beat is as likely as none, and the weight of a hop's odds.

@@ -1,10 +1,11 @@
-//! Onsets and beats, from the short window, and what is heard of the song in live input.
+//! Onsets, beats, and the form of live input.
 
 use super::activation::{self, Activation, STEP_HOPS};
 use super::beat::{Beat, BeatTracker};
 use super::features::TimedFeatures;
 use super::live::{Hop, Live, Strokes};
 use super::onset::{Flux, LowFlux, Onsets};
+use super::resolution::Resolution;
 use super::scale::BAND_COUNT;
 
 pub(super) struct RhythmMoment {
@@ -28,10 +29,12 @@ pub(super) struct Rhythm {
 }
 
 impl Rhythm {
-    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length, whose
-    /// windows' middle is `late` hops before the moment.
-    pub(super) fn new(bins: usize, bin_hz: f64, hop: usize, rate: f64, late: f32, is_live: bool) -> Self {
+    /// Creates a tracker for hops of `hop` frames at `rate` hertz, and short and middle spectra whose windows have their
+    /// middle `late` hops before the moment.
+    pub(super) fn new(hop: usize, rate: f64, late: f32, is_live: bool) -> Self {
         let hop_seconds = hop as f64 / rate;
+        let short = hop * Resolution::Short.hops();
+        let (bins, bin_hz) = (short / 2, rate / short as f64);
         let activation = Activation::new(activation::LIVE, hop, rate);
         let later = STEP_HOPS * activation.late();
         // Measured with clicks. The start of a beat lasts two hops, and so do odds.

@@ -65,10 +65,9 @@ fn require_pulse(pattern: &Pattern, tempo: f64, alignment: Alignment) {
 
 #[test]
 fn clicks_are_predicted_from_60_to_200() {
-    for tempo in [60.0, 85.0, 110.0, 150.0] {
+    for tempo in [60.0, 85.0, 110.0, 150.0, 200.0] {
         require(&clicks(), (tempo, tempo), Alignment::Centred);
     }
-    require_pulse(&clicks(), 200.0, Alignment::Centred);
 }
 
 #[test]
@@ -87,7 +86,7 @@ fn drums_are_predicted_from_60_to_200() {
 #[test]
 fn swing_does_not_change_the_tempo() {
     for pattern in drums(0.667) {
-        for tempo in [75.0, 120.0, 160.0] {
+        for tempo in [66.0, 120.0, 160.0] {
             require(&pattern, (tempo, tempo), Alignment::Centred);
         }
         require_pulse(&pattern, 184.0, Alignment::Centred);

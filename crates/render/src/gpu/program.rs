@@ -128,6 +128,11 @@ impl ProgramTexts {
         Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }
 
+    /// The key of the texts alone, for any driver.
+    pub fn text_key(&self) -> ProgramKey {
+        ProgramKey::of([self.vertex.1.as_str(), &self.fragment.1])
+    }
+
     /// The key for storing the driver's binary. It depends on the driver, the driver's version, and the texts.
     pub fn key(&self, info: &GlInfo) -> ProgramKey {
         let GlInfo { vendor, renderer, version, shading_language, .. } = info;

@@ -43,8 +43,8 @@ fn row(line: &str) -> Option<(Key, Accepted)> {
     Some(((gpu, program), (counts, parts.next()?.to_owned())))
 }
 
-/// Returns the accepted figures for a GPU by the hashes of the programs' texts. They are empty if the figures are from
-/// another version of Mesa than `driver`.
+/// Returns the accepted figures for a GPU by the hashes of the programs' texts; none if they are from another
+/// version of Mesa than `driver`.
 ///
 /// # Errors
 /// Fails if the file of accepted figures cannot be read.

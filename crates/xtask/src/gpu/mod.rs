@@ -57,9 +57,9 @@ fn shim() -> Option<PathBuf> {
     files.into_iter().find(|file| file.exists())
 }
 
-/// Prints a table of programs and GPUs. With `--check`, fails if a program got worse, and compiles only programs whose
-/// text has changed since their figures were accepted, because a compiler gives the same figures for the same text; with `--accept`, records the
-/// figures as accepted.
+/// Prints a table of programs and GPUs. With `--accept`, records the figures as accepted. With `--check`, fails if a
+/// program got worse. The check compiles only programs whose text has changed since their figures were accepted,
+/// because a compiler gives the same figures for the same text.
 ///
 /// # Errors
 /// Fails if the shim or the driver is missing, if a driver rejects a program, or if a program got worse.

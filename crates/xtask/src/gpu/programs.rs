@@ -10,11 +10,10 @@ use mariana::ending::begin_to_leave;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
+use mariana::gpu::program::ProgramTexts;
 use mariana::gpu::renderer::{EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{SCENE_SHADER, as_views, drawing_variant_of, variant_of};
-use mariana::gpu::{
-    CellUse, Counting, Headless, Interpreter, Mode, Program, ProgramKey, ShaderLibrary, Variant,
-};
+use mariana::gpu::{CellUse, Counting, Headless, Interpreter, Mode, Program, ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::layer::{Context, SubscriberExt};
@@ -33,7 +32,7 @@ const VIEWED: &str = "speakers";
 pub(super) struct Linked {
     pub(super) driver: String,
     pub(super) name: String,
-    /// The hash of the fragment shader's text.
+    /// The hash of the program's texts.
     pub(super) hash: String,
     /// Figures of the fragment shader; `None` if the driver reports none.
     pub(super) counts: Option<Counts>,
@@ -159,13 +158,14 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let known = known.map(|gpu| budgets::known(&gpu, &driver)).transpose()?.unwrap_or_default();
     let mut refused = Vec::new();
     for Wanted { name, file, variant } in wanted(gl, &names)? {
-        let hash = ProgramKey::of([library.assemble(file, "", &variant)?.as_str()]).to_string();
+        let texts = ProgramTexts::assemble(&library, file, &variant, gl.info())?;
+        let hash = texts.text_key().to_string();
         heard.drain();
         let start = ProcessTime::now();
         let counts = match known.get(&hash) {
             Some(counts) => Some(*counts),
             None => {
-                if let Err(error) = Program::link(gl, &library, file, &variant) {
+                if let Err(error) = Program::of(gl, &texts) {
                     refused.push(format!("{name}: {error}"));
                     continue;
                 }
