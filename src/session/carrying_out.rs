@@ -109,9 +109,6 @@ impl Session {
             }
             Command::SwapDecks => self.playback.scene.deck_changes().swap(),
             Command::MixDecks(number) => self.playback.scene.deck_changes().mix_by(number.checked_sub(1)),
-            Command::LoadDeck(loaded) => {
-                self.playback.scene.deck_changes().load(loaded.deck, *loaded.scene);
-            }
             Command::TakeDeck(number) => {
                 self.playback.scene.deck_changes().hold_deck(number.saturating_sub(1));
             }

@@ -33,8 +33,8 @@ pub use binding::Binding;
 pub use state::{ShowState, SnapshotKeys};
 pub use table::{Command, ROWS};
 pub use values::{
-    Bind, CROSSFADE_STEP, Delay, Files, LoadedDeck, MovedCorner, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
-    TurnedNumbers, VOLUME_STEP,
+    Bind, CROSSFADE_STEP, Delay, Files, MovedCorner, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting, TurnedNumbers,
+    VOLUME_STEP,
 };
 
 pub use video::{Edge, JobAction, Mark, VideoChoice, VideoEdit};

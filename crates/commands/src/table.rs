@@ -3,8 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::values::{
-    Bind, CROSSFADE_STEP, Delay, Files, LoadedDeck, MovedCorner, SEEK_SECONDS, SetSetting, TurnedNumbers,
-    VOLUME_STEP,
+    Bind, CROSSFADE_STEP, Delay, Files, MovedCorner, SEEK_SECONDS, SetSetting, TurnedNumbers, VOLUME_STEP,
 };
 use super::{Binding, Control, Edge, Group, Mark, Panel, Row, SceneName, Switch, VideoEdit};
 use crate::input::{Key, NamedKey};
@@ -330,8 +329,6 @@ commands! {
         control: Some(Control::Numbered(C::MixDecks, 4)),
         help: "how the decks mix: 1 melt, 2 fade, 3 ball, 4 plane, 0 the next way",
     }
-    /// Loads a scene into this deck: 0 is A, 1 is B.
-    LoadDeck(LoadedDeck) {}
     /// Lets sliders and controllers change the scene on this deck: 1 is A, 2 is B.
     TakeDeck(usize) {
         name: Some("deck"),

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use mariana_control::SoundBinding;
-use mariana_scenes::SceneSource;
 use mariana_settings::Setting;
 
 /// The step of the seek keys, in seconds.
@@ -33,15 +32,6 @@ pub struct Bind {
     pub name: String,
     /// The binding; `None` ends the present binding.
     pub binding: Option<SoundBinding>,
-}
-
-/// A scene for a deck.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LoadedDeck {
-    /// Index of the deck, from 0.
-    pub deck: usize,
-    /// The scene.
-    pub scene: Box<SceneSource>,
 }
 
 /// New values for numbers in a scene's text.
