@@ -6,9 +6,9 @@ use crate::clock;
 use crate::config::QualityChoice;
 use crate::limits;
 use crate::session::dynamic_resolution::{DynamicResolution, Level};
-use crate::session::frame_times::FrameTimes;
 use crate::session::pacing::Pacing;
 use crate::session::scene::Shown;
+use crate::session::times::Times;
 use mariana_player::Moment;
 
 /// A show that has not changed for this time is idle, and is drawn in the best quality.
@@ -57,7 +57,7 @@ impl PictureRate {
 pub(crate) struct DrawingPace {
     pacing: Pacing,
     pub(crate) resolution: DynamicResolution,
-    pub(crate) times: FrameTimes,
+    pub(crate) times: Times,
     /// The last shown frame. An equal frame is not drawn again.
     pub(crate) shown: Option<Shown>,
     pub(crate) window_size: Option<(u32, u32)>,
@@ -73,7 +73,7 @@ impl DrawingPace {
         Self {
             pacing: Pacing::new(fps, now),
             resolution: resolution(quality, fps),
-            times: FrameTimes::default(),
+            times: Times::default(),
             shown: None,
             window_size: None,
             moved: now,

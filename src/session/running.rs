@@ -35,7 +35,7 @@ impl Run {
             match self.until_the_end() {
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
                 ended => {
-                    tracing::info!("{}", &self.session.playback.pace.times);
+                    tracing::info!("frames: {}", &self.session.playback.pace.times);
                     tracing::info!("{}", &self.session.interface.typing_times);
                     tracing::info!("from message to frame: {}", &self.session.playback.controllers.times);
                     // After an error nothing is saved, and the window's thread waits for the error.

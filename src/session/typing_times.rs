@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-const KEPT: usize = 4096;
+use crate::session::times::Times;
 
 #[derive(Debug, Default)]
 pub(crate) struct TypingTimes {
@@ -12,9 +12,9 @@ pub(crate) struct TypingTimes {
     pub(crate) drafted: Option<(Instant, Option<u64>)>,
     /// Time spent so far on handling the key presses that the displayed text does not show yet.
     pub(crate) taken: Duration,
-    work: Vec<f32>,
-    text: Vec<f32>,
-    picture: Vec<f32>,
+    work: Times,
+    text: Times,
+    picture: Times,
 }
 
 impl TypingTimes {
@@ -33,35 +33,18 @@ impl TypingTimes {
     ) {
         let taken = std::mem::take(&mut self.taken);
         if let Some(pressed) = self.pressed.take() {
-            record(&mut self.work, taken + painting);
-            record(&mut self.text, now - pressed);
+            self.work.record(taken + painting);
+            self.text.record(now - pressed);
         }
         if let Some((since, _)) = self.drafted.take_if(|(_, before)| is_new && *before != scene) {
-            record(&mut self.picture, now - since);
+            self.picture.record(now - since);
         }
-    }
-}
-
-fn record(list: &mut Vec<f32>, time: Duration) {
-    if list.len() < KEPT {
-        list.push(1000.0 * time.as_secs_f32());
     }
 }
 
 impl std::fmt::Display for TypingTimes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let summary = |list: &[f32]| {
-            let mut sorted = list.to_vec();
-            sorted.sort_by(f32::total_cmp);
-            let at = |fraction: f64| sorted.get((fraction * sorted.len() as f64) as usize).copied();
-            match at(0.5).zip(at(0.99)) {
-                Some((median, most)) => {
-                    format!("{} times, median {median:.1} ms, 99 of 100 within {most:.1} ms", sorted.len())
-                }
-                None => "never".to_owned(),
-            }
-        };
-        let [work, text, picture] = [&self.work, &self.text, &self.picture].map(|list| summary(list));
+        let Self { work, text, picture, .. } = self;
         write!(f, "work for a key: {work}; to its letter: {text}; to the picture: {picture}")
     }
 }
@@ -75,7 +58,7 @@ mod tests {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut times = TypingTimes::default();
-        assert_eq!(times.to_string(), "work for a key: never; to its letter: never; to the picture: never");
+        assert_eq!(times.to_string(), "work for a key: none; to its letter: none; to the picture: none");
         times.record_key(Some(1), at(0));
         times.taken += Duration::from_millis(1);
         times.record_shown(Some(1), true, Duration::from_millis(2), at(4));
@@ -84,9 +67,9 @@ mod tests {
         times.drafted = None;
         times.record_shown(Some(2), true, Duration::from_millis(3), at(102));
         times.record_shown(Some(3), true, Duration::ZERO, at(900));
-        let text = "work for a key: 2 times, median 3.0 ms, 99 of 100 within 3.0 ms; \
-                    to its letter: 2 times, median 4.0 ms, 99 of 100 within 4.0 ms; \
-                    to the picture: 1 times, median 20.0 ms, 99 of 100 within 20.0 ms";
+        let text = "work for a key: 2 times; the last 2: median 3.0 ms, 99 % within 3.0 ms, longest 3.0 ms; \
+                    to its letter: 2 times; the last 2: median 4.0 ms, 99 % within 4.0 ms, longest 4.0 ms; \
+                    to the picture: 1 times; the last 1: median 20.0 ms, 99 % within 20.0 ms, longest 20.0 ms";
         assert_eq!(times.to_string(), text);
     }
 }

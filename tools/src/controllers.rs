@@ -119,9 +119,8 @@ fn measure(
     let log = fs::read_to_string(&log)?;
     // Find the last line of each kind in the log: about all frames, and about messages.
     let said = |of_messages: bool| {
-        let is_meant =
-            |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;
-        let line = log.lines().rfind(is_meant).unwrap_or("  ");
+        let words = if of_messages { "from message to frame: " } else { "frames: " };
+        let line = log.lines().rfind(|line| line.contains(words)).unwrap_or("  ");
         line.rsplit_once("session::running: ").map_or(line, |(_, words)| words).to_owned()
     };
     println!(

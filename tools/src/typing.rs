@@ -46,7 +46,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         pressed?;
         let said = fs::read_to_string(&log)?;
         println!("{mode}, {keys} keys");
-        for part in [" frames; ", "work for a key"] {
+        for part in ["frames: ", "work for a key"] {
             let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("the log has no such line");
             println!("  {}", line.rsplit_once("session::running: ").map_or(line, |(_, words)| words));
         }

@@ -18,7 +18,7 @@ use phone::Phones;
 
 use crate::config::{ControllerSettings, Folders};
 use crate::scenes::SceneSource;
-use crate::session::frame_times::FrameTimes;
+use crate::session::times::Times;
 use crate::session::waker::Waker;
 use mariana_control::midi::Target;
 use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
@@ -40,7 +40,7 @@ pub(crate) struct Controllers {
     free: Instant,
     /// Arrival time of the first input that no frame shows yet, and the first scene revision with this input.
     unseen: Option<(Instant, u64)>,
-    pub(crate) times: FrameTimes,
+    pub(crate) times: Times,
     board_due: Instant,
     /// Time of the next update of the panel, and the mappings' revision that the panel shows.
     panel_due: Instant,
@@ -65,7 +65,7 @@ impl Controllers {
             midi,
             free: now,
             unseen: None,
-            times: FrameTimes::default(),
+            times: Times::default(),
             board_due: now,
             panel_due: now,
             panel_revision: u64::MAX,
