@@ -71,13 +71,8 @@ pub enum Values {
         /// The index of the chosen name; `options.len()` if no name is chosen.
         chosen: usize,
     },
-    /// A brightness in percent.
-    Percent {
-        /// 0..100.
-        percent: f64,
-        /// Turns a whole percentage into the setting.
-        setting: OfPercent,
-    },
+    /// The brightness of the image in percent, 0..100.
+    Brightness(f64),
     /// The delay of the image for a device, in milliseconds; a negative delay shows the image earlier.
     Delay(f64),
     /// The row shows or hides the other rows of its group.
@@ -85,23 +80,6 @@ pub enum Values {
         /// True if the rows are shown.
         open: bool,
     },
-}
-
-/// Turns a whole percentage into a setting.
-#[derive(Debug, Clone, Copy)]
-pub struct OfPercent(fn(u8) -> Setting);
-
-impl OfPercent {
-    /// Returns the setting for a percentage, rounded and clamped to 0..100.
-    pub fn at(self, percent: f64) -> Setting {
-        (self.0)(percent.round().clamp(0.0, 100.0) as u8)
-    }
-}
-
-impl PartialEq for OfPercent {
-    fn eq(&self, other: &Self) -> bool {
-        std::ptr::fn_addr_eq(self.0, other.0)
-    }
 }
 
 pub(super) trait Shown: Sized {
@@ -134,8 +112,8 @@ impl<T: Choice> Shown for T {
 
 /// A percentage.
 impl Shown for u8 {
-    fn values(&self, setting: fn(Self) -> Setting) -> Values {
-        Values::Percent { percent: f64::from(*self), setting: OfPercent(setting) }
+    fn values(&self, _: fn(Self) -> Setting) -> Values {
+        Values::Brightness(f64::from(*self))
     }
 }
 

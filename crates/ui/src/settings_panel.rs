@@ -124,8 +124,9 @@ impl SettingsPanel {
         self.record_turned();
         match &self.rows.get(row)?.values {
             Values::Delay(_) => Some(Command::Delay(Delay { milliseconds: number, settled })),
-            Values::Percent { setting, .. } => {
-                Some(Command::Set(SetSetting { setting: setting.at(number), settled }))
+            Values::Brightness(_) => {
+                let setting = Setting::Brightness(number.round().clamp(0.0, 100.0) as u8);
+                Some(Command::Set(SetSetting { setting, settled }))
             }
             Values::OneOfRows { .. } | Values::Names { .. } | Values::Fold { .. } => None,
         }
@@ -159,7 +160,7 @@ impl SettingsPanel {
                 self.pick(self.selected, value)
             }
             Values::Delay(shift) => self.change_number(self.selected, shift + sign * SHIFT_STEP_MS, true),
-            Values::Percent { percent, .. } => {
+            Values::Brightness(percent) => {
                 self.change_number(self.selected, percent + sign * PERCENT_STEP, true)
             }
         }
@@ -169,7 +170,7 @@ impl SettingsPanel {
         let value = match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } | Values::Fold { .. } => 0,
             Values::Names { options, chosen } => (chosen + 1) % options.len().max(1),
-            Values::Delay(_) | Values::Percent { .. } => return None,
+            Values::Delay(_) | Values::Brightness(_) => return None,
         };
         self.pick(self.selected, value)
     }

@@ -214,7 +214,7 @@ fn draw_row(
                 ask(pick(value));
             }
         }
-        Values::Delay(number) | Values::Percent { percent: number, .. } => {
+        Values::Delay(number) | Values::Brightness(number) => {
             let scale = if matches!(row.values, Values::Delay(_)) { &SHIFT } else { &PERCENT };
             if let Some((number, settled)) = draw_number(ui, values, &row.name, *number, scale, held) {
                 ask(Box::new(move |panel| Vec::from_iter(panel.change_number(place, number, settled))));
