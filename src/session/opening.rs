@@ -34,7 +34,7 @@ use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
 use crate::session::screen::Screen;
-use crate::session::sound::{Sound, Start};
+use crate::session::sound::Sound;
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, structure_cache};
 use crate::stems::{parts_cache, start_reader};
@@ -254,15 +254,7 @@ fn start_sound(
 ) -> Result<(Sound, Option<Position>), SessionError> {
     let player = tracks.map(|tracks| start_player(tracks, settings)).transpose()?;
     let position = player.as_ref().map(Player::position);
-    let sound = Sound::start(Start {
-        player,
-        memory,
-        listen: settings.listen,
-        device: settings.device.clone(),
-        output: output_of(settings),
-        latency: settings.latency,
-        gain: settings.choices.gain,
-    })?;
+    let sound = Sound::start(player, output_of(settings), memory, settings)?;
     Ok((sound, position))
 }
 

@@ -10,7 +10,7 @@ use reported_problems::{Hints, ReportedProblems};
 
 use crate::clock;
 use crate::commands::SHIFT_STEP_MS;
-use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
+use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, PlaySettings, Settings};
 use crate::session::SessionError;
 use crate::ui::overlay::SourceList;
 use crate::ui::settings_panel;
@@ -47,30 +47,23 @@ pub(crate) struct Sound {
     reported_problems: ReportedProblems,
 }
 
-pub(crate) struct Start {
-    /// The player; `None` for an audio input only.
-    pub player: Option<Player>,
-    pub memory: Memory,
-    pub listen: Option<ListenChoice>,
-    /// The id or the name of the input, or a part of either.
-    pub device: Option<String>,
-    pub output: Option<Target>,
-    /// The delay of this run in seconds.
-    pub latency: Option<f64>,
-    pub gain: Gain,
-}
-
 impl Sound {
-    /// Starts the sound. A song waits until it is resumed.
-    pub(crate) fn start(start: Start) -> Result<Self, SessionError> {
+    /// Starts the sound: an input if the settings name one, and the player's song, which waits until it is resumed.
+    pub(crate) fn start(
+        player: Option<Player>,
+        output: Option<Target>,
+        memory: Memory,
+        settings: &PlaySettings,
+    ) -> Result<Self, SessionError> {
+        let gain = settings.choices.gain;
         let mut sound = Self {
-            player: start.player,
+            player,
             live: None,
             paused: true,
-            kept: KeptSettings::of(start.memory.file),
-            asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
-            gain: start.gain,
-            output: start.output,
+            kept: KeptSettings::of(memory.file),
+            asked_ms: settings.latency.map(|seconds| 1000.0 * seconds),
+            gain,
+            output,
             device: None,
             watch: None,
             list: None,
@@ -78,12 +71,12 @@ impl Sound {
             hints: Hints::default(),
             reported_problems: ReportedProblems::default(),
         };
-        if let Some(trouble) = start.memory.trouble {
+        if let Some(trouble) = memory.trouble {
             sound.reported_problems.add(&trouble.to_string());
         }
-        if let Some(choice) = start.listen {
-            let target = wanted(choice, start.device, sound.kept.settings());
-            sound.live = Some(Live::start(target, start.gain)?);
+        if let Some(choice) = settings.listen {
+            let target = wanted(choice, settings.device.clone(), sound.kept.settings());
+            sound.live = Some(Live::start(target, gain)?);
         }
         Ok(sound)
     }
