@@ -26,12 +26,6 @@ pub(super) struct NextPicture {
     builder: RegionBuilder<u64>,
 }
 
-enum Next {
-    Now(Frame),
-    First(Frame),
-    WithTree(Frame),
-}
-
 impl NextPicture {
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
@@ -66,49 +60,45 @@ impl NextPicture {
         let frame = match came {
             Some((frame, regions)) => {
                 scene.resources.upload_regions(regions);
-                frame
+                Some(frame)
             }
             None => {
                 let params = parameters.numbers(scene, &ActiveClips::default(), time);
                 let world = scene.resources.world();
                 let frame = Frame::with_params(world, time, sound, reader.size(), &params);
-                match self.frame_of(scene, mode, choice.cells, frame) {
-                    Next::Now(frame) => frame,
-                    Next::First(frame) => {
-                        // The next preview follows in a second.
-                        self.asked = Some((id, clock::now()));
-                        frame
-                    }
-                    Next::WithTree(frame) => {
-                        if self.asks(id, clock::now()) {
-                            let (request, maker) =
-                                (scene.resources.region_request(&frame), scene.resources.region_maker());
-                            let patience = TREE_PATIENCE;
-                            self.builder.request(TreeJob { tag: id, frame, maker, request, patience });
-                        }
-                        return Ok(None);
-                    }
-                }
+                self.drawable(scene, mode, choice.cells, frame)
             }
         };
+        let Some(frame) = frame else { return Ok(None) };
         let sent = renderer.sketch(sketch, &frame, &scene.resources, program, reader)?;
         Ok(sent.then(|| scene.title()))
     }
 
-    fn frame_of(&self, scene: &PreparedScene, mode: Mode, cells: CellUse, frame: Frame) -> Next {
-        let world = scene.resources.world();
+    /// Returns the frame if it needs no new tree, or once the frame of the scene's first tree. Otherwise, requests the
+    /// frame's tree.
+    fn drawable(&mut self, scene: &PreparedScene, mode: Mode, cells: CellUse, frame: Frame) -> Option<Frame> {
+        let (id, world) = (scene.id, scene.resources.world());
         let needs_tree = world.non_lipschitz || mode == Mode::Interpreted;
-        if needs_tree && self.asked.is_none_or(|(of, _)| of != scene.id) {
+        if needs_tree && self.asked.is_none_or(|(of, _)| of != id) {
             let first = Frame::new(world, 0.0, Features::SILENCE, frame.size);
             let request = scene.resources.region_request(&first);
             if scene.resources.regions().is_some_and(|built| built.request == request) {
-                return Next::First(first);
+                // The next preview follows in a second.
+                self.asked = Some((id, clock::now()));
+                return Some(first);
             }
         }
         // Without a tree, a frame can be drawn at any moment.
         let uses_cells = needs_tree && (world.non_lipschitz || cells != CellUse::Never);
         scene.resources.set_cells(uses_cells, mode);
-        if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
+        if !needs_tree {
+            return Some(frame);
+        }
+        if self.asks(id, clock::now()) {
+            let (request, maker) = (scene.resources.region_request(&frame), scene.resources.region_maker());
+            self.builder.request(TreeJob { tag: id, frame, maker, request, patience: TREE_PATIENCE });
+        }
+        None
     }
 
     fn asks(&mut self, id: u64, now: Instant) -> bool {
