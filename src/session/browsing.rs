@@ -11,6 +11,7 @@ use crate::clock;
 use crate::commands::{Files, Panel};
 use crate::scenes::{ImportedShader, SceneSource, import_shader, is_scene_file, is_shader_file};
 use crate::ui::file_browser::{FileBrowser, RememberedFolders};
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::track_panel::TrackPanel;
 use mariana_player::Edit;
 
@@ -43,7 +44,7 @@ impl Playback {
 impl Interface {
     /// Shows what the threads have read, and requests the tags of a new track list.
     pub(super) fn update_music_lists(&mut self, playback: &mut Playback) {
-        if let Some(files) = &mut self.ui_state.files {
+        if let Some(OpenPanel::Files(files)) = &mut self.ui_state.panel {
             files.update();
         }
         // Nothing may delay the first frame.
@@ -55,34 +56,32 @@ impl Interface {
             self.lists.tags.follow_list(list);
         }
         let list = list.filter(|_| self.ui_state.panels.open == Some(Panel::Tracks));
-        match (list, &mut self.ui_state.tracks) {
-            (Some(list), Some(panel)) => panel.update(&list),
-            (Some(list), none) => {
-                let present = playback.reports.playing.place.0;
-                *none = Some(TrackPanel::new(list, present, self.lists.tags.clone()));
+        let present = playback.reports.playing.place.0;
+        match (list, &mut self.ui_state.panel) {
+            (Some(list), Some(OpenPanel::Tracks(panel))) => panel.update(&list, present),
+            (Some(list), panel) => {
+                *panel = Some(OpenPanel::Tracks(TrackPanel::new(list, present, self.lists.tags.clone())));
             }
-            (None, tracks) => *tracks = None,
+            (None, panel) => drop(panel.take_if(|panel| matches!(panel, OpenPanel::Tracks(_)))),
         }
     }
 
-    pub(super) fn toggle_file_browser(&mut self, playback: &mut Playback, open: bool) {
-        self.ui_state.files = None;
-        if !open {
-            return;
-        }
+    pub(super) fn file_browser(&self, playback: &mut Playback) -> FileBrowser {
         let folder = self.lists.last_folder.clone().or_else(|| playback.folder_of_track());
         let settings = playback.listening.sound.settings();
         let remembered = RememberedFolders {
             favourites: settings.favourite_folders.clone(),
             recent: settings.recent_folders.clone(),
         };
-        let files = FileBrowser::start(folder, remembered, self.lists.tags.clone(), self.waker.waking());
-        self.ui_state.files = Some(files);
+        FileBrowser::start(folder, remembered, self.lists.tags.clone(), self.waker.waking())
     }
 
     /// Shows the last scene or shader among these files, and plays the other files or appends them to the tracks.
     pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
-        let shown = self.ui_state.files.as_ref().map(|list| list.folder.to_owned());
+        let shown = match &self.ui_state.panel {
+            Some(OpenPanel::Files(list)) => Some(list.folder.clone()),
+            _ => None,
+        };
         let folder = shown.or_else(|| files.last().and_then(|file| file.parent()).map(Path::to_owned));
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         let (shaders, music): (Vec<_>, Vec<_>) = music.into_iter().partition(|file| is_shader_file(file));

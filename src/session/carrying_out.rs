@@ -137,6 +137,10 @@ impl Session {
             Command::PreviousView => self.playback.switch_view(false),
             Command::StepView(larger) => self.playback.scene.step_view(larger),
             Command::ToggleSliders => self.interface.ui_state.panels.sliders ^= true,
+            Command::MoveSlider((place, value)) => {
+                let turned = self.playback.scene.parameters_in_hand_mut();
+                turned.into_iter().for_each(|mut turned| turned.move_slider(place, value));
+            }
             Command::Bind(bind) => self.playback.bind(bind),
             Command::WriteBinding(name) => self.write_binding(&name),
             Command::Snapshot(number) => self.snapshots.press(&mut self.playback, number),

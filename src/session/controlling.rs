@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use super::{Interface, Playback, Session};
 use crate::clock;
-use crate::commands;
+use crate::commands::{self, Panel};
 use crate::config::setting_limits;
 use crate::export::print::print_message;
 use crate::session::screen::Screen;
+use crate::ui::open_panel::OpenPanel;
 use mariana_control::action::Action;
 use mariana_control::midi::{Outcome, Target};
 use mariana_control::{InputBatch, Present};
@@ -120,24 +121,16 @@ impl Playback {
 }
 
 impl Interface {
-    /// Opens or closes the controllers panel. Closing it stops learning.
-    pub(super) fn show_controllers(&mut self, playback: &mut Playback, open: bool) {
-        if open {
-            self.ui_state.controllers.get_or_insert_default();
-            self.put_up_controllers(playback);
-        } else if self.ui_state.controllers.take().is_some() {
-            playback.controllers.midi.stop_learning();
-        }
-    }
-
     pub(super) fn update_controllers(&mut self, playback: &mut Playback) {
-        if self.ui_state.controllers.is_some() && playback.controllers.panel_is_due(clock::now()) {
+        if self.ui_state.panels.open == Some(Panel::Controllers)
+            && playback.controllers.panel_is_due(clock::now())
+        {
             self.put_up_controllers(playback);
         }
     }
 
-    fn put_up_controllers(&mut self, playback: &mut Playback) {
-        if let Some(panel) = &mut self.ui_state.controllers {
+    pub(super) fn put_up_controllers(&mut self, playback: &mut Playback) {
+        if let Some(OpenPanel::Controllers(panel)) = &mut self.ui_state.panel {
             let scene = playback.scene.parameters_in_hand().title().unwrap_or_default();
             panel.update(&playback.controllers.facts(scene, playback.scene.parameters_in_hand().sliders()));
         }

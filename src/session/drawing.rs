@@ -15,6 +15,7 @@ use crate::session::lay::Lay;
 use crate::session::listening::Listening;
 use crate::session::scene::{Drawn, SceneSession, Shown, WantedPicture, report};
 use crate::session::screen::Screen;
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
 
@@ -89,14 +90,14 @@ impl Session {
         let area = self.interface.update_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
         self.interface.update_map(&mut self.playback, map, size);
-        if let Some(controllers) = &mut self.interface.ui_state.corners {
-            controllers.set_area(area);
+        if let Some(OpenPanel::Corners(handles)) = &mut self.interface.ui_state.panel {
+            handles.set_area(area);
         }
         self.interface.update_scene(&mut self.playback);
         let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);
         let mut content = self.interface.ui_state.content(
             &seen,
-            &mut self.playback.scene,
+            &self.playback.scene,
             &self.playback.controllers,
             &self.playback.listening,
             &self.playback.reports,
@@ -144,13 +145,9 @@ impl Session {
             self.playback.scene.record_frame_time(showing);
             self.playback.controllers.record_shown(shown.revision);
         }
-        if painted.params_changed {
-            let turned = self.playback.scene.parameters_in_hand_mut();
-            turned.into_iter().for_each(|mut turned| turned.record_moved());
-        }
         self.interface.apply_painted(&mut *self.screen, painted);
         if first {
-            self.interface.ui_state.words.welcomed.get_or_insert_with(Instant::now);
+            self.interface.ui_state.welcomed.get_or_insert_with(Instant::now);
             self.playback.listening.follow_request();
         }
         Ok(first)
@@ -167,7 +164,7 @@ impl Session {
                 screen: &mut *self.screen,
                 overlay: &mut self.interface.overlay,
             };
-            let painted = waiting.paint(&mut self.playback.scene, &mut self.playback.listening)?;
+            let painted = waiting.paint(&self.playback.scene, &mut self.playback.listening)?;
             if is_first {
                 self.playback.warm_up(&mut waiting)?;
             }
@@ -384,7 +381,7 @@ impl Interface {
         let seen = self.update_ui_state(playback, screen, now);
         let mut content = self.ui_state.content(
             &seen,
-            &mut playback.scene,
+            &playback.scene,
             &playback.controllers,
             &playback.listening,
             &playback.reports,
@@ -421,14 +418,14 @@ impl Interface {
 
     fn update_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes.shown_source() else { return };
-        if self.ui_state.words.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+        if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
             let words = match source {
                 SceneSource::Blend(blend) => {
                     format!("{} and {}", blend.from.source.title(), blend.to.source.title())
                 }
                 source => playback.scene.preparation.library.placed_name(source),
             };
-            self.ui_state.words.placed_scene = Some((source.clone(), words));
+            self.ui_state.placed_scene = Some((source.clone(), words));
         }
     }
 }
@@ -443,11 +440,7 @@ struct WaitingWindow<'a> {
 impl WaitingWindow<'_> {
     /// Paints the name of the scene being prepared and the bands of the sound. Starts the song if the first frame is
     /// late.
-    fn paint(
-        &mut self,
-        scene: &mut SceneSession,
-        listening: &mut Listening,
-    ) -> Result<Painted, SessionError> {
+    fn paint(&mut self, scene: &SceneSession, listening: &mut Listening) -> Result<Painted, SessionError> {
         let is_late = clock::since(self.since) >= SONG_WAIT;
         if is_late && self.screen.is_awaited() && !listening.started {
             tracing::info!("the song starts before the first frame");

@@ -4,15 +4,15 @@ use std::time::Instant;
 
 use super::{Interface, Playback, Session};
 use crate::clock;
-use crate::commands::{MovedCorner, SetSetting};
+use crate::commands::{MovedCorner, Panel, SetSetting};
 use crate::config::Setting;
 use crate::placement::{Area, Corners, Placement};
 use crate::scenes::SceneSource;
 use crate::session::lay::Lay;
 use crate::session::screen::Screen;
 use crate::show::ShownPicture;
-use crate::ui::corner_handles::CornerHandles;
 use crate::ui::desk_picture::{is_within, small_in};
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::PanelSwitches;
 
 impl Session {
@@ -46,16 +46,6 @@ impl Session {
         self.choices.stage.placement()
     }
 
-    pub(super) fn show_corners(&mut self, open: bool) {
-        if !open && self.interface.ui_state.corners.is_some() {
-            // A handle may still be dragged, so save the corners now.
-            let setting = Setting::Corners(self.choices.stage.corners);
-            self.change_setting(SetSetting { setting, settled: true });
-        }
-        self.interface.ui_state.corners = open.then(|| CornerHandles::new(self.choices.stage.corners));
-        self.screen.request_redraw();
-    }
-
     /// Moves a corner of the frame; saves it if `settled`. Ignores positions at which the frame could not be drawn.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Round, because steps finer than a pixel are of no use.
@@ -66,7 +56,7 @@ impl Session {
 
     /// Sets all corners and the selected corner. Saves the corners if `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
-        if let Some(handles) = &mut self.interface.ui_state.corners {
+        if let Some(OpenPanel::Corners(handles)) = &mut self.interface.ui_state.panel {
             handles.set_corners(selected, corners);
         }
         self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
@@ -139,15 +129,16 @@ impl Interface {
         let marks = &playback.listening.sound.settings().favourite_scenes;
         if playback.scene.preparation.library.marks != *marks {
             playback.scene.preparation.library.marks.clone_from(marks);
-            self.ui_state.words.placed_scene = None;
+            self.ui_state.placed_scene = None;
         }
     }
 
     /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
     /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
     pub(super) fn update_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
-        let is_small =
-            screen.has_output() && !self.ui_state.hidden.is_bare() && self.ui_state.corners.is_none();
+        let is_small = screen.has_output()
+            && !self.ui_state.hidden.is_bare()
+            && self.ui_state.panels.open != Some(Panel::Corners);
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));
         self.ui_state.picture.unwrap_or_else(|| lay.area_in(size))
     }

@@ -83,6 +83,7 @@ use crate::session::scene::{Performed, SceneSession};
 use crate::session::typing_times::TypingTimes;
 use crate::show::{Finish, LiveDirector, PreparedShow};
 use crate::thumbnails::Thumbnails;
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Acts, Overlay};
 use crate::ui::pointer_rest::PointerRest;
@@ -191,23 +192,17 @@ impl Session {
         if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
-        let panel = self.interface.ui_state.panels.open.map(Command::TogglePanel);
+        let ui = &self.interface.ui_state;
+        let panel = ui.panels.open.map(Command::TogglePanel);
         if panel.is_some()
             && Command::of_key(key, held, false) == panel
-            && !self.interface.ui_state.is_searching()
+            && !ui.panel.as_ref().is_some_and(OpenPanel::is_searching)
         {
             self.carry_out_all(panel);
             return true;
         }
         let command_key = held.control_key() || held.super_key();
-        let ui = &mut self.interface.ui_state;
-        let taken = ui.browser.as_mut().map(|scenes| scenes.handle_key(key, command_key));
-        let taken = taken.or_else(|| Some(ui.files.as_mut()?.handle_key(key, held)));
-        let taken = taken.or_else(|| ui.tracks.as_mut()?.handle_key(key, held));
-        let taken = taken.or_else(|| ui.settings.as_mut()?.handle_key(key));
-        let taken = taken.or_else(|| ui.controllers.as_mut()?.handle_key(key));
-        let taken = taken.or_else(|| ui.video.panel.as_mut()?.handle_key(key));
-        let taken = taken.or_else(|| ui.corners.as_mut()?.handle_key(key, held.shift_key()));
+        let taken = self.interface.ui_state.panel.as_mut().and_then(|panel| panel.handle_key(key, held));
         // Files can be dropped while no panel is open, so the former list comes back without one.
         let undoes = command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
         let commands = taken.or_else(|| undoes.then(|| vec![Command::UndoTracks]));
@@ -511,7 +506,7 @@ impl Interface {
     fn pass_to_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.assisted)
-            && self.ui_state.corners.is_none();
+            && self.ui_state.panels.open != Some(Panel::Corners);
         let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
             return false;

@@ -4,13 +4,18 @@ use std::time::{Duration, Instant};
 
 use super::{Interface, Playback, Session};
 use crate::clock;
-use crate::commands::{Command, Panel};
+use crate::commands::{Command, Panel, SetSetting};
+use crate::config::Setting;
 use crate::limits;
 use crate::thumbnails::Thumbnails;
+use crate::ui::controllers_panel::ControllersPanel;
+use crate::ui::corner_handles::CornerHandles;
 use crate::ui::help_panel::HelpPanel;
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::{Acts, PanelAct};
 use crate::ui::scene_browser::SceneBrowser;
-use crate::ui::track_panel::TrackPanel;
+use crate::ui::settings_panel::SettingsPanel;
+use crate::ui::video_panel::VideoPanel;
 
 pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
     now + Duration::from_secs_f64(limits::THUMBNAILS_AHEAD_AFTER)
@@ -34,12 +39,35 @@ impl Session {
     pub(super) fn show_open_panel(&mut self) {
         let open = self.interface.ui_state.panels.open;
         self.write_text(open == Some(Panel::Editor));
-        self.interface.toggle_scene_browser(&mut self.playback, open == Some(Panel::Scenes));
-        self.interface.toggle_file_browser(&mut self.playback, open == Some(Panel::Files));
-        self.show_settings(open == Some(Panel::Settings));
-        self.interface.show_controllers(&mut self.playback, open == Some(Panel::Controllers));
-        self.show_corners(open == Some(Panel::Corners));
-        self.video_desk().show(open == Some(Panel::Video));
+        match self.interface.ui_state.panel.take() {
+            Some(OpenPanel::Controllers(_)) => _ = self.playback.controllers.midi.stop_learning(),
+            Some(OpenPanel::Corners(_)) => {
+                // A handle may still be dragged, so save the corners now.
+                let setting = Setting::Corners(self.choices.stage.corners);
+                self.change_setting(SetSetting { setting, settled: true });
+            }
+            _ => {}
+        }
+        self.interface.ui_state.panel = match open {
+            Some(Panel::Scenes) => Some(OpenPanel::Scenes(self.interface.scene_browser(&self.playback))),
+            Some(Panel::Files) => Some(OpenPanel::Files(self.interface.file_browser(&mut self.playback))),
+            Some(Panel::Settings) => {
+                self.screen.update_monitors();
+                Some(OpenPanel::Settings(SettingsPanel::default()))
+            }
+            Some(Panel::Controllers) => Some(OpenPanel::Controllers(ControllersPanel::default())),
+            Some(Panel::Corners) => Some(OpenPanel::Corners(CornerHandles::new(self.choices.stage.corners))),
+            Some(Panel::Video) => {
+                self.video_desk().begin();
+                Some(OpenPanel::Video(VideoPanel::default()))
+            }
+            // The track list opens once the player has one.
+            Some(Panel::Tracks | Panel::Sources | Panel::Editor | Panel::Cues) | None => None,
+        };
+        self.update_settings();
+        self.interface.put_up_controllers(&mut self.playback);
+        self.video_desk().update(clock::now());
+        self.screen.request_redraw();
     }
 
     /// Closes the topmost panel, or leaves full screen.
@@ -61,16 +89,19 @@ impl Session {
         let Acts { on_panels, commands } = std::mem::take(&mut self.interface.acts);
         let (ui, mut of_panels) = (&mut self.interface.ui_state, Vec::new());
         for act in on_panels {
-            match act {
-                PanelAct::Help(act) => of_panels.extend(act(&mut ui.help)),
-                PanelAct::Editor(act) => _ = ui.editor.as_mut().map(act),
-                PanelAct::Scenes(act) => of_panels.extend(ui.browser.as_mut().map(act).unwrap_or_default()),
-                PanelAct::Files(act) => of_panels.extend(ui.files.as_mut().map(act).unwrap_or_default()),
-                PanelAct::Tracks(act) => _ = ui.tracks.as_mut().map(act),
-                PanelAct::Settings(act) => {
-                    of_panels.extend(ui.settings.as_mut().map(act).unwrap_or_default());
+            of_panels.extend(match (act, &mut ui.panel) {
+                (PanelAct::Help(act), _) => act(&mut ui.help),
+                (PanelAct::Editor(act), _) => {
+                    ui.editor.as_mut().map(act);
+                    continue;
                 }
-            }
+                (PanelAct::Scenes(act), Some(OpenPanel::Scenes(panel))) => act(panel),
+                (PanelAct::Files(act), Some(OpenPanel::Files(panel))) => act(panel),
+                (PanelAct::Tracks(act), Some(OpenPanel::Tracks(panel))) => act(panel),
+                (PanelAct::Settings(act), Some(OpenPanel::Settings(panel))) => act(panel),
+                // The panel has closed since.
+                _ => continue,
+            });
         }
         self.follow_editor();
         of_panels.extend(commands);
@@ -87,18 +118,11 @@ impl Interface {
     }
 
     pub(super) fn takes_text(&self) -> bool {
-        self.ui_state.panels.help
-            || self.ui_state.browser.is_some()
-            || self.ui_state.files.is_some()
-            || self.ui_state.tracks.as_ref().is_some_and(TrackPanel::is_searching)
-            || self.editor_has_focus()
+        let of_panel = self.ui_state.panel.as_ref().is_some_and(OpenPanel::takes_text);
+        self.ui_state.panels.help || of_panel || self.editor_has_focus()
     }
 
-    fn toggle_scene_browser(&mut self, playback: &mut Playback, open: bool) {
-        self.ui_state.browser = None;
-        if !open {
-            return;
-        }
+    fn scene_browser(&mut self, playback: &Playback) -> SceneBrowser {
         self.request_thumbnails();
         let scenes = playback.scene.preparation.library.all_sources();
         let favourites = playback.listening.sound.settings().favourite_scenes.clone();
@@ -106,7 +130,7 @@ impl Interface {
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.request_descriptions(thumbnails);
         }
-        self.ui_state.browser = Some(browser);
+        browser
     }
 
     fn request_thumbnails(&mut self) {
@@ -145,12 +169,12 @@ impl Interface {
         if !wanted.is_empty() {
             thumbnails.request_pictures_later(wanted);
         }
-        if let Some(browser) = &mut self.ui_state.browser {
+        if let Some(OpenPanel::Scenes(browser)) = &mut self.ui_state.panel {
             browser.request_thumbnails(thumbnails);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| playback.controllers.phones.record_picture(looked));
-        if let Some(browser) = &mut self.ui_state.browser {
+        if let Some(OpenPanel::Scenes(browser)) = &mut self.ui_state.panel {
             browser.set_present(playback.scene.scenes.shown_source());
             browser.store(found);
         }

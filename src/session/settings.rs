@@ -3,19 +3,12 @@
 use super::Session;
 use crate::commands::SetSetting;
 use crate::config::Setting;
-use crate::ui::settings_panel::{Facts, SettingsPanel};
+use crate::ui::open_panel::OpenPanel;
+use crate::ui::settings_panel::Facts;
 
 impl Session {
-    pub(super) fn show_settings(&mut self, open: bool) {
-        if open {
-            self.screen.update_monitors();
-        }
-        self.interface.ui_state.settings = open.then(SettingsPanel::default);
-        self.update_settings();
-    }
-
     pub(super) fn update_settings(&mut self) {
-        if let Some(panel) = &mut self.interface.ui_state.settings {
+        if let Some(OpenPanel::Settings(panel)) = &mut self.interface.ui_state.panel {
             let facts = self.playback.listening.facts(&self.choices, self.names_output);
             panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
         }

@@ -12,16 +12,10 @@ use crate::session::controllers::Controllers;
 use crate::session::listening::Listening;
 use crate::session::reports::Reports;
 use crate::session::scene::SceneSession;
-use crate::ui::controllers_panel::ControllersPanel;
-use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
-use crate::ui::file_browser::FileBrowser;
 use crate::ui::help_panel::HelpPanel;
-use crate::ui::overlay::{Bar, Cover, CueSheet, OverlayContent, PanelSwitches, SnapshotRow, Tracks, Welcome};
-use crate::ui::scene_browser::SceneBrowser;
-use crate::ui::settings_panel::SettingsPanel;
-use crate::ui::track_panel::TrackPanel;
-use crate::ui::video_panel::VideoPanel;
+use crate::ui::open_panel::OpenPanel;
+use crate::ui::overlay::{Bar, Cover, CueSheet, OverlayContent, PanelSwitches, SnapshotRow, Welcome};
 use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 
@@ -29,15 +23,15 @@ use mariana_player::LoudnessShape;
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
     pub(super) help: HelpPanel,
-    pub(super) words: FirstWords,
-    pub(super) browser: Option<SceneBrowser>,
-    pub(super) files: Option<FileBrowser>,
-    pub(super) tracks: Option<TrackPanel>,
-    pub(super) settings: Option<SettingsPanel>,
+    /// The shown scene, and its position in the list as text.
+    pub(super) placed_scene: Option<(SceneSource, String)>,
+    /// When the first words appeared after the start.
+    pub(super) welcomed: Option<Instant>,
+    pub(super) panel: Option<OpenPanel>,
+    /// The editor keeps its texts while it is closed.
     pub(super) editor: Option<Editor>,
-    pub(super) controllers: Option<ControllersPanel>,
-    pub(super) corners: Option<CornerHandles>,
-    pub(super) video: VideoState,
+    /// The ends of the marked part of the track, in seconds.
+    pub(super) marks: Option<[f64; 2]>,
     pub(super) snapshots: SnapshotRow,
     /// The part of the window that shows a small frame beside the panels, while an output shows the frame.
     pub(super) picture: Option<Area>,
@@ -60,23 +54,6 @@ impl Hidden {
     pub(super) fn is_bare(self) -> bool {
         self.by_key || self.by_blackout
     }
-}
-
-/// What the first words say after the start.
-#[derive(Default)]
-pub(super) struct FirstWords {
-    /// The shown scene, and its position in the list as text.
-    pub(super) placed_scene: Option<(SceneSource, String)>,
-    /// When the words appeared.
-    pub(super) welcomed: Option<Instant>,
-}
-
-/// The panel that makes videos, and the marks on the seek bar.
-#[derive(Default)]
-pub(super) struct VideoState {
-    pub(super) panel: Option<VideoPanel>,
-    /// The ends of the marked part of the track, in seconds.
-    pub(super) marks: Option<[f64; 2]>,
 }
 
 pub(super) struct Seen {
@@ -105,18 +82,11 @@ impl UiState {
         self.hidden.by_setting || self.hidden.is_bare()
     }
 
-    /// True if the open list has a search text, to which letters belong.
-    pub(super) fn is_searching(&self) -> bool {
-        self.browser.as_ref().is_some_and(|browser| !browser.query().is_empty())
-            || self.files.as_ref().is_some_and(|files| !files.query().is_empty())
-            || self.tracks.as_ref().is_some_and(TrackPanel::is_searching)
-    }
-
     /// Returns what the overlay shows.
     pub(super) fn content<'a>(
         &'a self,
         seen: &'a Seen,
-        scene: &'a mut SceneSession,
+        scene: &'a SceneSession,
         controllers: &'a Controllers,
         listening: &'a Listening,
         reports: &'a Reports,
@@ -124,25 +94,18 @@ impl UiState {
     ) -> OverlayContent<'a> {
         let mut content = scene.content(seen.corner.as_deref(), self.panels);
         let (open, playing) = (self.panels.open, &reports.playing);
-        let scene = self.words.placed_scene.as_ref().map_or("", |(_, words)| words);
+        let scene = self.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
         content.help = Some(&self.help).filter(|_| self.panels.help);
         listening.show_in(&mut content, open == Some(Panel::Sources), now);
-        content.scenes = self.browser.as_ref();
-        content.files = self.files.as_ref();
-        content.settings = self.settings.as_ref();
+        content.panel = self.panel.as_ref();
         content.editor = self.editor.as_ref().filter(|_| open == Some(Panel::Editor));
         if content.editor.is_some_and(Editor::tells_mistakes) {
             content.problem = None;
         }
-        content.video = self.video.panel.as_ref();
-        content.controllers = self.controllers.as_ref();
-        content.learning =
-            controllers.learning_param(self.words.placed_scene.as_ref().map(|(scene, _)| scene));
-        content.tracks = self.tracks.as_ref().map(|panel| Tracks { panel, present: playing.place.0 });
+        content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.cues = seen.cues.clone();
         let cover = seen.cover.as_ref().map(Cover);
-        content.corners = self.corners;
         content.snapshots = self.snapshots;
         content.picture = self.picture;
         content.hides_pointer =
@@ -155,7 +118,6 @@ impl UiState {
         } else if self.hidden.by_setting {
             content.notice = None;
         } else if let Some(since) = self
-            .words
             .welcomed
             .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && content.help.is_none())
         {
@@ -175,7 +137,7 @@ impl UiState {
                 cover,
                 shape: seen.shape.as_deref(),
                 song: seen.song.as_deref(),
-                marks: self.video.marks,
+                marks: self.marks,
                 // While the bar is hidden, a changing level must not cause a new layout.
                 level: if shows_bar { listening.level } else { 0.0 },
                 scene,

@@ -16,8 +16,8 @@ use crate::session::direction::Playing;
 use crate::session::frame_senders::even;
 use crate::session::recording::named;
 use crate::show::ShowSource;
+use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::near_border;
-use crate::ui::video_panel::VideoPanel;
 use crate::videos::{Order, OrderedShow};
 use mariana_music::Section;
 use mariana_player::song::Song;
@@ -39,18 +39,14 @@ impl Session {
 }
 
 impl VideoDesk<'_> {
-    /// Opens or closes the panel.
-    pub(super) fn show(&mut self, open: bool) {
-        self.0.interface.ui_state.video.panel = open.then(VideoPanel::default);
-        if open {
-            self.0.videos.form.is_part = self.0.interface.ui_state.video.marks.is_some();
-            // Reads a folder, so only now.
-            let all = self.0.playback.scene.preparation.library.all_sources();
-            let has_files = all.iter().any(|source| source.file().is_some());
-            self.0.videos.scenes = all.iter().filter(|_| has_files).map(named).collect();
-            self.find_performance();
-        }
-        self.update(clock::now());
+    /// Finds what the panel offers when it opens.
+    pub(super) fn begin(&mut self) {
+        self.0.videos.form.is_part = self.0.interface.ui_state.marks.is_some();
+        // Reads a folder, so only now.
+        let all = self.0.playback.scene.preparation.library.all_sources();
+        let has_files = all.iter().any(|source| source.file().is_some());
+        self.0.videos.scenes = all.iter().filter(|_| has_files).map(named).collect();
+        self.find_performance();
     }
 
     fn find_performance(&self) {
@@ -64,7 +60,7 @@ impl VideoDesk<'_> {
         let playing = &self.0.playback.reports.playing;
         if (self.0.videos.track.0, &self.0.videos.track.1) != (playing.place.0, &playing.title) {
             self.0.videos.track = (playing.place.0, playing.title.clone());
-            self.0.interface.ui_state.video.marks = None;
+            self.0.interface.ui_state.marks = None;
             self.0.videos.form.is_part = false;
             self.find_performance();
         }
@@ -73,7 +69,7 @@ impl VideoDesk<'_> {
         let videos = self.0.videos.videos.iter().filter(|_| is_shown);
         let news: Vec<String> = videos.flat_map(|videos| std::iter::from_fn(|| videos.news())).collect();
         news.into_iter().for_each(|words| self.0.playback.reports.announce(words));
-        if self.0.interface.ui_state.video.panel.is_none() {
+        if self.0.interface.ui_state.panels.open != Some(Panel::Video) {
             self.0.videos.measure(None, now);
             return None;
         }
@@ -84,7 +80,7 @@ impl VideoDesk<'_> {
             Some(videos) => videos.with_shown(|shown| rows(&self.0.videos.form, &known, shown, &wish)),
             None => Vec::new(),
         };
-        if let Some(panel) = &mut self.0.interface.ui_state.video.panel {
+        if let Some(OpenPanel::Video(panel)) = &mut self.0.interface.ui_state.panel {
             panel.update(rows);
         }
         let settles = self.0.videos.settling.as_ref().filter(|_| !self.0.videos.is_measured);
@@ -102,7 +98,7 @@ impl VideoDesk<'_> {
         });
         Known {
             section,
-            marks: self.0.interface.ui_state.video.marks,
+            marks: self.0.interface.ui_state.marks,
             duration: playing.duration,
             scene: self.0.playback.scene.present_source().title(),
             show: self.show_choice(),
@@ -152,7 +148,7 @@ impl VideoDesk<'_> {
             VideoChoice::Part if option == 1 => self.mark_section(),
             VideoChoice::Part => {
                 form.is_part = option == 2;
-                if form.is_part && self.0.interface.ui_state.video.marks.is_none() {
+                if form.is_part && self.0.interface.ui_state.marks.is_none() {
                     let words =
                         "mark a part first: press < at its start and > at its end, or drag the brackets";
                     form.is_part = false;
@@ -163,7 +159,7 @@ impl VideoDesk<'_> {
                 0 => self.mark(Mark { edge: Edge::Start, at: None }),
                 1 => self.mark(Mark { edge: Edge::End, at: None }),
                 _ => {
-                    self.0.interface.ui_state.video.marks = None;
+                    self.0.interface.ui_state.marks = None;
                     form.is_part = false;
                 }
             },
@@ -178,7 +174,7 @@ impl VideoDesk<'_> {
     fn mark_section(&mut self) {
         match self.known().section {
             Some((_, ends)) => {
-                self.0.interface.ui_state.video.marks = Some(ends);
+                self.0.interface.ui_state.marks = Some(ends);
                 self.0.videos.form.is_part = true;
             }
             None => {
@@ -197,9 +193,9 @@ impl VideoDesk<'_> {
         };
         let song = self.0.playback.listening.present_structure();
         let time = at.unwrap_or_else(|| near_border(playing.position, song.as_deref(), duration, REACH));
-        let [start, end] = self.0.interface.ui_state.video.marks.unwrap_or([0.0, duration]);
+        let [start, end] = self.0.interface.ui_state.marks.unwrap_or([0.0, duration]);
         let marks = moved([start, end], edge, time, duration);
-        self.0.interface.ui_state.video.marks = Some(marks);
+        self.0.interface.ui_state.marks = Some(marks);
         self.0.videos.form.is_part = true;
         if at.is_none() && self.0.interface.ui_state.panels.open != Some(Panel::Video) {
             let words = part(marks);
@@ -231,7 +227,7 @@ impl VideoDesk<'_> {
         };
         let offset = content.cut.map_or(0.0, |cut| cut.seconds().0);
         let length = status.track.duration;
-        let part = self.0.interface.ui_state.video.marks.filter(|_| form.is_part);
+        let part = self.0.interface.ui_state.marks.filter(|_| form.is_part);
         let (start, duration) = match part {
             Some([start, end]) => (start, Some(end - start)),
             None => (0.0, length.filter(|_| content.cut.is_some())),

@@ -456,6 +456,8 @@ commands! {
             "Tab or Backspace", "the scene's sliders; Shift+Tab, with a screen reader Tab: the bar"
         )],
     }
+    /// Moves the slider at this place to this value.
+    MoveSlider((usize, f32)) {}
     /// Binds a parameter of the current scene to a sound, or ends the binding.
     Bind(Bind) {}
     /// Writes the binding of this parameter into the scene's text, in the editor.

@@ -107,12 +107,6 @@ pub struct FileBrowser {
     revision: u64,
 }
 
-impl std::fmt::Debug for FileBrowser {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("FileBrowser").field("folder", &self.folder).finish_non_exhaustive()
-    }
-}
-
 impl FileBrowser {
     /// Shows `folder`; for `None`, the user's music folder once it is known. `wake` is called when a folder has been
     /// read.

@@ -36,6 +36,7 @@ pub mod file_browser;
 pub mod help_panel;
 pub mod limits;
 pub mod monitor;
+pub mod open_panel;
 pub mod overlay;
 pub mod pointer;
 pub mod pointer_rest;

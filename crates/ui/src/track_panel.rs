@@ -20,6 +20,8 @@ pub struct TrackPanel {
     /// The whole list.
     pub list: Arc<ListedTracks>,
     tags: TagLibrary,
+    /// The index of the playing track.
+    pub present: usize,
     /// The selected row.
     pub selected: usize,
     /// The search text; `None` if there is no search.
@@ -33,11 +35,12 @@ impl TrackPanel {
     /// Shows `list` and selects the track at index `present`.
     pub fn new(list: Arc<ListedTracks>, present: usize, tags: TagLibrary) -> Self {
         let selected = present.min(list.entries.len().saturating_sub(1));
-        Self { list, tags, selected, query: None, found: Vec::new(), revision: 0 }
+        Self { list, tags, present, selected, query: None, found: Vec::new(), revision: 0 }
     }
 
-    /// Shows a changed list.
-    pub fn update(&mut self, list: &Arc<ListedTracks>) {
+    /// Shows a changed list or another playing track.
+    pub fn update(&mut self, list: &Arc<ListedTracks>, present: usize) {
+        self.present = present;
         if !Arc::ptr_eq(&self.list, list) {
             self.list = list.clone();
             self.search();
@@ -257,7 +260,7 @@ mod tests {
         let _ = key(&mut panel, NamedKey::ArrowDown);
         assert_eq!(panel.handle_key(&Key::Named(NamedKey::ArrowUp), Modifiers::ALT), Some(vec![]));
         // The list changes during the search.
-        panel.update(&list(&["x", "Ebb", "y", "Ebb"]));
+        panel.update(&list(&["x", "Ebb", "y", "Ebb"]), 0);
         assert_eq!((panel.rows(), panel.selected, panel.track_in(1)), (2, 1, Some(3)));
         assert_eq!(key(&mut panel, NamedKey::Enter), Some(vec![Command::PlayTrack(3)]));
         assert_eq!((panel.query(), panel.rows(), panel.selected), (None, 4, 3));

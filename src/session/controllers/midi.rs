@@ -8,10 +8,10 @@ use crate::config::{ControllerSettings, Folders, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
 use crate::ui::controllers_panel::words_of;
+use mariana_control::InputQueue;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };
-use mariana_control::{InputQueue, Param};
 
 pub(crate) struct Midi {
     hub: Option<MidiHub>,
@@ -117,8 +117,7 @@ impl Midi {
                 let params = Some(scene.parameters_in_hand()).filter(|_| *of == title)?;
                 let slider = params.sliders().iter().rfind(|slider| slider.name == *name)?;
                 let (to, _) = params.target(name)?;
-                let (min, max, default) = (slider.min, slider.max, slider.default);
-                Some(Param { name, min, max, default }.fraction_of(to))
+                Some(slider.param().fraction_of(to))
             }
             Target::Action { name, .. } => {
                 levels.iter().find(|(level, _)| level == name).map(|(_, value)| *value)

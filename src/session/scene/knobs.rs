@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::scenes::SceneSource;
-use mariana_control::{Bound, ChangedBy, Param, Slider};
+use mariana_control::{Bound, ChangedBy, Slider};
 use mariana_field::world::World;
 
 pub(super) struct Knob {
@@ -73,8 +73,4 @@ impl SceneKnobs {
         titles.dedup();
         titles
     }
-}
-
-pub(super) fn param_of(slider: &Slider) -> Param<'_> {
-    Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default }
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::active_clips::ActiveClips;
 use super::beat_count::BeatCount;
-use super::knobs::{Knob, param_of};
+use super::knobs::Knob;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
 use crate::clock;
@@ -86,7 +86,7 @@ impl Parameters {
         let (split, moves) = (scene.split(), clips.moves(time));
         let read = |(slider, knob): (&Slider, &Knob)| {
             let directed = moves.of(knob, &slider.name, split);
-            self.model.read(&knob.scene, &param_of(slider), directed, self.now)
+            self.model.read(&knob.scene, &slider.param(), directed, self.now)
         };
         scene.knobs.iter().map(read).collect()
     }
@@ -155,7 +155,7 @@ impl<'a> ParametersInHand<'a> {
         let (scene, time) = (self.scene?, self.parameters.song_time);
         let (clips, _) = self.show.clips(scene, time);
         let directed = clips.moves(time).of(knob, &slider.name, scene.split());
-        Some(self.parameters.model.target(&knob.scene, &param_of(slider), directed))
+        Some(self.parameters.model.target(&knob.scene, &slider.param(), directed))
     }
 
     /// The parameters of the scene that differ from its text, and the bindings.
@@ -229,27 +229,20 @@ impl<'a> TurnedParameters<'a> {
         let Some((place, (slider, _))) = knobs.place_of(&change.name).zip(knobs.named(&change.name)) else {
             return false;
         };
-        let to = change.to.of(&param_of(slider));
+        let to = change.to.of(&slider.param());
         self.turn_at(place, Turn { to, seconds: change.seconds, changed_by: change.changed_by });
         true
     }
 
-    pub(crate) fn record_moved(&mut self) {
-        let before = self.parameters.read(self.scene, &self.clips, self.parameters.song_time);
-        let moved: Vec<(usize, f32)> = (self.scene.knobs.sliders.iter().zip(before).enumerate())
-            .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
-            .map(|(place, (slider, _))| (place, slider.value))
-            .collect();
-        for (place, to) in moved {
-            self.turn_at(place, Turn { to, seconds: 0.0, changed_by: ChangedBy::Slider });
-        }
+    pub(crate) fn move_slider(&mut self, place: usize, to: f32) {
+        self.turn_at(place, Turn { to, seconds: 0.0, changed_by: ChangedBy::Slider });
         self.parameters.revision += 1;
     }
 
     /// Sets the parameter of a slider. A slider moved back to the text's default follows the text again.
     fn turn_at(&mut self, place: usize, turn: Turn) {
         let Some((slider, knob)) = self.scene.knobs.get(place) else { return };
-        let (param, directed) = (param_of(slider), self.directed(slider, knob));
+        let (param, directed) = (slider.param(), self.directed(slider, knob));
         let Parameters { model, now, .. } = &mut *self.parameters;
         if turn.changed_by == ChangedBy::Slider && turn.to == param.default && directed.is_none() {
             model.release(&knob.scene, param.name);
@@ -262,7 +255,7 @@ impl<'a> TurnedParameters<'a> {
     /// Binds a parameter to a sound, or ends its binding. Returns `false` for an unknown name.
     pub(crate) fn bind(&mut self, name: &str, binding: Option<SoundBinding>) -> bool {
         let Some((slider, knob)) = self.scene.knobs.named(name) else { return false };
-        let (param, directed) = (param_of(slider), self.directed(slider, knob));
+        let (param, directed) = (slider.param(), self.directed(slider, knob));
         let Parameters { model, now, .. } = &mut *self.parameters;
         match binding {
             Some(binding) => model.bind(&knob.scene, &param, binding, 0.0, directed, *now),
@@ -276,7 +269,7 @@ impl<'a> TurnedParameters<'a> {
     /// Moves all sliders of the scene to a snapshot within `seconds`. Sliders that are not in the snapshot stay.
     pub(crate) fn recall(&mut self, snapshot: &Snapshot, seconds: f32) {
         for (slider, knob) in self.scene.own_knobs() {
-            let (param, directed) = (param_of(slider), self.directed(slider, knob));
+            let (param, directed) = (slider.param(), self.directed(slider, knob));
             let Parameters { model, now, .. } = &mut *self.parameters;
             if let Some(binding) = snapshot.bindings.get(param.name) {
                 model.bind(&knob.scene, &param, binding.clone(), seconds, directed, *now);
@@ -320,10 +313,7 @@ mod tests {
         let moved = in_hand.moved();
         assert_eq!(moved.sliders.get("size"), Some(&2.5));
         // A slider moved back to the text's default follows the text again.
-        if let Some(slider) = scene.knobs.sliders.first_mut() {
-            slider.value = slider.default;
-        }
-        TurnedParameters::of(&mut scene, &show, &mut parameters).record_moved();
+        TurnedParameters::of(&mut scene, &show, &mut parameters).move_slider(0, 1.0);
         let in_hand = ParametersInHand { scene: Some(&scene), show: &show, parameters: &parameters };
         assert_eq!(in_hand.target("size"), Some((1.0, ChangedBy::Text)));
         assert_eq!(in_hand.moved(), Snapshot::default());

@@ -577,14 +577,12 @@ impl SceneSession {
 
     /// What the overlay shows of the scene, with the status line `corner`.
     pub(crate) fn content<'a>(
-        &'a mut self,
+        &'a self,
         corner: Option<&'a str>,
         panels: PanelSwitches,
     ) -> OverlayContent<'a> {
-        let decks = self.deck_strip();
-        let in_hand = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
-        let sliders = in_hand.map(|scene| &mut *scene.knobs.sliders);
-        let params = sliders.filter(|sliders| panels.sliders && !sliders.is_empty());
-        OverlayContent { corner, params, decks, ..self.messages.content() }
+        let sliders = self.parameters_in_hand().sliders();
+        let params = Some(sliders).filter(|sliders| panels.sliders && !sliders.is_empty());
+        OverlayContent { corner, params, decks: self.deck_strip(), ..self.messages.content() }
     }
 }

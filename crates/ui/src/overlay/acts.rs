@@ -34,7 +34,7 @@ pub enum PanelAct {
     /// Of the file list.
     Files(On<FileBrowser>),
     /// Of the track list.
-    Tracks(On<TrackPanel, ()>),
+    Tracks(On<TrackPanel>),
     /// Of the settings panel.
     Settings(On<SettingsPanel>),
 }

@@ -43,10 +43,6 @@ impl TilePictures {
         let made = || (image.clone(), context.load_texture("tile", pixels(image), TextureOptions::LINEAR));
         self.textures.entry(key).or_insert_with(made).1.id()
     }
-
-    pub(super) fn clear(&mut self) {
-        *self = Self::default();
-    }
 }
 
 pub(super) fn show(

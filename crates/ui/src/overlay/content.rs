@@ -6,23 +6,17 @@ use std::time::{Duration, Instant};
 
 use super::bar::Bar;
 use super::ray::RayView;
-use super::tracks::Tracks;
 use super::welcome::Welcome;
-use crate::controllers_panel::ControllersPanel;
-use crate::corner_handles::CornerHandles;
 use crate::editor::Editor;
-use crate::file_browser::FileBrowser;
 use crate::help_panel::HelpPanel;
+use crate::open_panel::OpenPanel;
 use crate::overlay::NextScene;
-use crate::scene_browser::SceneBrowser;
-use crate::settings_panel::SettingsPanel;
-use crate::video_panel::VideoPanel;
 use mariana_commands::SnapshotKeys;
 use mariana_control::{Slider, SoundBinding};
 use mariana_render::placement::Area;
 
 /// Everything over the frame. Every part is optional, and the default is empty.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct OverlayContent<'a> {
     /// A line in the lower left corner, such as "speakers · interpreted · 230 clauses".
     pub corner: Option<&'a str>,
@@ -31,7 +25,7 @@ pub struct OverlayContent<'a> {
     /// A short message that fades.
     pub notice: Option<Notice<'a>>,
     /// The scene's parameters, which the user can move.
-    pub params: Option<&'a mut [Slider]>,
+    pub params: Option<&'a [Slider]>,
     /// The snapshots of the parameters.
     pub snapshots: SnapshotRow,
     /// The table of keys.
@@ -44,28 +38,16 @@ pub struct OverlayContent<'a> {
     pub welcome: Option<Welcome<'a>>,
     /// The player bar.
     pub bar: Option<Bar<'a>>,
-    /// The track list.
-    pub tracks: Option<Tracks<'a>>,
-    /// The scene list.
-    pub scenes: Option<&'a SceneBrowser>,
-    /// The file list.
-    pub files: Option<&'a FileBrowser>,
-    /// The settings panel.
-    pub settings: Option<&'a SettingsPanel>,
+    /// The open panel, except those below.
+    pub panel: Option<&'a OpenPanel>,
     /// The scene editor.
     pub editor: Option<&'a Editor>,
-    /// The controllers panel.
-    pub controllers: Option<&'a ControllersPanel>,
-    /// The panel that makes videos.
-    pub video: Option<&'a VideoPanel>,
     /// The parameter for which a control is being learned.
     pub learning: Option<&'a str>,
     /// The entries of the show.
     pub cues: Option<CueSheet>,
     /// The strip of two decks.
     pub decks: Option<DeckStrip>,
-    /// The corner handles, while the corners are adjusted.
-    pub corners: Option<CornerHandles>,
     /// The area of the small frame in a control window; `None` in other windows.
     pub picture: Option<Area>,
     /// The next scene of the show.
@@ -238,19 +220,13 @@ impl OverlayContent<'_> {
     }
 
     fn has_panels(&self) -> bool {
-        self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
-            || self.tracks.is_some()
+        self.params.is_some_and(|sliders| !sliders.is_empty())
+            || self.panel.is_some()
             || self.help.is_some()
             || self.sources.is_some()
-            || self.scenes.is_some()
-            || self.files.is_some()
-            || self.settings.is_some()
             || self.editor.is_some()
-            || self.controllers.is_some()
             || self.cues.is_some()
             || self.decks.is_some()
-            || self.video.is_some()
-            || self.corners.is_some()
     }
 
     /// A number that changes with the content. A notice is included until it is gone, even while it fades.
@@ -262,21 +238,13 @@ impl OverlayContent<'_> {
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         notice.and_then(|notice| notice.fraction).map(f32::to_bits).hash(&mut hasher);
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
-        (self.bar, self.hides_pointer).hash(&mut hasher);
-        self.scenes.map(|panel| panel.revision).hash(&mut hasher);
-        self.files.map(FileBrowser::revision).hash(&mut hasher);
-        self.settings.map(|panel| panel.revision).hash(&mut hasher);
+        (self.bar, self.hides_pointer, self.panel, self.learning).hash(&mut hasher);
         self.editor.map(|panel| panel.revision).hash(&mut hasher);
-        (self.controllers.map(|panel| panel.revision), self.learning).hash(&mut hasher);
         (&self.cues, &self.decks).hash(&mut hasher);
-        self.video.map(|panel| panel.revision).hash(&mut hasher);
-        let places = |corners: CornerHandles| corners.places().map(|place| place.map(f64::to_bits));
-        self.corners.map(|corners| (corners.selected, places(corners))).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.ray.map(|ray| ray.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
-        self.tracks.map(|tracks| (tracks.panel.revision(), tracks.present)).hash(&mut hasher);
-        for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
+        for slider in self.params.unwrap_or_default() {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
             (&slider.name, numbers, slider.changed_by).hash(&mut hasher);
             let bound = slider.bound.as_ref();
@@ -348,13 +316,19 @@ mod tests {
             OverlayContent { sources: Some(list(None)), ..Default::default() },
             OverlayContent { sources: Some(list(Some(1))), ..Default::default() },
         ];
-        for content in &contents {
-            assert!(seen.insert(content.fingerprint(now)), "the fingerprint of {content:?} is not unique");
+        for (place, content) in contents.iter().enumerate() {
+            assert!(
+                seen.insert(content.fingerprint(now)),
+                "the fingerprint of content {place} is not unique"
+            );
         }
         for value in [0.5, 1.0] {
             sliders[0].value = value;
-            let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
-            assert!(seen.insert(content.fingerprint(now)), "the fingerprint of {content:?} is not unique");
+            let content = OverlayContent { params: Some(&sliders), ..Default::default() };
+            assert!(
+                seen.insert(content.fingerprint(now)),
+                "the fingerprint of the value {value} is not unique"
+            );
         }
         let later = now + Duration::from_secs(1);
         let again = OverlayContent {

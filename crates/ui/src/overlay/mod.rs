@@ -61,14 +61,13 @@ pub use content::{
 };
 pub use marks::near_border;
 pub use now_playing::{NowPlaying, clock_time};
-use panels::{LaidOut, Panels, pressed};
+use panels::{Panels, pressed};
 use pending::PendingInput;
 pub use picture::Cover;
 use pointer::Pointer;
 pub use preview::NextScene;
 pub use ray::RayView;
 pub use switches::PanelSwitches;
-pub use tracks::Tracks;
 pub use welcome::Welcome;
 
 use crate::UiError;
@@ -106,8 +105,6 @@ struct Shown {
 /// The result of [`Overlay::paint`].
 #[derive(Default)]
 pub struct Painted {
-    /// True if the user moved a slider, which changed [`OverlayContent::params`].
-    pub params_changed: bool,
     /// What the user's input does.
     pub acts: Acts,
     /// The tree of controls for assistive technology.
@@ -211,7 +208,7 @@ impl Overlay {
         &mut self,
         scale: f32,
         size: (u32, u32),
-        mut content: OverlayContent<'_>,
+        content: OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, UiError> {
         self.scale = scale;
@@ -229,7 +226,7 @@ impl Overlay {
             && self.shown.as_ref().is_some_and(|shown| {
                 shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
             });
-        let painted = if stands { Painted::default() } else { self.lay_out(size, &mut content, now)? };
+        let painted = if stands { Painted::default() } else { self.lay_out(size, &content, now)? };
         if let (Some(shown), Some(painter)) = (&self.shown, &mut self.painter) {
             self.gl.lend_window("drawing the overlay", || {
                 painter.paint_primitives(size.into(), shown.pixels_per_point, &shown.primitives);
@@ -241,7 +238,7 @@ impl Overlay {
     fn lay_out(
         &mut self,
         size: (u32, u32),
-        content: &mut OverlayContent<'_>,
+        content: &OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, UiError> {
         // Create the painter first: egui's textures need it.
@@ -282,14 +279,12 @@ impl Overlay {
             primitives: self.panels.context.tessellate(output.shapes, pixels_per_point),
             pixels_per_point,
             size,
-            // Compute the fingerprint after the layout, because sliders may have moved during the layout.
             fingerprint: content.fingerprint(now),
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
         let (cursor, typed_at) = (self.changed_cursor(cursor), self.changed_place_of_letters(typed_at));
-        let LaidOut { params_changed, acts, .. } = laid_out;
-        Ok(Painted { params_changed, acts, controls, cursor, typed_at })
+        Ok(Painted { acts: laid_out.acts, controls, cursor, typed_at })
     }
 
     fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {

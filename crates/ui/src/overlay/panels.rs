@@ -1,5 +1,6 @@
 //! The layout of the panels: turns input and content into shapes, without a window or OpenGL.
 
+use std::mem::Discriminant;
 use std::time::{Duration, Instant};
 
 use egui::{
@@ -17,6 +18,7 @@ use super::{
     assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params,
     preview, problem, ray, settings, sources, style, tracks, video, welcome,
 };
+use crate::open_panel::OpenPanel;
 use mariana_render::system_fonts::SystemFonts;
 
 /// Maximum width of a line at the top or in the corner, as a fraction of the window's width.
@@ -44,24 +46,30 @@ pub(super) struct Panels {
 
 #[derive(Default)]
 struct Kept {
-    pictures: TilePictures,
-    selected_file: files::SelectedRows,
-    selected_track: Option<usize>,
+    of_panel: OfPanel,
     seen_key: Option<help::Seen>,
-    seen_setting: Option<settings::Seen>,
-    seen_changed_by: controllers::Seen,
-    seen_video: video::Seen,
     binding: binding::OpenBinding,
     next: KeptPicture,
     cover: KeptPicture,
     seen_cue: Option<usize>,
 }
 
+/// What the open panel keeps from layout to layout.
+#[derive(Default)]
+struct OfPanel {
+    of: Option<Discriminant<OpenPanel>>,
+    pictures: TilePictures,
+    selected_file: files::SelectedRows,
+    selected_track: Option<usize>,
+    seen_setting: Option<settings::Seen>,
+    seen_changed_by: controllers::Seen,
+    seen_video: video::Seen,
+}
+
 pub(super) struct LaidOut {
     pub output: FullOutput,
     /// Panels that take clicks, in points.
     pub panels: Vec<Rect>,
-    pub params_changed: bool,
     pub acts: Acts,
     /// Time until egui needs another layout without input. It is very long if egui needs no layout.
     pub repaint_after: Duration,
@@ -89,27 +97,31 @@ impl Panels {
     pub(super) fn lay_out(
         &mut self,
         mut input: RawInput,
-        content: &mut OverlayContent<'_>,
+        content: &OverlayContent<'_>,
         now: Instant,
     ) -> LaidOut {
         if self.had_controls && std::mem::take(&mut self.wants_focus) {
             input.events.extend(pressed(Key::Tab, Modifiers::NONE));
         }
         self.had_controls = content.bar.is_some() || content.is_interactive();
-        let (mut panels, mut params_changed, mut acts) = (Vec::new(), false, Acts::default());
+        let (mut panels, mut acts) = (Vec::new(), Acts::default());
         self.fallback.add_found(&self.context);
-        // egui may request another pass after it has learned sizes.
+        let of = content.panel.map(std::mem::discriminant);
         let kept = &mut self.kept;
+        if kept.of_panel.of != of {
+            kept.of_panel = OfPanel { of, ..OfPanel::default() };
+        }
+        // egui may request another pass after it has learned sizes.
         let output = self.context.run_pass(input, |context| {
             panels.clear();
             acts = Acts::default();
             let mut pass = Pass { context, acts: &mut acts };
-            params_changed |= show(&mut pass, content, now, &mut panels, kept);
+            show(&mut pass, content, now, &mut panels, kept);
         });
         self.fallback.request_missing();
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        LaidOut { output, panels, params_changed, acts, repaint_after }
+        LaidOut { output, panels, acts, repaint_after }
     }
 }
 
@@ -120,11 +132,11 @@ pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
 
 fn show(
     pass: &mut Pass<'_>,
-    content: &mut OverlayContent<'_>,
+    content: &OverlayContent<'_>,
     now: Instant,
     panels: &mut Vec<Rect>,
     kept: &mut Kept,
-) -> bool {
+) {
     let context = pass.context;
     assisted::window(context);
     let screen = context.viewport_rect();
@@ -139,7 +151,7 @@ fn show(
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
     let space = show_bar(pass, space, content, kept, panels);
-    if let Some(handles) = &content.corners {
+    if let Some(OpenPanel::Corners(handles)) = content.panel {
         panels.extend(corners::show(pass, screen, handles));
     }
     let mut rooms = Rooms::of(space, screen, content.picture);
@@ -159,14 +171,13 @@ fn show(
         assisted::text(context, "about the picture", text, false);
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
-    let (mut changed, mut beside_sliders) = (false, space);
+    let mut beside_sliders = space;
     let help = content.help.map(|keys| help::show(pass, space, keys, &mut kept.seen_key));
     kept.seen_key.take_if(|_| help.is_none());
-    if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
+    if let Some(sliders) = content.params.filter(|sliders| !sliders.is_empty()) {
         let shown = params::Shown { sliders, learning: content.learning, snapshots: content.snapshots };
-        let (rect, moved) = params::show(pass, side, help, shown, &mut kept.binding);
+        let rect = params::show(pass, side, help, shown, &mut kept.binding);
         panels.push(rect);
-        changed = moved;
         leave_beside(&mut left, rect);
         beside_sliders = beside(space, rect);
     }
@@ -187,16 +198,16 @@ fn show(
         panels.push(show_problem(context, &back, left, problem));
     }
     panels.extend(help);
-    show_lists(pass, space, beside_sliders, content, panels, kept);
+    let list = show_list(pass, space, beside_sliders, content, &mut kept.of_panel);
+    panels.extend(list);
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, &mut kept.cover, now);
     }
-    let below = show_sentences(context, &front, sentences, content, now);
+    let below = show_sentences(context, &front, sentences, list.is_some(), content, now);
     if let Some(list) = &content.sources {
         panels.push(sources::show(pass, below, list));
     }
     assisted::ring(context, &front);
-    changed
 }
 
 /// Shows the bar and the strip of decks. Returns the space above them.
@@ -214,6 +225,9 @@ fn show_bar(
             panels.push(rect);
             space.max.y = above(rect, space);
         }
+    }
+    if content.bar.is_none() && content.welcome.is_none() {
+        kept.cover.clear();
     }
     if let Some(strip) = &content.decks {
         let rect = decks::show(pass, space, strip);
@@ -236,65 +250,44 @@ fn show_right_list(
     content: &OverlayContent<'_>,
     kept: &mut Kept,
 ) -> Option<Rect> {
-    if let Some(list) = &content.tracks {
-        return Some(tracks::show(pass, space, list, &mut kept.selected_track));
+    if let Some(OpenPanel::Tracks(list)) = content.panel {
+        return Some(tracks::show(pass, space, list, &mut kept.of_panel.selected_track));
     }
-    kept.selected_track = None;
     let sheet = content.cues.as_ref()?;
     Some(cues::show(pass, space, sheet, &mut kept.seen_cue))
 }
 
-/// Shows the open list in the middle, and discards the state of closed lists. The controllers are in `beside_sliders`,
-/// because a click on a slider's name learns its control. Returns the areas.
-fn show_lists(
+/// Shows the open list in the middle, and returns its area. The controllers are in `beside_sliders`, because a click on a
+/// slider's name learns its control.
+fn show_list(
     pass: &mut Pass<'_>,
     space: Rect,
     beside_sliders: Rect,
     content: &OverlayContent<'_>,
-    panels: &mut Vec<Rect>,
-    kept: &mut Kept,
-) {
-    match content.scenes {
-        Some(scenes) => panels.push(browser::show(pass, space, scenes, &mut kept.pictures)),
-        None => kept.pictures.clear(),
-    }
-    match content.files {
-        Some(list) => panels.push(files::show(pass, space, list, &mut kept.selected_file)),
-        None => kept.selected_file = Default::default(),
-    }
-    match content.settings {
-        Some(rows) => panels.push(settings::show(pass, space, rows, &mut kept.seen_setting)),
-        None => kept.seen_setting = None,
-    }
-    match content.controllers {
-        Some(rows) => {
-            panels.push(controllers::show(pass, beside_sliders, rows, &mut kept.seen_changed_by));
+    kept: &mut OfPanel,
+) -> Option<Rect> {
+    Some(match content.panel? {
+        OpenPanel::Scenes(scenes) => browser::show(pass, space, scenes, &mut kept.pictures),
+        OpenPanel::Files(list) => files::show(pass, space, list, &mut kept.selected_file),
+        OpenPanel::Settings(rows) => settings::show(pass, space, rows, &mut kept.seen_setting),
+        OpenPanel::Controllers(rows) => {
+            controllers::show(pass, beside_sliders, rows, &mut kept.seen_changed_by)
         }
-        None => kept.seen_changed_by = None,
-    }
-    match content.video {
-        Some(rows) => panels.push(video::show(pass, space, rows, &mut kept.seen_video)),
-        None => kept.seen_video = None,
-    }
-    if content.bar.is_none() && content.welcome.is_none() {
-        kept.cover.clear();
-    }
+        OpenPanel::Video(rows) => video::show(pass, space, rows, &mut kept.seen_video),
+        OpenPanel::Tracks(_) | OpenPanel::Corners(_) => return None,
+    })
 }
 
 fn show_sentences(
     context: &Context,
     front: &Painter,
     space: Rect,
+    has_list: bool,
     content: &OverlayContent<'_>,
     now: Instant,
 ) -> Rect {
     let mut below = space;
-    let has_heading = content.scenes.is_some()
-        || content.files.is_some()
-        || content.settings.is_some()
-        || content.controllers.is_some()
-        || content.video.is_some();
-    if has_heading {
+    if has_list {
         // Keep messages away from the heading and the close button of an open list.
         let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
         below.min.y = (space.max.y - f32::from(sentences) * NOTICE_HEIGHT).max(space.min.y);

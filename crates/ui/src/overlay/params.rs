@@ -22,7 +22,7 @@ const STEP: f64 = 0.05;
 
 /// The scene's sliders, the parameter for which a control is being learned, and the snapshots.
 pub(super) struct Shown<'a> {
-    pub sliders: &'a mut [Slider],
+    pub sliders: &'a [Slider],
     pub learning: Option<&'a str>,
     pub snapshots: SnapshotRow,
 }
@@ -31,15 +31,14 @@ pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Draws the panel at the upper right. Returns the panel's area, and true if a value changed. Ignores clicks while the
-/// area `cover` overlaps the panel.
+/// Draws the panel at the upper right. Returns the panel's area. Ignores clicks while the area `cover` overlaps the panel.
 pub(super) fn show(
     pass: &mut Pass<'_>,
     space: Rect,
     cover: Option<Rect>,
     Shown { sliders, learning, snapshots }: Shown<'_>,
     open: &mut OpenBinding,
-) -> (Rect, bool) {
+) -> Rect {
     let Pass { context, acts } = pass;
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
@@ -51,43 +50,36 @@ pub(super) fn show(
         .fixed_pos(pos2(space.right() - width, space.top()))
         .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width));
     let shown = area.show(context, |ui| {
-        style::frame()
-            .show(ui, |ui| {
-                // A window of a few pixels leaves no width.
-                ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-                let height = (space.height() - 2.0 * style::PADDING.y).max(0.0);
-                // Without this, the panel keeps the height of its last layout when a list of sounds opens.
-                ui.set_max_height(height);
-                egui::ScrollArea::vertical()
-                    .max_height(height)
-                    .show(ui, |ui| {
-                        ui.set_width((ui.available_width() - LANE).max(0.0));
-                        let rows = sliders.iter_mut().enumerate();
-                        let changed = rows.fold(false, |changed, (i, slider)| {
-                            let is_learning = learning == Some(&*slider.name);
-                            let of_row = |ui: &mut Ui| {
-                                let moved = row(ui, slider, is_learning, open, acts);
-                                if open.is_of(&slider.name) {
-                                    binding::show(ui, slider, open, acts);
-                                }
-                                moved
-                            };
-                            ui.push_id(i, of_row).inner || changed
-                        });
-                        snapshots::show(ui, snapshots, acts);
-                        changed
-                    })
-                    .inner
-            })
-            .inner
+        style::frame().show(ui, |ui| {
+            // A window of a few pixels leaves no width.
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            let height = (space.height() - 2.0 * style::PADDING.y).max(0.0);
+            // Without this, the panel keeps the height of its last layout when a list of sounds opens.
+            ui.set_max_height(height);
+            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                ui.set_width((ui.available_width() - LANE).max(0.0));
+                for (place, slider) in sliders.iter().enumerate() {
+                    let is_learning = learning == Some(&*slider.name);
+                    ui.push_id(place, |ui| {
+                        let value = row(ui, slider.clone(), is_learning, open, acts);
+                        if value.to_bits() != slider.value.to_bits() {
+                            acts.commands.push(Command::MoveSlider((place, value)));
+                        }
+                        if open.is_of(&slider.name) {
+                            binding::show(ui, slider, open, acts);
+                        }
+                    });
+                }
+                snapshots::show(ui, snapshots, acts);
+            });
+        });
     });
-    (shown.response.rect, shown.inner)
+    shown.response.rect
 }
 
-/// Draws a parameter's name, value and slider. Returns true if the value changed. After a click on the name, the next
-/// moved control is mapped to the parameter.
-fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, open: &mut OpenBinding, acts: &mut Acts) -> bool {
-    let before = slider.value;
+/// Draws a parameter's name, value and slider. Returns the value after the user's changes. After a click on the name, the
+/// next moved control is mapped to the parameter.
+fn row(ui: &mut Ui, mut slider: Slider, is_learning: bool, open: &mut OpenBinding, acts: &mut Acts) -> f32 {
     slider.value = slider.param().clamped(slider.value);
     let full = ui.available_width();
 
@@ -116,7 +108,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, open: &mut OpenBindi
     );
     let color = if is_learning || label.hovered() { style::ACCENT } else { style::TEXT };
     painter.galley_with_override_text_color(label.rect.min, name, color);
-    let bound = binding::words(slider);
+    let bound = binding::words(&slider);
     let words = if is_learning {
         "move a knob"
     } else {
@@ -129,7 +121,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, open: &mut OpenBindi
     if label.clicked() {
         acts.commands.push(Command::LearnParameter(slider.name.clone()));
     }
-    binding::button(ui, wave, slider, open);
+    binding::button(ui, wave, &slider, open);
     if changed_by_user && bound.is_none() {
         let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());
         let color = if response.hovered() { style::TEXT } else { style::DIM };
@@ -142,9 +134,9 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, open: &mut OpenBindi
         }
     }
 
-    rail(ui, slider);
+    rail(ui, &mut slider);
     ui.add_space(2.0);
-    slider.value.to_bits() != before.to_bits()
+    slider.value
 }
 
 const RESET_SIGN: &str = "↺";

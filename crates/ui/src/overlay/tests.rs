@@ -10,12 +10,11 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Acts, Bar, Notice, NowPlaying, OverlayContent, PanelAct, PanelSwitches, Problem, SourceList, Tracks,
-    style,
+    Acts, Bar, Notice, NowPlaying, OverlayContent, PanelAct, PanelSwitches, Problem, SourceList, style,
 };
 use crate::editor::Editor;
 use crate::help_panel::HelpPanel;
-use crate::settings_panel::SettingsPanel;
+use crate::open_panel::OpenPanel;
 use crate::track_panel::TrackPanel;
 use mariana_commands::{Command, Delay, Panel, Switch};
 use mariana_control::{ChangedBy, Slider};
@@ -60,11 +59,11 @@ impl Stage {
         Self { panels, wakes, screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
     }
 
-    fn frame(&mut self, events: Vec<Event>, mut content: OverlayContent<'_>) -> LaidOut {
+    fn frame(&mut self, events: Vec<Event>, content: OverlayContent<'_>) -> LaidOut {
         self.seconds += 0.02;
         let time = Some(self.seconds);
         let input = RawInput { screen_rect: Some(self.screen), time, events, ..Default::default() };
-        let mut laid_out = self.panels.lay_out(input, &mut content, Instant::now());
+        let mut laid_out = self.panels.lay_out(input, &content, Instant::now());
         // egui panics if a test drops texture changes without clearing them.
         laid_out.output.textures_delta.clear();
         laid_out
@@ -74,10 +73,19 @@ impl Stage {
         let mut moved = false;
         for events in click_at(place) {
             let content = OverlayContent { params: Some(sliders), ..Default::default() };
-            moved |= self.frame(events, content).params_changed;
+            for command in self.frame(events, content).acts.commands {
+                let Command::MoveSlider((place, value)) = command else { panic!("{command:?}") };
+                (sliders[place].value, moved) = (value, true);
+            }
         }
         moved
     }
+}
+
+/// Content with this panel.
+fn open(panel: OpenPanel) -> impl Fn() -> Content + Copy {
+    let panel: &'static OpenPanel = Box::leak(Box::new(panel));
+    move || OverlayContent { panel: Some(panel), ..Default::default() }
 }
 
 /// The events of the frames of a click.
@@ -127,12 +135,12 @@ fn place_of(texts: &[(String, Rect)], wanted: &str) -> Rect {
 fn everything_shows_at_once_and_inside_the_window() {
     let text = "error: no\n --> a.scene:1:1\n".repeat(100);
     for screen in [SCREEN, Vec2::new(533.0, 400.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
-        let (mut sliders, help) = (sliders(64), HelpPanel::default());
+        let (sliders, help) = (sliders(64), HelpPanel::default());
         let content = OverlayContent {
             corner: Some("speakers · interpreted · 230 clauses"),
             problem: Some(Problem { heading: "a.scene has mistakes", text: &text }),
             notice: Some(Notice { text: "compiled", fraction: None, since: Instant::now() }),
-            params: Some(&mut sliders),
+            params: Some(&sliders),
             help: Some(&help),
             hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),
             sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
@@ -173,10 +181,10 @@ fn underlines_are_below_their_words() {
 fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     let mut stage = Stage::new(SCREEN);
     let mut sliders = sliders(2);
-    let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+    let content = OverlayContent { params: Some(&sliders), ..Default::default() };
     let laid_out = stage.frame(Vec::new(), content);
     let (panel, texts) = (laid_out.panels[0], drawn(&laid_out).1);
-    assert!(!laid_out.params_changed && panel.right() > SCREEN.x - 20.0);
+    assert!(laid_out.acts.commands.is_empty() && panel.right() > SCREEN.x - 20.0);
     let rail_y = place_of(&texts, "knob 1").bottom() + 14.0;
     assert!(stage.click(Pos2::new(panel.right() - 30.0, rail_y), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 4.0]);
@@ -187,7 +195,7 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     assert!(stage.click(middle, &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 1.0]);
     stage.seconds += 2.0;
-    let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+    let content = OverlayContent { params: Some(&sliders), ..Default::default() };
     let (_, texts) = drawn(&stage.frame(Vec::new(), content));
     assert!(stage.click(place_of(&texts, "↺").center(), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [1.0, 1.0]);
@@ -314,9 +322,7 @@ fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
     let entry =
         |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), ..ListedTrack::default() };
     let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect(), undo: None };
-    let panel = TrackPanel::new(Arc::new(list), 1, TagLibrary::default());
-    let panel: &'static TrackPanel = Box::leak(Box::new(panel));
-    let content = || OverlayContent { tracks: Some(Tracks { panel, present: 1 }), ..Default::default() };
+    let content = open(OpenPanel::Tracks(TrackPanel::new(Arc::new(list), 1, TagLibrary::default())));
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), content());
     let laid_out = stage.frame(Vec::new(), content());
@@ -333,9 +339,9 @@ fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
 fn settings_are_inside_the_window_and_a_click_chooses() {
     use crate::settings_panel::tests::panel;
     let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
-    let rows: &'static SettingsPanel = Box::leak(Box::new(panel(&choices, Some("tv"))));
-    let content = || OverlayContent { settings: Some(rows), ..Default::default() };
-    let place = |wanted: &str| rows.rows.iter().position(|row| row.name == wanted).unwrap();
+    let content = open(OpenPanel::Settings(panel(&choices, Some("tv"))));
+    let rows = panel(&choices, Some("tv")).rows;
+    let place = |wanted: &str| rows.iter().position(|row| row.name == wanted).unwrap();
     let set = |acts: Acts| {
         let mut own = panel(&choices, Some("tv"));
         let act = |act| match act {
@@ -382,13 +388,13 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
 #[test]
 fn a_notice_covered_the_heading_of_a_panel() {
     use crate::settings_panel::tests::panel;
-    let rows = panel(&Choices::default(), None);
+    let rows = OpenPanel::Settings(panel(&Choices::default(), None));
     for screen in [SCREEN, Vec2::new(560.0, 315.0)] {
         let mut stage = Stage::new(screen);
         let since = Instant::now() + Duration::from_secs(60); // A busy machine must not let it fade.
         let notice = Some(Notice { text: "orb is being prepared", fraction: None, since });
         let content =
-            || OverlayContent { settings: Some(&rows), notice, hint: Some("press D"), ..Default::default() };
+            || OverlayContent { panel: Some(&rows), notice, hint: Some("press D"), ..Default::default() };
         stage.frame(Vec::new(), content());
         let laid_out = stage.frame(Vec::new(), content());
         let (bounds, texts) = drawn(&laid_out);
@@ -403,17 +409,17 @@ fn a_notice_covered_the_heading_of_a_panel() {
 #[test]
 fn the_selected_setting_is_visible_in_a_small_window() {
     use crate::settings_panel::tests::panel;
-    use mariana_commands::input::{Key, NamedKey};
-    let mut rows = panel(&Choices::default(), None);
+    use mariana_commands::input::{Key, Modifiers as Held, NamedKey};
+    let mut rows = OpenPanel::Settings(panel(&Choices::default(), None));
     let mut stage = Stage::new(Vec2::new(560.0, 200.0));
-    stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+    stage.frame(Vec::new(), OverlayContent { panel: Some(&rows), ..Default::default() });
     let ways = [NamedKey::ArrowDown; 12].into_iter().chain([NamedKey::ArrowUp; 12]);
     for key in ways {
-        let _ = rows.handle_key(&Key::Named(key));
-        stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
-        let laid_out =
-            stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
-        let row = &rows.rows[rows.selected];
+        let _ = rows.handle_key(&Key::Named(key), Held::empty());
+        stage.frame(Vec::new(), OverlayContent { panel: Some(&rows), ..Default::default() });
+        let laid_out = stage.frame(Vec::new(), OverlayContent { panel: Some(&rows), ..Default::default() });
+        let OpenPanel::Settings(settings) = &rows else { unreachable!() };
+        let row = &settings.rows[settings.selected];
         let (_, texts) = drawn(&laid_out);
         let at = texts.iter().find(|(text, _)| text.ends_with(&row.name)).map(|(_, at)| *at);
         assert!(at.is_some_and(|at| at.height() > 12.0), "{} is not seen: {texts:?}", row.name);
@@ -491,12 +497,12 @@ fn missing_letters_are_searched_for_once() {
 fn letters_of_the_built_in_fonts_are_not_searched_for() {
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
-    let (mut sliders, help) = (sliders(3), HelpPanel::default());
+    let (sliders, help) = (sliders(3), HelpPanel::default());
     let (now, panels) = (playing(), PanelSwitches { help: true, sliders: true, ..Default::default() });
     let bar = Bar { scene: "speakers, 1 of 17", panels, follows: false, ..bar(&now) };
     let content = OverlayContent {
         corner: Some("speakers · 60 fps · 1280x720 · compiled"),
-        params: Some(&mut sliders),
+        params: Some(&sliders),
         help: Some(&help),
         bar: Some(bar),
         ..Default::default()

@@ -3,7 +3,7 @@
 use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
 
-use super::acts::{Acts, PanelAct, Pass};
+use super::acts::{Acts, PanelAct, Pass, on};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
 use super::{assisted, style, words};
@@ -21,26 +21,17 @@ const TITLE_PART: f32 = 0.58;
 /// Near the ends of the list, a drag scrolls by this many points in a frame.
 const DRAG_SCROLL: f32 = 9.0;
 
-/// The content of the panel.
-#[derive(Debug, Clone, Copy)]
-pub struct Tracks<'a> {
-    /// The tracks, and the user's selection.
-    pub panel: &'a TrackPanel,
-    /// The index of the playing track.
-    pub present: usize,
-}
-
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, tracks: &Tracks<'_>, last: &mut Option<usize>) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &TrackPanel, last: &mut Option<usize>) -> Rect {
     let Pass { context, acts } = pass;
     let place = style::right_part(space, (PART * space.width()).clamp(WIDTH.0, WIDTH.1));
     style::panel(context, "tracks", Order::Middle, place, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-        heading(ui, tracks, acts);
+        heading(ui, panel, acts);
         let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
-        rows(ui, height, tracks, last, acts);
-        buttons(ui, tracks, acts);
+        rows(ui, height, panel, last, acts);
+        buttons(ui, panel, acts);
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-        let keys = if tracks.panel.is_searching() {
+        let keys = if panel.is_searching() {
             "type to search · Enter plays · Esc shows all tracks"
         } else {
             "Enter plays · Delete removes · Alt+arrow moves · / searches"
@@ -49,24 +40,24 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, tracks: &Tracks<'_>, last: 
     })
 }
 
-fn heading(ui: &mut Ui, tracks: &Tracks<'_>, acts: &mut Acts) {
+fn heading(ui: &mut Ui, panel: &TrackPanel, acts: &mut Acts) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
     if icons::closing_cross(ui, cross, "close the list of tracks") {
         acts.commands.push(Command::TogglePanel(mariana_commands::Panel::Tracks));
     }
-    let (words, color) = match tracks.panel.query() {
-        None => (tracks.panel.totals(clock_time), style::TEXT),
-        Some(query) => (format!("search: {query}| {} tracks", tracks.panel.rows()), style::ACCENT),
+    let (words, color) = match panel.query() {
+        None => (panel.totals(clock_time), style::TEXT),
+        Some(query) => (format!("search: {query}| {} tracks", panel.rows()), style::ACCENT),
     };
     let galley =
         style::line(ui.painter(), &words, style::TEXT_SIZE, color, cross.left() - place.left() - 8.0);
     ui.painter().galley(place.left_top(), galley, color);
-    assisted::text(ui.ctx(), "length of the list", &words, tracks.panel.is_searching());
+    assisted::text(ui.ctx(), "length of the list", &words, panel.is_searching());
 }
 
-fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>, acts: &mut Acts) {
-    let (panel, count) = (tracks.panel, tracks.panel.rows());
+fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, last: &mut Option<usize>, acts: &mut Acts) {
+    let count = panel.rows();
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     if count == 0 {
         let sentence = if panel.is_filtered() {
@@ -87,8 +78,8 @@ fn rows(ui: &mut Ui, height: f32, tracks: &Tracks<'_>, last: &mut Option<usize>,
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let width = (ui.available_width() - LANE).max(0.0);
         let drawn = rows.clone();
-        acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.record_drawn(drawn))));
-        rows.for_each(|at| row(ui, width, tracks, at, acts));
+        acts.on_panels.push(PanelAct::Tracks(on(move |tracks: &mut TrackPanel| tracks.record_drawn(drawn))));
+        rows.for_each(|at| row(ui, width, panel, at, acts));
         scroll_during_drag(ui);
     });
     // A track that is dropped below the last row becomes the last track.
@@ -126,11 +117,10 @@ fn drop_below(ui: &Ui, visible: Rect, content: f32, count: usize, acts: &mut Act
 
 fn move_track(from: usize, to: usize, acts: &mut Acts) {
     acts.commands.push(Command::MoveTrack((from, to)));
-    acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.select(to))));
+    acts.on_panels.push(PanelAct::Tracks(on(move |tracks: &mut TrackPanel| tracks.select(to))));
 }
 
-fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, acts: &mut Acts) {
-    let panel = tracks.panel;
+fn row(ui: &mut Ui, width: f32, panel: &TrackPanel, at: usize, acts: &mut Acts) {
     let Some(index) = panel.track_in(at) else { return };
     let (place, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click_and_drag());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 0.0), vec2(ROW, ROW));
@@ -143,9 +133,9 @@ fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, acts: &mut Acts)
         let color = if crossed.hovered() { style::TEXT } else { style::DIM };
         icons::draw(&painter, Icon::Cross, cross, 11.0, color);
     }
-    let words = Words::of(tracks, index);
-    words.draw(&painter, place, cross.left(), index == tracks.present);
-    let spoken = words.spoken(index, index == tracks.present);
+    let words = Words::of(panel, index);
+    words.draw(&painter, place, cross.left(), index == panel.present);
+    let spoken = words.spoken(index, index == panel.present);
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &spoken));
     if is_selected {
         assisted::text(ui.ctx(), "selected track", &spoken, true);
@@ -155,7 +145,7 @@ fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, acts: &mut Acts)
         acts.commands.push(Command::RemoveTrack(index));
     } else if response.clicked() {
         acts.commands.push(Command::PlayTrack(index));
-        acts.on_panels.push(PanelAct::Tracks(Box::new(move |tracks| tracks.select(at))));
+        acts.on_panels.push(PanelAct::Tracks(on(move |tracks: &mut TrackPanel| tracks.select(at))));
     }
     if !panel.is_filtered() {
         drag(&painter, place, &response, index, &words, acts);
@@ -207,9 +197,9 @@ struct Words {
 }
 
 impl Words {
-    fn of(tracks: &Tracks<'_>, index: usize) -> Self {
-        let list = &tracks.panel.list;
-        let tags = tracks.panel.tags_of(index);
+    fn of(panel: &TrackPanel, index: usize) -> Self {
+        let list = &panel.list;
+        let tags = panel.tags_of(index);
         let name = list.entries.get(index).map(|track| track.name.clone()).unwrap_or_default();
         Self {
             number: (index + 1).to_string(),
@@ -259,14 +249,14 @@ impl Words {
     }
 }
 
-fn buttons(ui: &mut Ui, tracks: &Tracks<'_>, acts: &mut Acts) {
-    let list = &tracks.panel.list;
+fn buttons(ui: &mut Ui, panel: &TrackPanel, acts: &mut Acts) {
+    let list = &panel.list;
     ui.horizontal(|ui| {
         if words::button(ui, "add music", true).on_hover_text("O, or drop files onto the window").clicked() {
             acts.commands.push(TrackPanel::ADD);
         }
         if words::button(ui, "search", !list.entries.is_empty()).on_hover_text("/ or Ctrl+F").clicked() {
-            acts.on_panels.push(PanelAct::Tracks(Box::new(TrackPanel::toggle_search)));
+            acts.on_panels.push(PanelAct::Tracks(on(TrackPanel::toggle_search)));
         }
         if words::button(ui, "clear", !list.entries.is_empty()).on_hover_text("remove all tracks").clicked() {
             acts.commands.push(Command::ClearTracks);

@@ -65,13 +65,13 @@ fn toggles_exposed_no_state_to_screen_readers() {
 
 #[test]
 fn settings_and_sliders_had_controls_without_a_name() {
-    let rows = panel(&Choices::default(), Some("tv"));
-    let mut turned = sliders(2);
+    let rows = OpenPanel::Settings(panel(&Choices::default(), Some("tv")));
+    let turned = sliders(2);
     let mut stage = assisted_stage();
-    let mut nodes = controls(&mut stage, || OverlayContent { settings: Some(&rows), ..Default::default() });
+    let mut nodes = controls(&mut stage, || OverlayContent { panel: Some(&rows), ..Default::default() });
     assert!(nodes.iter().filter(|node| node.toggled().is_some()).count() > 5, "the settings are not there");
     for _ in 0..3 {
-        let content = OverlayContent { params: Some(&mut turned), ..Default::default() };
+        let content = OverlayContent { params: Some(&turned), ..Default::default() };
         let reported = stage.frame(vec![], content).output.platform_output.accesskit_update.unwrap();
         nodes.extend(reported.nodes.into_iter().map(|(_, node)| node));
     }
@@ -88,24 +88,18 @@ fn settings_and_sliders_had_controls_without_a_name() {
 fn every_panel_is_reached_by_tab_and_names_its_controls() {
     use crate::controllers_panel::ControllersPanel;
     use crate::scene_browser::SceneBrowser;
-    let (help, settings) = (HelpPanel::default(), panel(&Choices::default(), None));
+    let (help, settings) = (HelpPanel::default(), OpenPanel::Settings(panel(&Choices::default(), None)));
     let scenes = ["a", "b"].map(|name| SceneSource::Shipped(name.into())).to_vec();
-    let browser = SceneBrowser::new(scenes, None, Default::default());
-    let controllers = ControllersPanel::default();
+    let scenes = OpenPanel::Scenes(SceneBrowser::new(scenes, None, Default::default()));
+    let controllers = OpenPanel::Controllers(ControllersPanel::default());
     let panels: [(&str, OverlayContent<'_>); 4] = [
         ("mute or unmute", OverlayContent { help: Some(&help), ..Default::default() }),
-        ("Advanced", OverlayContent { settings: Some(&settings), ..Default::default() }),
-        ("mark b", OverlayContent { scenes: Some(&browser), ..Default::default() }),
-        ("close the controllers", OverlayContent { controllers: Some(&controllers), ..Default::default() }),
+        ("Advanced", OverlayContent { panel: Some(&settings), ..Default::default() }),
+        ("mark b", OverlayContent { panel: Some(&scenes), ..Default::default() }),
+        ("close the controllers", OverlayContent { panel: Some(&controllers), ..Default::default() }),
     ];
     for (wanted, content) in panels {
-        let copy = || OverlayContent {
-            help: content.help,
-            settings: content.settings,
-            scenes: content.scenes,
-            controllers: content.controllers,
-            ..Default::default()
-        };
+        let copy = || OverlayContent { help: content.help, panel: content.panel, ..Default::default() };
         let mut stage = assisted_stage();
         let nodes = controls(&mut stage, copy);
         let nameless = |node: &&Node| {

@@ -30,7 +30,7 @@ impl Desk {
 
     fn frame(&mut self, events: Vec<Event>) -> LaidOut {
         let snapshots = self.snapshots;
-        let content = OverlayContent { params: Some(&mut self.sliders), snapshots, ..Default::default() };
+        let content = OverlayContent { params: Some(&self.sliders), snapshots, ..Default::default() };
         self.stage.frame(events, content)
     }
 

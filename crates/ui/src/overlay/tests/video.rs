@@ -14,8 +14,7 @@ fn panel(jobs: u64) -> VideoPanel {
     panel
 }
 
-fn clicked(stage: &mut Stage, panel: &'static VideoPanel, words: &str) -> Vec<Command> {
-    let content = || OverlayContent { video: Some(panel), ..Default::default() };
+fn clicked(stage: &mut Stage, content: impl Fn() -> Content, words: &str) -> Vec<Command> {
     (0..3).for_each(|_| drop(stage.frame(vec![], content())));
     let (_, texts) = drawn(&stage.frame(vec![], content()));
     commands(stage, place_of(&texts, words).center(), content)
@@ -23,7 +22,7 @@ fn clicked(stage: &mut Stage, panel: &'static VideoPanel, words: &str) -> Vec<Co
 
 #[test]
 fn every_button_of_the_panel_sends_its_command() {
-    let panel: &'static VideoPanel = Box::leak(Box::new(panel(1)));
+    let content = open(OpenPanel::Video(panel(1)));
     let choose = |what, option| VideoEdit::Choose { what, option };
     for screen in [SCREEN, Vec2::new(640.0, 360.0)] {
         for (words, edit) in [
@@ -32,7 +31,7 @@ fn every_button_of_the_panel_sends_its_command() {
             ("end here", choose(VideoChoice::Marks, 1)),
             ("make the video", VideoEdit::Make),
         ] {
-            let sent = clicked(&mut Stage::new(screen), panel, words);
+            let sent = clicked(&mut Stage::new(screen), content, words);
             assert_eq!(sent, [Command::Video(edit)], "{words} in {screen:?}");
         }
     }
@@ -40,12 +39,12 @@ fn every_button_of_the_panel_sends_its_command() {
 
 #[test]
 fn a_long_queue_leaves_the_button_in_the_window_and_everything_has_a_name() {
-    let panel = panel(30);
+    let panel = OpenPanel::Video(panel(30));
     let now = playing();
     for screen in [SCREEN, Vec2::new(640.0, 360.0), Vec2::new(300.0, 200.0)] {
         let mut stage = Stage::new(screen);
         stage.panels.context.enable_accesskit();
-        let content = || OverlayContent { video: Some(&panel), bar: Some(bar(&now)), ..Default::default() };
+        let content = || OverlayContent { panel: Some(&panel), bar: Some(bar(&now)), ..Default::default() };
         (0..3).for_each(|_| drop(stage.frame(vec![], content())));
         let laid_out = stage.frame(vec![], content());
         let (bounds, texts) = drawn(&laid_out);
