@@ -349,9 +349,9 @@ impl Editor {
     }
 
     pub(crate) fn show_text(&mut self, number: usize) {
-        if let Some(file) = self.texts.found.file(number).map(std::path::Path::to_owned) {
+        if let Some(text) = self.texts.found.text(number) {
             self.close_small();
-            self.texts.show(&file);
+            self.texts.show(&text);
         }
     }
 

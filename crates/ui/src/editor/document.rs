@@ -1,9 +1,10 @@
-//! An open text: its owner, its edits, the contents of its file, and its mistakes.
+//! An open text: its source, its edits, the contents of its file, and its mistakes.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use mariana_editing::{About, Colors, Editing, Number, Triple, TripleKind, about, triples};
@@ -12,13 +13,6 @@ use mariana_field::lang::Word;
 use super::wrapping::RowPosition;
 use mariana_files::documents::{Bytes, Kept, OnDisk};
 use mariana_scenes::{Mistake, SceneSource};
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Owner {
-    File(PathBuf),
-    /// A shipped scene or a formula without a file, which can only be copied.
-    Shipped(SceneSource),
-}
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
@@ -37,7 +31,8 @@ pub(super) enum Change {
 }
 
 pub(crate) struct Document {
-    pub owner: Owner,
+    /// A file, or a shipped scene or formula, which can only be copied.
+    pub source: SceneSource,
     pub editing: Editing,
     colors: RefCell<Colors>,
     /// The file's contents when last read; `None` while the file is being read.
@@ -61,20 +56,16 @@ pub(crate) struct Document {
 const SENT_MAX: usize = 256;
 
 impl Document {
-    pub(crate) fn of_file(file: &Path) -> Self {
-        Self::new(Owner::File(file.to_owned()), Vec::new(), None)
-    }
-
-    pub(crate) fn shipped(source: &SceneSource) -> Self {
-        let text = source.text().map_or_else(|error| error.to_string(), std::borrow::Cow::into_owned);
-        let bytes: Bytes = Arc::from(text.as_bytes());
-        Self::new(Owner::Shipped(source.clone()), text.into_bytes(), Some(OnDisk::Bytes(bytes)))
-    }
-
-    fn new(owner: Owner, text: Vec<u8>, disk: Option<OnDisk>) -> Self {
+    /// The document of a file is empty until the file has been read.
+    pub(crate) fn of(source: &SceneSource) -> Self {
+        let text = match source.file() {
+            Some(_) => None,
+            None => Some(source.text().map_or_else(|error| error.to_string(), Cow::into_owned).into_bytes()),
+        };
+        let disk = text.as_deref().map(|text| OnDisk::Bytes(Bytes::from(text)));
         Self {
-            owner,
-            editing: Editing::new(text),
+            source: source.clone(),
+            editing: Editing::new(text.unwrap_or_default()),
             colors: RefCell::default(),
             disk,
             question: None,
@@ -88,28 +79,16 @@ impl Document {
     }
 
     pub(crate) fn file(&self) -> Option<&Path> {
-        match &self.owner {
-            Owner::File(file) => Some(file),
-            Owner::Shipped(_) => None,
-        }
-    }
-
-    /// True if this is the main text of a scene.
-    pub(crate) fn is_of(&self, source: &SceneSource) -> bool {
-        match (&self.owner, source) {
-            (Owner::File(own), SceneSource::File(file)) => own == file,
-            (Owner::Shipped(own), source) => own == source,
-            _ => false,
-        }
+        self.source.file()
     }
 
     pub(crate) fn name(&self) -> String {
-        match &self.owner {
-            Owner::File(file) => {
+        match self.file() {
+            Some(file) => {
                 let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
                 name.replace(char::is_control, " ")
             }
-            Owner::Shipped(source) => source.name(),
+            None => self.source.name(),
         }
     }
 
@@ -118,16 +97,14 @@ impl Document {
     }
 
     pub(super) fn check_open(&self) -> Result<(), &'static str> {
-        match (&self.owner, &self.disk) {
+        match (&self.source, &self.disk) {
             _ if self.is_open() => Ok(()),
-            (Owner::Shipped(SceneSource::Formula(_)), _) => {
+            (SceneSource::File(_), None) => Err("please wait: the file is still loading"),
+            (SceneSource::File(_), _) => Err("the file cannot be read, so it cannot be edited"),
+            (SceneSource::Formula(_), _) => {
                 Err("this formula has no file: press Ctrl+S to save it as a scene, then edit the scene")
             }
-            (Owner::Shipped(_), _) => {
-                Err("this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy")
-            }
-            (_, None) => Err("please wait: the file is still loading"),
-            _ => Err("the file cannot be read, so it cannot be edited"),
+            _ => Err("this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy"),
         }
     }
 

@@ -52,29 +52,14 @@ impl Documents {
         self.all.iter().filter(|document| document.is_dirty())
     }
 
-    /// Shows the text of a scene. Returns the scene's file if it must be read first.
-    pub(super) fn show_scene(&mut self, source: &SceneSource) -> Option<PathBuf> {
-        match (self.all.iter().position(|document| document.is_of(source)), source) {
-            (Some(known), _) => self.shown = known,
-            (None, SceneSource::File(file)) => return self.show_file(file).then(|| file.clone()),
-            (None, other) => self.push(Document::shipped(other)),
+    /// Shows a text. Returns true if its file must be read first.
+    pub(super) fn show(&mut self, source: &SceneSource) -> bool {
+        let known = self.all.iter().position(|document| document.source == *source);
+        self.shown = known.unwrap_or(self.all.len());
+        if known.is_none() {
+            self.all.push(Document::of(source));
         }
-        None
-    }
-
-    /// Shows the text of a file. Returns true if the file must be read first.
-    pub(super) fn show_file(&mut self, file: &Path) -> bool {
-        let known = self.all.iter().position(|document| document.file() == Some(file));
-        match known {
-            Some(known) => self.shown = known,
-            None => self.push(Document::of_file(file)),
-        }
-        known.is_none()
-    }
-
-    fn push(&mut self, document: Document) {
-        self.all.push(document);
-        self.shown = self.all.len() - 1;
+        known.is_none() && source.file().is_some()
     }
 
     /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.

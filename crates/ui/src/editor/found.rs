@@ -35,6 +35,11 @@ impl Found {
         self.findings.as_ref()?.texts.get(number).map(PathBuf::as_path)
     }
 
+    /// The text with this number, which is a file of the scene.
+    pub(super) fn text(&self, number: usize) -> Option<SceneSource> {
+        self.file(number).map(|file| SceneSource::File(file.to_owned()))
+    }
+
     pub(super) fn number_of(&self, file: &Path) -> Option<usize> {
         self.findings.as_ref()?.texts.iter().position(|one| one == file)
     }

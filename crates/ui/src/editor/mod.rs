@@ -8,11 +8,10 @@
 //!
 //! | part | purpose |
 //! |---|---|
-//! | `Texts` | the texts of the scene; owns `Documents`, `Files`, `Found` and `Outbox` |
+//! | `Texts` | the texts of the scene; owns `Documents`, `Found` and `Outbox` |
 //! | `Documents` | the open texts, the visible text, and its scroll position |
-//! | `Files` | reading, saving, copying, backups |
 //! | `Found` | the loader's findings |
-//! | `Outbox` | drafts, values of turned numbers, commands |
+//! | `Outbox` | drafts, backups, values of turned numbers, commands |
 //! | `HeldNumbers` | turned numbers, picked colours, dragged positions |
 //! | `Finding` | the search line |
 //! | `Proposals` | the completion list and its previews |
@@ -24,7 +23,6 @@ mod acting;
 mod binding;
 mod document;
 mod documents;
-mod files;
 mod finding;
 mod focus;
 mod found;
@@ -45,7 +43,7 @@ use std::io;
 use std::ops::Range;
 
 use binding::ToWrite;
-pub(crate) use document::{Document, Owner, Question};
+pub(crate) use document::{Document, Question};
 use finding::Finding;
 use focus::Focus;
 pub use keys::EditAction;
@@ -81,15 +79,6 @@ pub struct Editor {
     pub(crate) notice: Notice,
     to_write: Option<ToWrite>,
     pub(crate) revision: u64,
-}
-
-impl std::fmt::Debug for Editor {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Editor")
-            .field("source", &self.texts.found.source.as_ref())
-            .field("revision", &self.revision)
-            .finish_non_exhaustive()
-    }
 }
 
 impl Editor {
@@ -134,7 +123,7 @@ impl Editor {
 
     /// Handles results of the editor's threads.
     pub fn update(&mut self) {
-        while let Some(file_events) = self.texts.files.file_thread.file_events() {
+        while let Some(file_events) = self.texts.outbox.files.file_events() {
             self.revision += 1;
             if let Some(words) = self.texts.receive_event(file_events) {
                 self.show_notice(words);

@@ -1,14 +1,19 @@
-//! Output of the editor: drafts for the loader, values of turned numbers, and commands for the show.
+//! Output of the editor: drafts for the loader, backups, values of turned numbers, and commands for the show.
 
+use std::io;
 use std::path::Path;
 
 use mariana_commands::Command;
 use mariana_field::lang::Turning;
+use mariana_files::Folders;
+use mariana_files::documents::FileThread;
 use mariana_scenes::Drafts;
 
 use super::document::Document;
 
 pub(super) struct Outbox {
+    /// Does all reading and writing.
+    pub(super) files: FileThread,
     pub(super) drafts: Drafts,
     /// True while turned numbers are frame inputs, so that turning them does not reload the text.
     pub(super) turns: bool,
@@ -16,8 +21,13 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    pub(super) fn new(drafts: Drafts) -> Self {
-        Self { drafts, turns: false, commands: Vec::new() }
+    pub(super) fn start(
+        drafts: Drafts,
+        folders: &Folders,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let files = FileThread::start(folders, wake)?;
+        Ok(Self { files, drafts, turns: false, commands: Vec::new() })
     }
 
     pub(super) fn send(&mut self, command: Command) {
@@ -26,6 +36,24 @@ impl Outbox {
 
     pub(super) fn drain_commands(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
+    }
+
+    /// Passes a changed text to the loader and to its backup.
+    pub(super) fn pass_on(&mut self, document: &mut Document) {
+        if document.record_change() {
+            self.keep(document);
+            // Turned numbers do not reload the text.
+            if !self.turns {
+                self.draft(document);
+            }
+        }
+    }
+
+    /// Backs up a text that has unsaved edits; deletes the backup of any other text.
+    pub(super) fn keep(&self, document: &Document) {
+        if let Some(file) = document.file() {
+            self.files.keep(file, document.is_dirty().then(|| document.bytes()));
+        }
     }
 
     pub(super) fn draft(&mut self, document: &mut Document) {
@@ -40,12 +68,6 @@ impl Outbox {
     fn record_sent(&mut self, version: u64, document: &mut Document) {
         document.record_sent(version);
         self.commands.push(Command::ReloadScene);
-    }
-
-    pub(super) fn replace_file(&mut self, document: &mut Document) {
-        let Some(file) = document.file() else { return };
-        let version = self.drafts.set(file, document.bytes());
-        self.record_sent(version, document);
     }
 
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning], document: &mut Document) -> u64 {

@@ -554,6 +554,6 @@ fn keys_after_the_key_that_copies_a_scene_were_refused() {
 
 #[test]
 fn the_template_of_new_scenes_is_valid() {
-    let source = SceneSource::Formula(super::files::TEMPLATE.to_owned());
+    let source = SceneSource::Formula(super::texts::TEMPLATE.to_owned());
     assert!(source.ready().is_ok(), "{:?}", source.ready().err());
 }

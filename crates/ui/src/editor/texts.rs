@@ -3,6 +3,8 @@
 use std::io;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
 
 use mariana_commands::Command;
 use mariana_editing::{Editing, Refused};
@@ -11,16 +13,19 @@ use mariana_files::Folders;
 use mariana_files::documents::{FileEvent, OnDisk};
 use mariana_scenes::{Drafts, Mistake, SceneSource};
 
-use super::document::{Change, Document, Owner, Question};
+use super::document::{Change, Document, Question};
 use super::documents::{Documents, Tab};
-use super::files::{Files, KEEP_LIMIT};
 use super::found::Found;
 use super::outbox::Outbox;
+
+pub(super) const TEMPLATE: &str = include_str!("new.scene");
+/// Maximum time to wait for backups when the program exits.
+const KEEP_LIMIT: Duration = Duration::from_secs(3);
+const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
 pub(crate) struct Texts {
     pub(super) documents: Documents,
     pub(super) found: Found,
-    pub(super) files: Files,
     pub(super) outbox: Outbox,
 }
 
@@ -33,8 +38,7 @@ impl Texts {
         Ok(Self {
             documents: Documents::new(),
             found: Found::default(),
-            files: Files::start(folders, wake)?,
-            outbox: Outbox::new(drafts),
+            outbox: Outbox::start(drafts, folders, wake)?,
         })
     }
 
@@ -49,11 +53,8 @@ impl Texts {
     }
 
     pub(super) fn is_main(&self) -> bool {
-        self.found
-            .source
-            .as_ref()
-            .zip(self.documents.shown())
-            .is_some_and(|(source, document)| document.is_of(source))
+        let shown = self.documents.shown();
+        shown.is_some_and(|document| self.found.source.as_ref() == Some(&document.source))
     }
 
     pub(super) fn number(&self) -> usize {
@@ -102,29 +103,22 @@ impl Texts {
 impl Texts {
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.found.show_scene(source);
-        if let Some(file) = self.documents.show_scene(source) {
-            self.files.file_thread.open(&file);
-        }
-        self.mark_mistakes();
+        self.show(source);
     }
 
-    pub(super) fn show(&mut self, file: &Path) {
-        self.open(file);
-        self.mark_mistakes();
-    }
-
-    /// Shows a file's text. Returns true if the file must be read first.
-    fn open(&mut self, file: &Path) -> bool {
-        let is_new = self.documents.show_file(file);
-        if is_new {
-            self.files.file_thread.open(file);
+    /// Shows a text. Returns true if its file must be read first.
+    pub(super) fn show(&mut self, source: &SceneSource) -> bool {
+        let is_read = self.documents.show(source);
+        if let Some(file) = source.file().filter(|_| is_read) {
+            self.outbox.files.open(file);
         }
-        is_new
+        self.mark_mistakes();
+        is_read
     }
 
     pub(super) fn select(&mut self, number: usize, range: Range<usize>) {
-        if let Some(file) = self.found.file(number).map(Path::to_owned) {
-            if self.open(&file) {
+        if let Some(text) = self.found.text(number) {
+            if self.show(&text) {
                 // The cursor is set when the file has been read.
                 return self.documents.carried = Some((range.start, (0.0, 0.0)));
             }
@@ -150,18 +144,28 @@ impl Texts {
 
     pub(super) fn record_change(&mut self) {
         if let Some(document) = self.documents.shown_mut() {
-            pass_on(document, &self.files, &mut self.outbox);
+            self.outbox.pass_on(document);
         }
     }
 
+    /// Saves the visible text, unless another program has changed its file in the meantime. Copies a text without a
+    /// file to the user's own scenes.
     pub(super) fn save(&mut self) -> Result<(), &'static str> {
         let Some(document) = self.documents.shown() else { return Ok(()) };
-        if let Owner::File(_) = document.owner {
-            return self.files.save(document);
+        let files = &self.outbox.files;
+        let Some(file) = document.file() else {
+            files.create(files.own_scenes().ok_or(NO_FOLDER)?, &document.name(), document.bytes());
+            let (cursor, view) = (document.editing.cursor(), document.view);
+            self.documents.carried = Some((cursor, view));
+            return Ok(());
+        };
+        if let Some(Question::Conflict(_)) = document.question {
+            return Err("another program has changed this file: above the text, choose the version to keep");
         }
-        self.files.copy(document)?;
-        let (cursor, view) = (document.editing.cursor(), document.view);
-        self.documents.carried = Some((cursor, view));
+        if !document.is_open() {
+            return Err("not saved: the file cannot be read, and saving could overwrite it");
+        }
+        files.save(file, document.bytes(), document.disk.clone());
         Ok(())
     }
 
@@ -169,7 +173,7 @@ impl Texts {
     pub(super) fn overwrite(&self) {
         let document = self.documents.shown();
         if let Some((document, file)) = document.and_then(|document| Some((document, document.file()?))) {
-            self.files.file_thread.save(file, document.bytes(), None);
+            self.outbox.files.save(file, document.bytes(), None);
         }
     }
 
@@ -186,17 +190,21 @@ impl Texts {
 
     pub(super) fn forget_kept(&self) {
         if let Some(file) = self.documents.shown().and_then(Document::file) {
-            self.files.file_thread.keep(file, None);
+            self.outbox.files.keep(file, None);
         }
     }
 
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
-        self.files.begin(self.found.source.as_ref().and_then(SceneSource::file).and_then(Path::parent))
+        let beside = self.found.source.as_ref().and_then(SceneSource::file).and_then(Path::parent);
+        let files = &self.outbox.files;
+        let folder = beside.or_else(|| files.own_scenes()).ok_or(NO_FOLDER)?;
+        files.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
+        Ok(())
     }
 
     pub(super) fn finish(&self) {
-        self.documents.unsaved().for_each(|document| self.files.keep(document));
-        self.files.file_thread.finish(KEEP_LIMIT);
+        self.documents.unsaved().for_each(|document| self.outbox.keep(document));
+        self.outbox.files.finish(KEEP_LIMIT);
     }
 }
 
@@ -235,7 +243,7 @@ impl Texts {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
                 if self.documents.load(&file, holds, kept)? {
-                    self.files.file_thread.keep(&file, None);
+                    self.outbox.files.keep(&file, None);
                 }
                 self.documents.reveal();
                 self.mark_mistakes();
@@ -247,7 +255,7 @@ impl Texts {
                 document.question = None;
                 if document.is_dirty() {
                     // The user typed more text during the save.
-                    self.files.keep(document);
+                    self.outbox.keep(document);
                 } else {
                     self.outbox.draft(document);
                 }
@@ -275,26 +283,16 @@ impl Texts {
         match document.read_change(holds) {
             Change::None => None,
             Change::Taken => {
-                pass_on(document, &self.files, &mut self.outbox);
+                self.outbox.pass_on(document);
                 Some("reloaded: another program has changed the file".to_owned())
             }
             Change::Gone => {
                 // The file is gone, but its text stays in the drafts, so the scene stays on screen.
-                self.files.keep_gone(document);
-                self.outbox.replace_file(document);
+                self.outbox.keep(document);
+                self.outbox.draft(document);
                 None
             }
             Change::Unreadable(words) => Some(words),
-        }
-    }
-}
-
-fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
-    if document.record_change() {
-        files.keep(document);
-        // Turned numbers do not reload the text.
-        if !outbox.turns {
-            outbox.draft(document);
         }
     }
 }

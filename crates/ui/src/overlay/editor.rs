@@ -17,7 +17,7 @@ use super::acts::{On, PanelAct, Pass};
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
-use crate::editor::{Document, EditAction, Editor, Owner, Question};
+use crate::editor::{Document, EditAction, Editor, Question};
 use mariana_scenes::SceneSource;
 
 /// Width of the editor as a fraction of the window's width. The next two constants limit this width, in points.
@@ -82,8 +82,8 @@ fn header(
         ask(Box::new(|editor| editor.act(EditAction::Leave)));
     }
     let mut right = cross.left() - 6.0;
-    let save = match (&document.owner, document.is_dirty()) {
-        (Owner::Shipped(_), _) => Some("copy to my folder"),
+    let save = match (document.file(), document.is_dirty()) {
+        (None, _) => Some("copy to my folder"),
         (_, true) => Some("save"),
         _ => None,
     };
@@ -239,12 +239,12 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
             let line = buffer.line_of(editing.cursor());
             let inside = editing.cursor() - buffer.line_start(line);
             let column = mariana_editing::cells(buffer.line(line)).filter(|cell| cell.start < inside).count();
-            let state = match (&document.owner, document.is_dirty()) {
-                (Owner::Shipped(SceneSource::Formula(_)), _) => "a formula without a file",
-                (Owner::Shipped(_), _) => "comes with Mariana",
-                (_, true) => "not saved",
-                (_, false) if document.disk.is_none() => "loading",
-                (_, false) => "saved",
+            let state = match &document.source {
+                SceneSource::File(_) if document.is_dirty() => "not saved",
+                SceneSource::File(_) if document.disk.is_none() => "loading",
+                SceneSource::File(_) => "saved",
+                SceneSource::Formula(_) => "a formula without a file",
+                _ => "comes with Mariana",
             };
             let focus = if editor.has_focus() { "" } else { " · keys control the show: click here to type" };
             add(&format!("line {}, {} · {state}{focus}", line + 1, column + 1), small, style::DIM);
