@@ -1,6 +1,6 @@
 //! Draws the controllers panel.
 
-use egui::{Color32, Order, Pos2, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Order, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
 use super::{assisted, pairing_address, style, words};
@@ -11,7 +11,6 @@ use mariana_settings::KnobEdit;
 
 const WIDTH_MAX: f32 = 640.0;
 const LINE: f32 = 24.0;
-const LANE: f32 = 10.0;
 const INDENT: f32 = 16.0;
 /// Width of the targets' names, as a fraction of a row.
 const NAME: f32 = 0.34;
@@ -30,13 +29,8 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, s
         let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
         let before = seen.replace(panel.selected);
         let moved = before.is_some_and(|before| before != panel.selected);
-        let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-        if before.is_none() {
-            // Start at the top, because the connection code is there.
-            list = list.vertical_scroll_offset(0.0);
-        }
-        list.show(ui, |ui| {
-            ui.set_width((ui.available_width() - LANE).max(0.0));
+        // Start at the top, because the connection code is there.
+        style::scrolled(ui, height, before.is_none(), |ui| {
             for (place, row) in panel.rows.iter().enumerate() {
                 let is_selected = place == panel.selected;
                 let drawn = ui.push_id(place, |ui| draw_row(ui, row, is_selected, panel.field(), &mut ask));

@@ -12,7 +12,6 @@ use mariana_commands::Command;
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 380.0;
 const ROW: f32 = 24.0;
-const LANE: f32 = 10.0;
 /// Width of the column of moments, as a part of the panel's width.
 const MOMENT: f32 = 0.4;
 
@@ -30,7 +29,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mu
             scroll = scroll.vertical_scroll_offset(style::scrolled_to(current, ROW, height));
         }
         scroll.show_rows(ui, ROW, sheet.rows.len(), |ui, rows| {
-            ui.set_width((ui.available_width() - LANE).max(0.0));
+            ui.set_width((ui.available_width() - style::LANE).max(0.0));
             for index in rows {
                 if let Some(cue) = sheet.rows.get(index) {
                     row(ui, cue, index, sheet.current, acts);

@@ -12,7 +12,6 @@ use mariana_player::decode::TrackTags;
 
 const WIDTH_MAX: f32 = 1400.0;
 const ROW: f32 = 24.0;
-const LANE: f32 = 10.0;
 const GAP: f32 = 12.0;
 /// The narrowest and the widest column of shortcuts, and its part of the panel.
 const PLACES_WIDTH: (f32, f32) = (96.0, 220.0);
@@ -98,7 +97,7 @@ fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut 
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     let moved = std::mem::replace(last, files.selected_place) != files.selected_place;
     ScrollArea::vertical().id_salt("places").auto_shrink([false, false]).show(ui, |ui| {
-        let width = (ui.available_width() - LANE).max(0.0);
+        let width = (ui.available_width() - style::LANE).max(0.0);
         let mut before = None;
         for (index, place) in files.places.iter().enumerate() {
             if before.replace(place.kind) != Some(place.kind) {
@@ -164,7 +163,7 @@ fn rows(
         scroll = scroll.vertical_scroll_offset(style::scrolled_to(files.selected, ROW, height));
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {
-        let width = (ui.available_width() - LANE).max(0.0);
+        let width = (ui.available_width() - style::LANE).max(0.0);
         let drawn = places.clone();
         ask(on(move |files: &mut FileBrowser| files.record_drawn(drawn)));
         for place in places {

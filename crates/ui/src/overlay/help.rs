@@ -16,7 +16,6 @@ const ROW: f32 = 21.0;
 const HEADING: f32 = 28.0;
 const COLUMN_GAP: f32 = 26.0;
 /// Room for the scroll bar.
-const LANE: f32 = 10.0;
 const CAP_HEIGHT: f32 = 18.0;
 const CAP_PADDING: f32 = 5.0;
 const CAP_GAP: f32 = 5.0;
@@ -31,9 +30,9 @@ pub(super) struct Seen {
 pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mut Option<Seen>) -> Rect {
     let Pass { context, acts } = pass;
     let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
-    let room = (space.width() - 2.0 * style::PADDING.x - LANE).max(1.0);
+    let room = (space.width() - 2.0 * style::PADDING.x - style::LANE).max(1.0);
     let table = Table::new(&painter, help, room);
-    let width = table.width() + LANE + 2.0 * style::PADDING.x;
+    let width = table.width() + style::LANE + 2.0 * style::PADDING.x;
     // Keep the panel's place while a search shortens the table.
     style::panel(context, "keys", Order::Foreground, style::middle(space, width), |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);

@@ -11,7 +11,6 @@ use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
-const LANE: f32 = 10.0;
 pub(super) const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
 /// Height of a slider's clickable area, in points. It is larger than the drawn slider.
@@ -57,7 +56,7 @@ pub(super) fn show(
             // Without this, the panel keeps the height of its last layout when a list of sounds opens.
             ui.set_max_height(height);
             egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
-                ui.set_width((ui.available_width() - LANE).max(0.0));
+                ui.set_width((ui.available_width() - style::LANE).max(0.0));
                 for (place, slider) in sliders.iter().enumerate() {
                     let is_learning = learning == Some(&*slider.name);
                     ui.push_id(place, |ui| {

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::{On, PanelAct, Pass};
 use super::{assisted, params, style, words};
@@ -16,7 +16,6 @@ const WIDTH_MAX: f32 = 640.0;
 const ROW: f32 = 26.0;
 /// Height of a group's heading.
 const HEADING: f32 = 22.0;
-const LANE: f32 = 10.0;
 /// How long the panel lets the image through after a change.
 const LINGERS: Duration = Duration::from_millis(1_200);
 /// Opacity of the panel's background, and of the rows that are not turned, while it lets the image through.
@@ -27,11 +26,8 @@ const NAME: (f32, f32) = (170.0, 0.34);
 const RAIL_MS: f64 = 500.0;
 pub(super) struct Seen {
     selected: usize,
-    /// Height of the panel's list. The next field is the list's scroll position.
+    /// Height of the panel's list.
     height: f32,
-    offset: f32,
-    /// True until the selected row is visible.
-    follows: bool,
     /// True while the pointer holds a slider.
     held: bool,
 }
@@ -121,29 +117,11 @@ fn rows(
     last_seen: &mut Option<Seen>,
     ask: &mut impl FnMut(On<SettingsPanel>),
 ) -> Option<usize> {
-    let selected = settings.selected;
-    let width = ui.available_width() - LANE;
     let rows = &settings.rows;
-    let (mut top, mut bottom) = (0.0, 0.0);
-    for (place, row) in rows.iter().enumerate().take(selected + 1) {
-        let row_height = heading_above(rows, place) + ROW * lines_of(ui, row, width) as f32;
-        (top, bottom) = (bottom, bottom + row_height);
-    }
+    let before = last_seen.as_ref();
+    let moved = before.is_some_and(|seen| seen.selected != settings.selected || seen.height != height);
     let mut held = false;
-    let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // A new scroll bar narrows the rows, which can move the selected row. Scrolling to the row may take several passes.
-    let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
-    let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
-    let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
-    let follows = stands.is_none_or(|seen| seen.follows) && !is_seen(offset);
-    if follows {
-        scroll = scroll.vertical_scroll_offset(if top < offset { top } else { (bottom - height).min(top) });
-        if stands.is_none() {
-            ui.ctx().request_repaint();
-        }
-    }
-    let shown = scroll.show(ui, |ui| {
-        ui.set_width((ui.available_width() - LANE).max(0.0));
+    let pointed = style::scrolled(ui, height, before.is_none(), |ui| {
         let mut pointed = None;
         for (place, row) in rows.iter().enumerate() {
             let is_selected = place == settings.selected;
@@ -162,16 +140,17 @@ fn rows(
                 }
                 draw_row(ui, row, place, is_selected, &mut held, ask)
             });
-            let response = drawn.inner;
-            if response.contains_pointer() {
+            if drawn.inner.contains_pointer() {
                 pointed = Some(place);
+            }
+            if is_selected && moved {
+                drawn.response.scroll_to_me(None);
             }
         }
         pointed
     });
-    let offset = shown.state.clamped_offset().y;
-    *last_seen = Some(Seen { selected, height, offset, follows: !is_seen(offset) && follows, held });
-    shown.inner
+    *last_seen = Some(Seen { selected: settings.selected, height, held });
+    pointed
 }
 
 fn draw_row(

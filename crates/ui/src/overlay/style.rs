@@ -29,6 +29,8 @@ const CORNERS: CornerRadius = CornerRadius::same(7);
 /// Distance of panels from the window's edge and from each other, in points.
 pub(super) const MARGIN: f32 = 14.0;
 pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
+/// Width of the lane for a scroll bar.
+pub(super) const LANE: f32 = 10.0;
 pub(super) const TEXT_SIZE: f32 = 14.0;
 pub(super) const SMALL_SIZE: f32 = 12.5;
 pub(super) const HEADING_SIZE: f32 = 15.5;
@@ -204,6 +206,19 @@ pub(super) fn caret(painter: &Painter, top: Pos2) {
 
 pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
     (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
+}
+
+/// Shows rows beside the lane of a scroll bar, in at most `height` points; with `to_top`, from their upper end.
+pub(super) fn scrolled<R>(ui: &mut Ui, height: f32, to_top: bool, rows: impl FnOnce(&mut Ui) -> R) -> R {
+    let mut area = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).animated(false);
+    if to_top {
+        area = area.vertical_scroll_offset(0.0);
+    }
+    let shown = area.show(ui, |ui| {
+        ui.set_width((ui.available_width() - LANE).max(0.0));
+        rows(ui)
+    });
+    shown.inner
 }
 
 pub(super) fn frame() -> egui::Frame {

@@ -13,7 +13,6 @@ use crate::track_panel::TrackPanel;
 const WIDTH: (f32, f32) = (400.0, 640.0);
 const PART: f32 = 0.45;
 const ROW: f32 = 24.0;
-const LANE: f32 = 10.0;
 /// Room for the length of a track.
 const LENGTH: f32 = 54.0;
 /// The part of the texts' width for the title.
@@ -76,7 +75,7 @@ fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, last: &mut Option<usize>, 
     }
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-        let width = (ui.available_width() - LANE).max(0.0);
+        let width = (ui.available_width() - style::LANE).max(0.0);
         let drawn = rows.clone();
         acts.on_panels.push(PanelAct::Tracks(on(move |tracks: &mut TrackPanel| tracks.record_drawn(drawn))));
         rows.for_each(|at| row(ui, width, panel, at, acts));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Galley, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Galley, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
 use super::chips::{self, Chip};
@@ -12,7 +12,6 @@ use mariana_commands::{Command, Panel, VideoEdit};
 
 const WIDTH_MAX: f32 = 640.0;
 const LINE: f32 = 24.0;
-const LANE: f32 = 10.0;
 const INDENT: f32 = 6.0;
 /// Width of the choices' names in points.
 const NAME: f32 = 92.0;
@@ -40,19 +39,15 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &
         let jobs = panel.rows.iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
         let before = seen.replace((panel.selected, jobs));
         let moved = before.is_some_and(|(selected, _)| selected != panel.selected);
-        let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-        if before.is_none_or(|(_, before)| before < jobs) {
-            // Show the queue, which is above the choices.
-            list = list.vertical_scroll_offset(0.0);
-        }
-        list.show(ui, |ui| rows(ui, panel, moved, &mut ask));
+        // Show the queue, which is above the choices.
+        let is_new = before.is_none_or(|(_, before)| before < jobs);
+        style::scrolled(ui, height, is_new, |ui| rows(ui, panel, moved, &mut ask));
         foot.show(ui, panel, &mut ask);
     })
 }
 
 /// Draws the queue and the choices.
 fn rows(ui: &mut Ui, panel: &VideoPanel, moved: bool, ask: &mut impl FnMut(Command)) {
-    ui.set_width((ui.available_width() - LANE).max(0.0));
     for (place, row) in panel.rows.iter().enumerate() {
         let selected = (place == panel.selected).then(|| panel.selected_button());
         let drawn = match row {
