@@ -39,41 +39,33 @@ pub(super) fn show(
     open: &mut OpenBinding,
 ) -> Rect {
     let Pass { context, acts } = pass;
-    let width = width(space.width() + 2.0 * style::MARGIN);
+    let place = style::right_part(space, width(space.width() + 2.0 * style::MARGIN));
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
         // Discard egui's first pass, because it only finds the size.
         context.request_discard("the size of the parameters' panel");
     }
-    let area = style::area(id, Order::Middle)
-        .fixed_pos(pos2(space.right() - width, space.top()))
-        .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width));
-    let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
-            // A window of a few pixels leaves no width.
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            let height = (space.height() - 2.0 * style::PADDING.y).max(0.0);
-            // Without this, the panel keeps the height of its last layout when a list of sounds opens.
-            ui.set_max_height(height);
-            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
-                ui.set_width((ui.available_width() - style::LANE).max(0.0));
-                for (place, slider) in sliders.iter().enumerate() {
-                    let is_learning = learning == Some(&*slider.name);
-                    ui.push_id(place, |ui| {
-                        let value = row(ui, slider.clone(), is_learning, open, acts);
-                        if value.to_bits() != slider.value.to_bits() {
-                            acts.commands.push(Command::MoveSlider((place, value)));
-                        }
-                        if open.is_of(&slider.name) {
-                            binding::show(ui, slider, open, acts);
-                        }
-                    });
-                }
-                snapshots::show(ui, snapshots, acts);
-            });
+    let area =
+        style::area(id, Order::Middle).interactable(cover.is_none_or(|cover| cover.right() <= place.left()));
+    style::framed(context, area, style::frame(), place, |ui| {
+        let height = (space.height() - 2.0 * style::PADDING.y).max(0.0);
+        egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+            ui.set_width((ui.available_width() - style::LANE).max(0.0));
+            for (place, slider) in sliders.iter().enumerate() {
+                let is_learning = learning == Some(&*slider.name);
+                ui.push_id(place, |ui| {
+                    let value = row(ui, slider.clone(), is_learning, open, acts);
+                    if value.to_bits() != slider.value.to_bits() {
+                        acts.commands.push(Command::MoveSlider((place, value)));
+                    }
+                    if open.is_of(&slider.name) {
+                        binding::show(ui, slider, open, acts);
+                    }
+                });
+            }
+            snapshots::show(ui, snapshots, acts);
         });
-    });
-    shown.response.rect
+    })
 }
 
 /// Draws a parameter's name, value and slider. Returns the value after the user's changes. After a click on the name, the

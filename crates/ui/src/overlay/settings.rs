@@ -41,37 +41,29 @@ pub(super) fn show(
     last_seen: &mut Option<Seen>,
 ) -> Rect {
     let Pass { context, acts } = pass;
-    let width = space.width().min(WIDTH_MAX);
     let gives_way = gives_way(context, settings, last_seen.as_ref());
-    let area = style::area(Id::unique("settings"), Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
-    let shown = area.show(context, |ui| {
-        let mut frame = style::frame();
-        if gives_way {
-            frame.fill = frame.fill.gamma_multiply(FADED.0);
-        }
-        frame.show(ui, |ui| {
-            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            // Without this, egui limits the height of a new panel.
-            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            ui.scope(|ui| {
-                fade(ui, gives_way);
-                let hint = "change with the arrows and Enter, or a click · saved automatically";
-                if words::heading(ui, ROW, "Settings", hint, "", "close the settings") {
-                    acts.commands.push(Command::TogglePanel(Panel::Settings));
-                }
-            });
-            let mut ask = |act| acts.on_panels.push(PanelAct::Settings(act));
-            let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
-            let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
-            let pointed = rows(ui, height, gives_way, settings, last_seen, &mut ask);
-            let row = settings.rows.get(pointed.unwrap_or(settings.selected));
+    let area = style::area(Id::unique("settings"), Order::Foreground);
+    let mut frame = style::frame();
+    if gives_way {
+        frame.fill = frame.fill.gamma_multiply(FADED.0);
+    }
+    style::framed(context, area, frame, style::middle(space, WIDTH_MAX), |ui| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        ui.scope(|ui| {
             fade(ui, gives_way);
-            footing(ui, row.map_or("", |row| &row.purpose), meaning);
+            let hint = "change with the arrows and Enter, or a click · saved automatically";
+            if words::heading(ui, ROW, "Settings", hint, "", "close the settings") {
+                acts.commands.push(Command::TogglePanel(Panel::Settings));
+            }
         });
-    });
-    shown.response.rect
+        let mut ask = |act| acts.on_panels.push(PanelAct::Settings(act));
+        let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
+        let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
+        let pointed = rows(ui, height, gives_way, settings, last_seen, &mut ask);
+        let row = settings.rows.get(pointed.unwrap_or(settings.selected));
+        fade(ui, gives_way);
+        footing(ui, row.map_or("", |row| &row.purpose), meaning);
+    })
 }
 
 /// True while the user turns a setting, and shortly after.

@@ -111,11 +111,23 @@ pub(super) fn panel(
     place: Rect,
     content: impl FnOnce(&mut Ui),
 ) -> Rect {
-    let shown = area(Id::unique(id), order).fixed_pos(place.min).show(context, |ui| {
-        frame().show(ui, |ui| {
+    framed(context, area(Id::unique(id), order), frame(), place, content)
+}
+
+/// Shows a panel in this area and frame, as [`panel`] does.
+pub(super) fn framed(
+    context: &egui::Context,
+    area: egui::Area,
+    frame: egui::Frame,
+    place: Rect,
+    content: impl FnOnce(&mut Ui),
+) -> Rect {
+    let shown = area.fixed_pos(place.min).show(context, |ui| {
+        frame.show(ui, |ui| {
+            // A window of a few pixels leaves no width.
             let inner = (place.size() - 2.0 * PADDING).max(Vec2::ZERO);
             ui.set_width(inner.x);
-            // Without this, egui limits the height of a new panel.
+            // Without this, egui limits the height of a new panel, and a panel keeps the height of its last layout.
             ui.set_max_height(inner.y);
             content(ui);
         });
