@@ -79,7 +79,7 @@ pub struct RememberedFolders {
 
 pub(crate) const CLOSE: Command = Command::TogglePanel(Panel::Files);
 const READING: &str = "reading this folder; a slow disk or network takes a while";
-const PAGE: usize = 10;
+pub(crate) const PAGE: usize = 10;
 
 /// The shown folder, the search text and the selection.
 pub struct FileBrowser {
@@ -254,7 +254,7 @@ impl FileBrowser {
             Key::Named(NamedKey::ArrowLeft) => self.enter_parent(),
             Key::Named(NamedKey::Backspace) if self.query.text().is_empty() => self.enter_parent(),
             key => {
-                if let Some(place) = moved(key, self.selected) {
+                if let Some(place) = moved(key, self.selected, PAGE) {
                     self.select(place);
                 } else if self.query.handle_key(key, command) {
                     self.selected_place = None;
@@ -273,7 +273,7 @@ impl FileBrowser {
             NamedKey::Enter | NamedKey::ArrowRight => self.enter_place(selected),
             NamedKey::ArrowLeft => {}
             key => {
-                let Some(place) = moved(&Key::Named(key), selected) else { return false };
+                let Some(place) = moved(&Key::Named(key), selected, PAGE) else { return false };
                 self.selected_place = Some(place.min(self.places.len().saturating_sub(1)));
             }
         }
@@ -393,14 +393,14 @@ fn pick(path: PathBuf, append: bool) -> Vec<Command> {
     if append { vec![open] } else { vec![open, CLOSE] }
 }
 
-/// The index to which a key moves a selection, not limited by the number of rows; `None` for other keys.
-pub(crate) fn moved(key: &Key, selected: usize) -> Option<usize> {
+/// The index to which a key moves a selection in pages of this many rows, not limited by the number of rows; `None` for other keys.
+pub(crate) fn moved(key: &Key, selected: usize, page: usize) -> Option<usize> {
     let Key::Named(named) = key else { return None };
     match named {
         NamedKey::ArrowUp => Some(selected.saturating_sub(1)),
         NamedKey::ArrowDown => Some(selected.saturating_add(1)),
-        NamedKey::PageUp => Some(selected.saturating_sub(PAGE)),
-        NamedKey::PageDown => Some(selected.saturating_add(PAGE)),
+        NamedKey::PageUp => Some(selected.saturating_sub(page)),
+        NamedKey::PageDown => Some(selected.saturating_add(page)),
         NamedKey::Home => Some(0),
         NamedKey::End => Some(usize::MAX),
         _ => None,

@@ -3,6 +3,7 @@
 use mariana_commands::input::{Key, NamedKey};
 use mariana_commands::{Binding, Command, Group, bindings_of};
 
+use crate::file_browser::moved;
 use crate::text_query::TextQuery;
 
 /// Number of rows by which Page up and Page down move the selection.
@@ -49,22 +50,13 @@ impl HelpPanel {
                 return Some(vec![CLOSE]);
             }
             Key::Named(NamedKey::Enter) => return Some(self.pick(self.selected)),
-            Key::Named(NamedKey::ArrowUp) => self.selected.saturating_sub(1),
-            Key::Named(NamedKey::ArrowDown) => self.selected + 1,
-            Key::Named(NamedKey::PageUp) => self.selected.saturating_sub(PAGE),
-            Key::Named(NamedKey::PageDown) => self.selected + PAGE,
-            Key::Named(NamedKey::Home) => 0,
-            Key::Named(NamedKey::End) => last,
-            key => {
-                let changed = self.query.handle_key(key, command);
-                if changed {
-                    self.selected = self.row_of_key().unwrap_or(0);
-                    self.revision += 1;
-                }
-                return changed.then(Vec::new);
-            }
+            key => match moved(key, self.selected, PAGE) {
+                Some(row) => row.min(last),
+                None if self.query.handle_key(key, command) => self.row_of_key().unwrap_or(0),
+                None => return None,
+            },
         };
-        self.selected = selected.min(last);
+        self.selected = selected;
         self.revision += 1;
         Some(Vec::new())
     }

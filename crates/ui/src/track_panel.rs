@@ -11,7 +11,7 @@ use mariana_player::ListedTracks;
 use mariana_player::decode::TrackTags;
 use mariana_player::tags::TagLibrary;
 
-use crate::file_browser::moved;
+use crate::file_browser::{PAGE, moved};
 use crate::text_query::TextQuery;
 
 /// The tracks, the selected row and the search.
@@ -126,7 +126,7 @@ impl TrackPanel {
         if held.contains(Modifiers::ALT) {
             return self.handle_move_key(key);
         }
-        if let Some(row) = moved(key, self.selected) {
+        if let Some(row) = moved(key, self.selected, PAGE) {
             self.select(row);
             return Some(Vec::new());
         }
@@ -155,7 +155,7 @@ impl TrackPanel {
     }
 
     fn handle_move_key(&mut self, key: &Key) -> Option<Vec<Command>> {
-        let to = moved(key, self.selected)?.min(self.list.entries.len().saturating_sub(1));
+        let to = moved(key, self.selected, PAGE)?.min(self.list.entries.len().saturating_sub(1));
         if self.is_filtered() || to == self.selected {
             return Some(Vec::new());
         }
