@@ -106,7 +106,7 @@ impl Opening {
         }
         // Request the scene first: the driver compiles its program while everything else is created.
         let (scene, title, message) = start_first(first, &mut *screen, &settings, &choice, &waker)?;
-        let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
+        let mut overlay = Overlay::new(screen.gl(), waker.waking());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         let waits_since = clock::now();
         tracing::info!("the window shows the name of the scene being prepared");
@@ -200,7 +200,7 @@ fn start_first(
     waker: &Waker,
 ) -> Result<(SceneSession, String, Option<String>), SessionError> {
     if first.loaded.is_none() {
-        let mut overlay = Overlay::new(screen.gl(), screen.scale(), || ());
+        let mut overlay = Overlay::new(screen.gl(), || ());
         paint_waiting(screen, &mut overlay, &first.title(), OverlayContent::default())?;
     }
     let Begun { loaders, first, message } = first.wait()?;
@@ -311,7 +311,7 @@ pub(super) fn renewed(
     };
     let screen = screen.renew()?;
     let mut scenes = start_scene(&*screen, settings, scene, kept.ways, kept.loaders, shown, waker)?;
-    let mut overlay = Overlay::new(screen.gl(), screen.scale(), waker.waking());
+    let mut overlay = Overlay::new(screen.gl(), waker.waking());
     if assisted {
         overlay.assist(Assistance::Begins);
     }

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let target = Target::new(context.gl(), SIZE, &[Texel::Rgba8], None)?;
     context.gl().replace_window(Some(&target));
 
-    let mut overlay = Overlay::new(context.gl(), 1.0, || {});
+    let mut overlay = Overlay::new(context.gl(), || {});
     let help = HelpPanel::default();
     let content = OverlayContent { help: Some(&help), ..OverlayContent::default() };
     overlay.paint(1.0, SIZE, content, Instant::now())?;

@@ -80,8 +80,6 @@ pub struct Overlay {
     gl: Gl,
     panels: Panels,
     input: PendingInput,
-    /// Pixels of the window per point at the last painting.
-    scale: f32,
     /// The painter, which is created at the first draw.
     painter: Option<Painter>,
     pointer: Pointer,
@@ -118,13 +116,12 @@ pub struct Painted {
 impl Overlay {
     /// Creates an empty overlay without calling OpenGL. Other threads call `wake` when the overlay becomes
     /// [`Self::due`].
-    pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
+    pub fn new(gl: &Gl, wake: impl Fn() + Send + 'static) -> Self {
         let panels = Panels::new(SystemFonts::default(), wake);
         Self {
             gl: gl.clone(),
             panels,
             input: PendingInput::new(usize::try_from(gl.info().texture_side_max).ok()),
-            scale,
             painter: None,
             pointer: Pointer::default(),
             cursor: CursorIcon::Default,
@@ -211,7 +208,6 @@ impl Overlay {
         content: OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, UiError> {
-        self.scale = scale;
         if content.is_empty(now) {
             self.panels.forget_focus();
             if self.shown.take().is_some() {
@@ -226,7 +222,7 @@ impl Overlay {
             && self.shown.as_ref().is_some_and(|shown| {
                 shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
             });
-        let painted = if stands { Painted::default() } else { self.lay_out(size, &content, now)? };
+        let painted = if stands { Painted::default() } else { self.lay_out(scale, size, &content, now)? };
         if let (Some(shown), Some(painter)) = (&self.shown, &mut self.painter) {
             self.gl.lend_window("drawing the overlay", || {
                 painter.paint_primitives(size.into(), shown.pixels_per_point, &shown.primitives);
@@ -237,6 +233,7 @@ impl Overlay {
 
     fn lay_out(
         &mut self,
+        scale: f32,
         size: (u32, u32),
         content: &OverlayContent<'_>,
         now: Instant,
@@ -247,7 +244,7 @@ impl Overlay {
             self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
         }
         let interactive = content.is_interactive();
-        let input = self.raw_input(size, interactive, now);
+        let input = self.raw_input(scale, size, interactive, now);
         let laid_out = self.panels.lay_out(input, content, now);
         let mut output = laid_out.output;
         let controls = output.platform_output.accesskit_update.take();
@@ -304,8 +301,7 @@ impl Overlay {
         self.pointer.is_busy()
     }
 
-    fn raw_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
-        let scale = self.scale;
+    fn raw_input(&mut self, scale: f32, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let zoom = style::zoom(points(size, scale));
         // Do not call `set_zoom_factor`: egui would then derive the window's size from the previous pass.
         self.panels.context.options_mut(|options| options.zoom_factor = zoom);
