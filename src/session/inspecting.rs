@@ -131,8 +131,7 @@ impl Interface {
 
     fn show_diagram(&mut self, diagram: Arc<RayDiagram>) {
         let Some((ray, map)) = self.probing.ray.as_mut().zip(self.probing.map) else { return };
-        let revision = ray.view.as_ref().map_or(0, |view| view.revision) + 1;
-        ray.view = Some(RayView { diagram, map, revision });
+        ray.view = Some(RayView { diagram, map });
     }
 
     fn with_prober(&mut self, ask: impl FnOnce(&Prober)) {

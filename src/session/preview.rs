@@ -70,11 +70,8 @@ impl Session {
         let Some(moment) = self.playback.pace.shown.map(|shown| shown.moment) else { return Ok(()) };
         self.playback.preview.due = now + EVERY;
         let (level, beat) = (self.playback.listening.level, moment.features.beat.clamp(0.0, 1.0));
-        if let Some(next) = &mut self.playback.preview.next
-            && (next.level, next.beat) != (level, beat)
-        {
+        if let Some(next) = &mut self.playback.preview.next {
             (next.level, next.beat) = (level, beat);
-            next.revision += 1;
         }
         let preview = &mut self.playback.preview;
         let has_one = preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
@@ -118,9 +115,8 @@ impl Playback {
         if is_known && picture.is_none() {
             return;
         }
-        let revision = next.as_ref().map_or(0, |next| next.revision + 1);
         let (level, beat) = next.as_ref().map_or((0.0, 0.0), |next| (next.level, next.beat));
-        *next = Some(NextScene { title: title.to_owned(), picture, level, beat, revision });
+        *next = Some(NextScene { title: title.to_owned(), picture, level, beat });
         screen.request_redraw();
     }
 }

@@ -241,8 +241,10 @@ impl OverlayContent<'_> {
         (self.bar, self.hides_pointer, self.panel, self.learning).hash(&mut hasher);
         self.editor.map(|panel| panel.revision).hash(&mut hasher);
         (&self.cues, &self.decks).hash(&mut hasher);
-        self.next.map(|next| next.revision).hash(&mut hasher);
-        self.ray.map(|ray| ray.revision).hash(&mut hasher);
+        let preview = |next: &NextScene| next.picture.as_ref().map(Arc::as_ptr);
+        let next =
+            self.next.map(|next| (&next.title, preview(next), [next.level, next.beat].map(f32::to_bits)));
+        (next, self.ray.map(|ray| Arc::as_ptr(&ray.diagram))).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
         for slider in self.params.unwrap_or_default() {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

@@ -20,8 +20,6 @@ pub struct NextScene {
     pub level: f32,
     /// Strength of the beat, 0..1.
     pub beat: f32,
-    /// A number that changes whenever one of the fields above changes.
-    pub revision: u64,
 }
 
 /// Maximum width of the image in points. The next constant is the maximum as a fraction of the window.

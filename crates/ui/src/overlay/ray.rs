@@ -16,8 +16,6 @@ pub struct RayView {
     pub diagram: Arc<RayDiagram>,
     /// Maps positions in the window to positions in the frame, both as fractions.
     pub map: Map,
-    /// Changes with the diagram and the map.
-    pub revision: u64,
 }
 
 fn color([red, green, blue, opacity]: Ink) -> Color32 {
