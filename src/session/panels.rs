@@ -169,12 +169,10 @@ impl Interface {
         if !wanted.is_empty() {
             thumbnails.request_pictures_later(wanted);
         }
-        if let Some(OpenPanel::Scenes(browser)) = &mut self.ui_state.panel {
-            browser.request_thumbnails(thumbnails);
-        }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| playback.controllers.phones.record_picture(looked));
         if let Some(OpenPanel::Scenes(browser)) = &mut self.ui_state.panel {
+            browser.request_thumbnails(thumbnails);
             browser.set_present(playback.scene.scenes.shown_source());
             browser.store(found);
         }
