@@ -218,9 +218,10 @@ fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
         _ => cause.downcast_ref(),
     });
     let mistakes = match found {
-        Some(SceneError::Mistakes { name, colored, .. }) => {
-            Some(format!("{name} has mistakes: correct what is underlined\n{}", colored.trim_end()))
-        }
+        Some(SceneError::Mistakes { name, found }) => Some(format!(
+            "{name} has mistakes: correct what is underlined\n{}",
+            found.render(true).trim_end()
+        )),
         _ => None,
     };
     match mistakes {

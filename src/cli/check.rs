@@ -12,10 +12,10 @@ use crate::export::print::{counted, print_line, print_message};
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::{Counting, ShaderLibrary};
 use crate::moving_textures::description;
-use crate::scenes::{SceneError, SceneSource, TextureSource};
+use crate::scenes::{FoundMistakes, SceneError, SceneSource, TextureCache, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
 use mariana_field::lang::{
-    Compiled, Diagnostic, Light, Material, Medium, Scene, Sources, Span, Swarm, TextureRef, render_all,
+    Diagnostic, Light, Material, Medium, Scene, Sources, Span, Swarm, TextureRef, render_all,
 };
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
@@ -39,33 +39,30 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     let (mut wrong, mut unreadable) = (0, 0);
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
-            Ok(match compile(&source)? {
-                Ok((scene, sources, texts)) => {
-                    let (name, cost) = (source.name(), cost(&scene)?);
-                    let words = moving(&scene).map(|(_, found)| found.unwrap_or_else(|grey| grey));
-                    let moving: String = words.map(|words| format!("\n  {words}")).collect();
-                    let world = drawable(&source, scene)?;
-                    let warnings = render_all(&warnings(texts, &world), &sources, colors(&std::io::stdout()));
-                    let warnings = warnings.trim_end();
-                    let line = if warnings.is_empty() { "" } else { "\n" };
-                    let remembers = remembers(&world);
-                    Ok(format!("{name}: {cost}{}{remembers}{moving}{line}{warnings}", advice(&world)))
-                }
-                Err(mistakes) => Err(mistakes),
-            })
+            let (scene, FoundMistakes { diagnostics, sources }) = compile(&source)?;
+            let (name, cost) = (source.name(), cost(&scene)?);
+            let words = moving(&scene).map(|(_, found)| found.unwrap_or_else(|grey| grey));
+            let moving: String = words.map(|words| format!("\n  {words}")).collect();
+            let world = drawable(&source, scene)?;
+            let warnings = render_all(&warnings(diagnostics, &world), &sources, colors(&std::io::stdout()));
+            let warnings = warnings.trim_end();
+            let line = if warnings.is_empty() { "" } else { "\n" };
+            let remembers = remembers(&world);
+            Ok(format!("{name}: {cost}{}{remembers}{moving}{line}{warnings}", advice(&world)))
         });
         match checked {
-            Ok(Ok(line)) => print_line(&line)?,
-            Ok(Err(Mistakes { diagnostics, sources })) => {
-                let text = render_all(&diagnostics, &sources, colors(&std::io::stdout()));
-                print_line(text.trim_end())?;
-                wrong += 1;
-            }
-            Err(error) if arguments.scenes.len() == 1 => return Err(error),
-            Err(error) => {
-                print_message(&format!("{error:#}"));
-                unreadable += 1;
-            }
+            Ok(line) => print_line(&line)?,
+            Err(error) => match error.downcast_ref() {
+                Some(SceneError::Mistakes { found, .. }) => {
+                    print_line(found.render(colors(&std::io::stdout())).trim_end())?;
+                    wrong += 1;
+                }
+                _ if arguments.scenes.len() == 1 => return Err(error),
+                _ => {
+                    print_message(&format!("{error:#}"));
+                    unreadable += 1;
+                }
+            },
         }
     }
     match (wrong, unreadable) {
@@ -86,43 +83,38 @@ fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
 fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     let mut wrong = 0;
     for argument in scenes {
-        let checked = scene_of(argument).and_then(|source| {
-            let scene = match compile(&source)? {
-                Ok((scene, sources, texts)) => {
-                    let grey: Vec<Diagnostic> = grey(&scene).collect();
-                    let world = drawable(&source, scene)?;
-                    for one in grey.iter().chain(&warnings(texts, &world)).chain(&world.warning()) {
-                        let warning = Mistake { severity: "warning", ..mistake(one, &sources, &source) };
-                        print_line(&serde_json::to_string(&warning)?)?;
-                    }
-                    Ok(world)
-                }
-                Err(mistakes) => Err(mistakes),
+        let mistakes = scene_of(argument).and_then(|source| {
+            let Err(error) = print_warnings(&source) else { return Ok(Vec::new()) };
+            let Some(SceneError::Mistakes { name, found }) = error.downcast_ref() else { return Err(error) };
+            let named = |one| {
+                let mistake = mistake(one, &found.sources, &source);
+                if mistake.file == *name { Mistake { file: argument.clone(), ..mistake } } else { mistake }
             };
-            Ok((scene, source))
+            Ok(found.diagnostics.iter().map(named).collect())
         });
-        let mistakes = match checked {
-            Ok((Ok(_), _)) => continue,
-            Ok((Err(mistakes), source)) => {
-                let own = source.name();
-                let named = |one| {
-                    let mistake = mistake(one, &mistakes.sources, &source);
-                    if mistake.file == own { Mistake { file: argument.clone(), ..mistake } } else { mistake }
-                };
-                mistakes.diagnostics.iter().map(named).collect()
-            }
-            Err(error) => {
-                let (start, message) = (Position { line: 1, column: 1 }, format!("{error:#}"));
-                let file = argument.clone();
-                vec![Mistake { file, start, end: start, severity: "error", message, hint: None }]
-            }
-        };
-        for mistake in mistakes {
-            print_line(&serde_json::to_string(&mistake)?)?;
+        let mistakes = mistakes.unwrap_or_else(|error| {
+            let (start, message) = (Position { line: 1, column: 1 }, format!("{error:#}"));
+            let file = argument.clone();
+            vec![Mistake { file, start, end: start, severity: "error", message, hint: None }]
+        });
+        for mistake in &mistakes {
+            print_line(&serde_json::to_string(mistake)?)?;
         }
-        wrong += 1;
+        wrong += usize::from(!mistakes.is_empty());
     }
     if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
+}
+
+/// Prints each warning about a scene as a JSON object.
+fn print_warnings(source: &SceneSource) -> anyhow::Result<()> {
+    let (scene, FoundMistakes { diagnostics, sources }) = compile(source)?;
+    let grey: Vec<Diagnostic> = grey(&scene).collect();
+    let world = drawable(source, scene)?;
+    for one in grey.iter().chain(&warnings(diagnostics, &world)).chain(&world.warning()) {
+        let warning = Mistake { severity: "warning", ..mistake(one, &sources, source) };
+        print_line(&serde_json::to_string(&warning)?)?;
+    }
+    Ok(())
 }
 
 /// Returns a warning for each texture that will be grey.
@@ -195,23 +187,10 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
     }
 }
 
-struct Mistakes {
-    diagnostics: Vec<Diagnostic>,
-    sources: Sources,
-}
-
-/// A scene with its texts and warnings.
-type Checked = (Scene, Sources, Vec<Diagnostic>);
-
-/// Compiles a scene. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<Checked, Mistakes>, SceneError> {
-    let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
-    let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
-    source.find_videos(&mut scene);
-    Ok(match source.textures(&scene).and_then(|_| source.bake_shapes(&mut scene)) {
-        Ok(()) => Ok((scene, sources, warnings)),
-        Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
-    })
+/// Compiles a scene. Returns its warnings too. Missing texture files are mistakes.
+fn compile(source: &SceneSource) -> Result<(Scene, FoundMistakes), SceneError> {
+    let (scene, _, warnings) = source.with_pictures(source.compile()?, &mut TextureCache::default())?;
+    Ok((scene, warnings))
 }
 
 /// Returns the scene's world. Fails if no window can draw the world, because the tape does not fit the interpreter
@@ -348,7 +327,7 @@ mod tests {
     use super::*;
 
     fn heard(source: &SceneSource) -> String {
-        let Ok(Ok((scene, ..))) = compile(source) else { panic!("{source:?} has mistakes") };
+        let Ok((scene, _)) = compile(source) else { panic!("{source:?} has mistakes") };
         cost(&scene).unwrap().split("listens to ").nth(1).unwrap().to_owned()
     }
 

@@ -7,7 +7,6 @@ use clap::Args;
 
 use super::common::colors;
 use super::files::{is_standard, scene_of};
-use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::output::refuse_to_replace;
 use crate::export::print::{print_line, print_message};
@@ -107,7 +106,7 @@ fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::R
 }
 
 pub(super) fn run_export(arguments: &ExportArguments) -> anyhow::Result<()> {
-    let scene = require(&scene_of(&arguments.scene)?)?;
+    let scene = scene_of(&arguments.scene)?.baked()?;
     let text = shadertoy(&scene, arguments.main_image)?;
     if is_standard(&arguments.output) {
         print_line(text.trim_end())?;

@@ -3,16 +3,15 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use clap::Args;
 
-use super::common::{SetArguments, colors};
+use super::common::SetArguments;
 use super::files::{is_standard, scene_of};
 use crate::export::painter::{held_of, require_inputs};
 use crate::export::print::print_line;
-use crate::scenes::SceneSource;
 use mariana_field::graph::{FrameInputs, Point};
-use mariana_field::lang::{Scene, render_all};
+use mariana_field::lang::Scene;
 use mariana_field::region::{ListedClause, RegionOptions, RegionPlan};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use mariana_field::world::World;
@@ -50,7 +49,7 @@ pub(super) struct EvalArguments {
 
 pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
     let source = scene_of(&arguments.scene)?;
-    let scene = require(&source)?;
+    let scene = source.baked()?;
     let root = scene.distance;
     let text = if let Some(point) = arguments.at {
         tape_of_cell(&source.name(), scene, point)?
@@ -111,7 +110,7 @@ fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<Str
 }
 
 pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
-    let scene = require(&scene_of(&arguments.scene)?)?;
+    let scene = scene_of(&arguments.scene)?.baked()?;
     let mut frame = silent_frame(&scene);
     let set = &arguments.set.set;
     require_inputs(&[&scene], set)?;
@@ -129,19 +128,6 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
         for_each_point(path, |point| Ok(print(point)?))?;
     }
     Ok(())
-}
-
-pub(super) fn require(source: &SceneSource) -> anyhow::Result<Scene> {
-    let mut compiled = source.compile()?;
-    let wrong = match compiled.scene.take() {
-        Some(mut scene) => match source.bake_shapes(&mut scene) {
-            Ok(()) => return Ok(scene),
-            Err(wrong) => wrong,
-        },
-        None => compiled.diagnostics,
-    };
-    let diagnostics = render_all(&wrong, &compiled.sources, colors(&std::io::stderr()));
-    bail!("{} has mistakes: correct what is underlined\n{}", source.name(), diagnostics.trim_end())
 }
 
 fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<()>) -> anyhow::Result<()> {

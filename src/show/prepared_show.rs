@@ -247,9 +247,10 @@ pub fn name_of(source: &SceneSource) -> String {
 
 fn refusal(error: SceneError) -> Refusal {
     match error {
-        SceneError::Mistakes { name, plain, .. } => {
-            Refusal { sentence: format!("the scene {name} has mistakes"), mistakes: Some(plain) }
-        }
+        SceneError::Mistakes { name, found } => Refusal {
+            sentence: format!("the scene {name} has mistakes"),
+            mistakes: Some(found.render(false)),
+        },
         error => Refusal { sentence: error.to_string(), mistakes: None },
     }
 }

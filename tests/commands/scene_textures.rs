@@ -10,7 +10,7 @@ use std::sync::Arc;
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
 use mariana::scenes::limits;
 use mariana::scenes::{SceneSource, TextureCache};
-use mariana_field::lang::{Compiled, Diagnostic, Fault, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Fault, Scene, render_all};
 use tempfile::TempDir;
 
 const RED: Rgba<u8> = Rgba([200, 30, 40, 255]);
@@ -42,7 +42,7 @@ impl Place {
 
     fn textures(&self, textures: &[&str]) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
         let (source, compiled) = self.scene(textures);
-        source.textures(compiled.scene.as_ref().unwrap())
+        loaded(&source, compiled.scene.as_ref().unwrap())
     }
 
     #[track_caller]
@@ -52,6 +52,10 @@ impl Place {
         let one = wrong.remove(0);
         (one.fault, one.message, one.hint.unwrap())
     }
+}
+
+fn loaded(source: &SceneSource, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
+    TextureCache::default().load(source, scene)
 }
 
 /// A scene whose material is the sum of these textures. Line 2 reads the first texture, line 3 the second.
@@ -122,14 +126,14 @@ fn shipped_scenes_and_formulas_read_shipped_textures() {
     let scene = speakers.compile().unwrap().scene.unwrap();
     let names: Vec<&str> = scene.textures.iter().map(|texture| texture.name.as_str()).collect();
     assert_eq!(names, ["wood.png", "mallard.png"]);
-    let pictures = speakers.textures(&scene).unwrap();
+    let pictures = loaded(&speakers, &scene).unwrap();
     assert!(*pictures[0] == asset("wood.png") && *pictures[1] == asset("mallard.png"));
 
     let formula = SceneSource::Formula(text(&["mallard.png"]));
     let scene = formula.compile().unwrap().scene.unwrap();
-    assert!(*formula.textures(&scene).unwrap()[0] == asset("mallard.png"));
+    assert!(*loaded(&formula, &scene).unwrap()[0] == asset("mallard.png"));
     let formula = SceneSource::Formula(text(&["Cargo.toml"]));
-    let wrong = formula.textures(&formula.compile().unwrap().scene.unwrap()).unwrap_err();
+    let wrong = loaded(&formula, &formula.compile().unwrap().scene.unwrap()).unwrap_err();
     assert_eq!(wrong[0].message, "there is no shipped image `Cargo.toml`");
 }
 
@@ -252,7 +256,7 @@ fn all_texture_errors_are_shown_with_their_positions() {
     place.write("good.png", png(1, 1));
     place.write("bad.png", "none");
     let (source, compiled) = place.scene(&["gone.png", "good.png", "bad.png"]);
-    let wrong = source.textures(compiled.scene.as_ref().unwrap()).unwrap_err();
+    let wrong = loaded(&source, compiled.scene.as_ref().unwrap()).unwrap_err();
     let shown = render_all(&wrong, &compiled.sources, false);
     let name = place.path("main.scene").display().to_string();
     let messages: Vec<&str> = shown.lines().filter(|line| line.starts_with("error")).collect();

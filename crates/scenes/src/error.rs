@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mariana_field::lang::{Diagnostic, Sources};
+use mariana_field::lang::{Diagnostic, Sources, render_all};
 use mariana_field::world::{BlendError, WorldError};
 use mariana_files::reading::TextError;
 
@@ -13,6 +13,13 @@ pub struct FoundMistakes {
     pub diagnostics: Vec<Diagnostic>,
     /// The texts of all files.
     pub sources: Sources,
+}
+
+impl FoundMistakes {
+    /// Returns all diagnostics as text, with terminal colours if `color` is set.
+    pub fn render(&self, color: bool) -> String {
+        render_all(&self.diagnostics, &self.sources, color)
+    }
 }
 
 /// The error when a scene cannot be loaded. Each message names the problem, its position and a remedy.
@@ -45,15 +52,11 @@ pub enum SceneError {
         problem: TextError,
     },
     /// The text has mistakes.
-    #[error("{name} has mistakes: correct what is underlined\n{}", .plain.trim_end())]
+    #[error("{name} has mistakes: correct what is underlined\n{}", .found.render(false).trim_end())]
     Mistakes {
         /// The scene.
         name: String,
         /// All diagnostics.
-        plain: String,
-        /// All diagnostics, with a terminal's colours.
-        colored: String,
-        /// All diagnostics, with their positions.
         found: Box<FoundMistakes>,
     },
     /// The scene is too large to be drawn.

@@ -12,7 +12,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImage};
 use mariana_assets::TEXTURES;
 use mariana_field::graph::FrameInputs;
-use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, Span, TextureRef, nearest, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, Span, TextureRef, nearest};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
 
@@ -117,46 +117,45 @@ impl SceneSource {
         scene.take().ok_or_else(|| self.mistakes(take(diagnostics), take(sources)))
     }
 
-    fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
+    /// Reads and compiles a scene, and bakes the texts and pictures that its shapes read.
+    ///
+    /// # Errors
+    /// Fails like [`SceneSource::ready`].
+    pub fn baked(&self) -> Result<Scene, SceneError> {
+        let mut compiled = self.compile()?;
         let mut scene = self.scene_of(&mut compiled)?;
-        self.find_videos(&mut scene);
+        let baked = ShapeCache::default().load(self, &mut scene);
+        baked.map(|()| scene).map_err(|wrong| self.mistakes(wrong, compiled.sources))
+    }
+
+    /// Finds the videos of a compiled scene, loads its textures, and bakes the texts and pictures that its shapes read.
+    /// Returns the scene, its textures and its warnings.
+    ///
+    /// # Errors
+    /// Fails if the text has mistakes, with all diagnostics, or if an image or text cannot be read.
+    pub fn with_pictures(
+        &self,
+        mut compiled: Compiled,
+        textures: &mut TextureCache,
+    ) -> Result<(Scene, Vec<Arc<RgbaImage>>, FoundMistakes), SceneError> {
+        let mut scene = self.scene_of(&mut compiled)?;
+        find_videos(self.file().map(Folder::of).as_ref(), &mut scene);
         let mut mistakes = |wrong| self.mistakes(wrong, take(&mut compiled.sources));
         let pictures = textures.load(self, &scene).map_err(&mut mistakes)?;
-        textures.load_shapes(self, &mut scene).map_err(mistakes)?;
+        textures.shapes.load(self, &mut scene).map_err(mistakes)?;
+        let warnings = FoundMistakes { diagnostics: compiled.warnings, sources: compiled.sources };
+        Ok((scene, pictures, warnings))
+    }
+
+    fn prepare(&self, compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
+        let (scene, pictures, mut warnings) = self.with_pictures(compiled, textures)?;
         let world = World::new(&self.name(), scene, pictures)?;
-        let mut diagnostics = compiled.warnings;
-        diagnostics.extend(world.warning().into_iter().chain(world.feedback_warning()));
-        let warnings = Arc::new(FoundMistakes { diagnostics, sources: compiled.sources });
-        Ok(ReadyScene { warnings, ..ReadyScene::of(world)? })
+        warnings.diagnostics.extend(world.warning().into_iter().chain(world.feedback_warning()));
+        Ok(ReadyScene { warnings: Arc::new(warnings), ..ReadyScene::of(world)? })
     }
 
     fn mistakes(&self, diagnostics: Vec<Diagnostic>, sources: Sources) -> SceneError {
-        let render = |color| render_all(&diagnostics, &sources, color);
-        let (plain, colored) = (render(false), render(true));
-        let found = Box::new(FoundMistakes { diagnostics, sources });
-        SceneError::Mistakes { name: self.name(), plain, colored, found }
-    }
-
-    /// Notes the files of moving textures in the scene. [`SceneSource::textures`] reports missing files.
-    pub fn find_videos(&self, scene: &mut Scene) {
-        find_videos(self.file().map(Folder::of).as_ref(), scene);
-    }
-
-    /// Bakes the texts and pictures that shapes read into the scene's atlas.
-    ///
-    /// # Errors
-    /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
-    pub fn bake_shapes(&self, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
-        ShapeCache::default().load(self, scene)
-    }
-
-    /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
-    ///
-    /// # Errors
-    /// Fails with a diagnostic for each image that cannot be read. The diagnostic has the image's position in the
-    /// text.
-    pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
-        TextureCache::default().load(self, scene)
+        SceneError::Mistakes { name: self.name(), found: Box::new(FoundMistakes { diagnostics, sources }) }
     }
 }
 
@@ -255,11 +254,12 @@ pub struct TextureCache {
 }
 
 impl TextureCache {
-    /// Loads textures like [`SceneSource::textures`], with the cache. Images that this scene does not use are
-    /// dropped.
+    /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
+    /// Images that this scene does not use are dropped.
     ///
     /// # Errors
-    /// Fails like [`SceneSource::textures`]. The cache keeps the readable images.
+    /// Fails with a diagnostic for each image that cannot be read. The diagnostic has the image's position in the
+    /// text. The cache keeps the readable images.
     pub fn load(
         &mut self,
         source: &SceneSource,
@@ -279,14 +279,6 @@ impl TextureCache {
         }
         wrong.sort_by_key(|diagnostic| diagnostic.span);
         Err(wrong)
-    }
-
-    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache.
-    ///
-    /// # Errors
-    /// Fails like [`SceneSource::bake_shapes`].
-    pub fn load_shapes(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
-        self.shapes.load(source, scene)
     }
 
     fn picture(

@@ -27,7 +27,6 @@ use crate::clock;
 use crate::config::SdfChoice;
 use crate::gpu::{BuiltRegions, Gl, GpuError, Mode, Program};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
-use mariana_field::lang::render_all;
 
 /// Time without changes until the numbers of a text become constants of a program again.
 const REST: Duration = Duration::from_secs(10);
@@ -83,7 +82,7 @@ impl ScenePreparation {
             && !self.library.is_written
             && matches!(source, SceneSource::File(_))
         {
-            tracing::warn!("{}", render_all(&ready.warnings.diagnostics, &ready.warnings.sources, false));
+            tracing::warn!("{}", ready.warnings.render(false));
             warning = Some(format!("{name}: {} (E shows it in the text)", first.message));
         }
         let (heading, text) = match ready.map(|ready| self.prepare(source.clone(), ready, scenes)) {
@@ -101,7 +100,7 @@ impl ScenePreparation {
             }
             Err(error) => {
                 let (what, text) = match &error {
-                    SceneError::Mistakes { plain, .. } => ("has mistakes", plain.clone()),
+                    SceneError::Mistakes { found, .. } => ("has mistakes", found.render(false)),
                     SceneError::World(_) => ("is too complex to be drawn", error.to_string()),
                     other => ("cannot be read", other.to_string()),
                 };

@@ -13,7 +13,7 @@ use mariana_testing::tiny_font::TinyFont;
 use tempfile::TempDir;
 
 use super::*;
-use crate::{ReadyScene, SceneError, SceneSource, TextureCache};
+use crate::{ReadyScene, SceneError, SceneSource};
 
 struct Place(TempDir);
 
@@ -146,11 +146,11 @@ fn pictures_are_1_high_and_their_opaque_or_bright_parts_are_inside() {
 fn an_edit_elsewhere_bakes_nothing_again() {
     let place = Place::new();
     place.write("a.svg", "<svg viewBox='0 0 9 9'><rect width='9' height='9'/></svg>");
-    let mut cache = TextureCache::default();
+    let mut cache = ShapeCache::default();
     let mut atlas = |shape: &str| {
         let source = place.source(shape);
         let mut scene = source.checked().unwrap();
-        cache.load_shapes(&source, &mut scene).unwrap();
+        cache.load(&source, &mut scene).unwrap();
         scene.atlas
     };
     let words = "text(\"one\", p.xy) + text(\"two\", p.xy) + image(\"a.svg\", p.xy)";
