@@ -1,6 +1,6 @@
 //! Texts in the scene language.
 
-use mariana_field::glsl_import::{GlslFile, Problem, Shown, scene_around};
+use mariana_field::glsl_import::{GlslFile, Shown, scene_around};
 use mariana_field::graph::{FrameInputs, Levels, SoundInputs};
 use mariana_field::lang::{self, Diagnostic, Sources};
 use mariana_field::limits::LIMITS;
@@ -41,8 +41,8 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
 /// Imports a GLSL text: parses it, executes its functions, and writes a scene around it.
 pub(crate) fn glsl(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
-    let check_place = |problem: &Problem| {
-        let place = &problem.place;
+    let check_place = |problem: &Diagnostic| {
+        let place = problem.span;
         assert!(place.start <= place.end && place.end as usize <= text.len(), "{problem:?}");
         assert!(!problem.message.is_empty());
     };

@@ -12,8 +12,8 @@ use crate::export::output::refuse_to_replace;
 use crate::export::print::{print_line, print_message};
 use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::{MADE_BY, left_out, shadertoy};
-use mariana_field::glsl_import::{Problem, Shown};
-use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
+use mariana_field::glsl_import::Shown;
+use mariana_field::lang::{Diagnostic, Sources};
 
 #[derive(Args)]
 pub(super) struct ImportArguments {
@@ -73,15 +73,10 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
 }
 
 /// Reports a shader that cannot become a scene, with the marked text.
-fn underlined(shader: &Path, text: &str, problem: &Problem) -> anyhow::Error {
+fn underlined(shader: &Path, text: &str, problem: &Diagnostic) -> anyhow::Error {
     let mut sources = Sources::default();
     sources.add(shader.file_name().and_then(|name| name.to_str()).unwrap_or(""), text);
-    let span = Span::new(problem.place.start, problem.place.end);
-    let diagnostic =
-        Diagnostic { fault: Fault::Unsupported, ..Diagnostic::new(span, problem.message.clone()) };
-    let hint = problem.hint.clone();
-    let diagnostic = if hint.is_empty() { diagnostic } else { diagnostic.hint(hint) };
-    let text = diagnostic.render(&sources, colors(&std::io::stderr()));
+    let text = problem.render(&sources, colors(&std::io::stderr()));
     anyhow::anyhow!("{} cannot become a scene\n{}", shader.display(), text.trim_end())
 }
 

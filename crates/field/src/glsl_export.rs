@@ -213,7 +213,7 @@ mod tests {
                 GlslFile::parse(&text, &LIMITS).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"));
             let broken: Vec<_> =
                 file.functions().iter().filter_map(|function| file.problem_of(function)).collect();
-            assert_eq!(broken, [] as [&crate::glsl_import::Problem; 0], "{text}");
+            assert_eq!(broken, [] as [&crate::lang::Diagnostic; 0], "{text}");
         }
     }
 }

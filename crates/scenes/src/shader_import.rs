@@ -3,8 +3,8 @@
 use mariana_files::reading::{TextError, read_text};
 use std::path::{Path, PathBuf};
 
-use mariana_field::glsl_import::{Problem, SceneAround, Shown, Whole, scene_around, whole};
-use mariana_field::lang::{Sources, formatted, is_glsl};
+use mariana_field::glsl_import::{SceneAround, Shown, Whole, scene_around, whole};
+use mariana_field::lang::{Diagnostic, Sources, formatted, is_glsl};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
@@ -36,21 +36,21 @@ pub enum ShaderError {
         /// The text.
         text: String,
         /// The reason.
-        problem: Problem,
+        problem: Box<Diagnostic>,
     },
     /// The folder of the scenes cannot be written.
     #[error(transparent)]
     Unwritable(#[from] Unwritable),
 }
 
-fn sentence(text: &str, problem: &Problem) -> String {
+fn sentence(text: &str, problem: &Diagnostic) -> String {
     let mut sources = Sources::default();
     sources.add("shader", text);
-    let line = match sources.place(problem.place.start) {
-        Some(place) if !problem.place.is_empty() => format!("line {}: ", place.line),
+    let line = match sources.place(problem.span.start) {
+        Some(place) if !problem.span.is_empty() => format!("line {}: ", place.line),
         _ => String::new(),
     };
-    let hint = if problem.hint.is_empty() { String::new() } else { format!("; {}", problem.hint) };
+    let hint = problem.hint.as_ref().map_or(String::new(), |hint| format!("; {hint}"));
     format!("{line}{}{hint}", problem.message)
 }
 
@@ -106,7 +106,7 @@ pub fn scene_of_shader(path: &Path, shader: &Shader, shown: Shown) -> Result<Sce
     scene_around(&shader.whole.text, shown).map_err(|problem| ShaderError::NoScene {
         path: path.to_owned(),
         text: shader.text.clone(),
-        problem: Problem { place: shader.whole.place(&problem.place), ..problem },
+        problem: Box::new(Diagnostic { span: shader.whole.place(problem.span), ..problem }),
     })
 }
 

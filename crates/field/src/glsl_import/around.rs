@@ -3,15 +3,16 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use super::Result;
 use super::calls::{Budget, GlslSession, HOW_TO_READ_IMAGES};
 use super::isf::Slider;
 use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
-use super::problem::{Problem, Result};
 use super::samplers::image_sampler;
 use crate::graph::{
     FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData, TextureReader,
 };
+use crate::lang::{Diagnostic, Span};
 use crate::limits::LIMITS;
 
 /// The part of a shader that a scene shows, if the shader draws a picture and has a distance function.
@@ -112,12 +113,15 @@ pub(crate) fn scene_around_file(file: &GlslFile, shown: Shown) -> Result<SceneAr
     Ok(around)
 }
 
-fn nothing_found(file: &GlslFile) -> Problem {
+fn nothing_found(file: &GlslFile) -> Diagnostic {
     let names: Vec<&str> = file.functions().iter().map(|function| function.name.as_str()).take(8).collect();
     let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
     let draws = if file.picture().is_some() { "" } else { ", and none draws a picture" };
-    Problem::unsupported(0..0, format!("no function of this file looks like the distance of a scene{draws}"))
-        .hint(format!("call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"))
+    Diagnostic::unsupported(
+        Span::default(),
+        format!("no function of this file looks like the distance of a scene{draws}"),
+    )
+    .hint(format!("call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"))
 }
 
 /// Lines with values for inputs from outside.
@@ -179,7 +183,7 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneArou
         let names: Vec<&str> = session.pictures.iter().map(String::as_str).collect();
         let message =
             format!("without the pictures of `{}` this shader draws one colour", names.join("`, `"));
-        return Err(Problem::unsupported(picture.place.clone(), message).hint(HOW_TO_READ_IMAGES));
+        return Err(Diagnostic::unsupported(picture.place, message).hint(HOW_TO_READ_IMAGES));
     }
     let mut left_out: Vec<String> = session.left_out().into_iter().map(|problem| problem.message).collect();
     if is_flat {
@@ -354,7 +358,7 @@ impl Sampled {
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
         let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
         let too_large = |error: crate::graph::GraphError| {
-            Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
+            Diagnostic::over_limit(function.place, error.to_string()).hint("shorten its loops")
         };
         let order = graph.order(&nodes).map_err(too_large)?;
         let sampler = Sampler { graph, nodes, order, frame: FrameInputs::default() };

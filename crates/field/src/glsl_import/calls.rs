@@ -1,19 +1,18 @@
 //! Sessions of one file in one graph, and calls of functions.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
-use std::ops::Range;
 use std::rc::Rc;
 
 use naga::{Arena, Expression, Function, Handle, ScalarKind, Statement, Type};
 
+use super::Result;
 use super::execute::{Exits, ROUNDS_WITHOUT_COUNT};
 use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
-use super::problem::{Problem, Result};
 use super::samplers::SamplerRead;
 use crate::graph::{Graph, NodeId, Op};
-use crate::lang::Fault;
+use crate::lang::{Diagnostic, Fault, Span};
 
 /// Limits of execution, shared with the scene that calls GLSL.
 #[derive(Debug, Clone, Copy)]
@@ -153,19 +152,19 @@ impl GlslSession {
     }
 
     /// Returns what the calls since the last one left out, each with a way to get it.
-    pub fn left_out(&mut self) -> Vec<Problem> {
+    pub fn left_out(&mut self) -> Vec<Diagnostic> {
         let mut left_out = Vec::new();
         let names: Vec<String> = std::mem::take(&mut self.pictures).into_iter().collect();
         if !names.is_empty() {
             let names = names.join("`, `");
             let message = format!("the pictures of `{names}`: black or a noise is drawn instead");
-            left_out.push(Problem::unsupported(0..0, message).hint(HOW_TO_READ_IMAGES));
+            left_out.push(Diagnostic::unsupported(Span::default(), message).hint(HOW_TO_READ_IMAGES));
         }
         if std::mem::take(&mut self.cuts_loops) {
             let message =
                 format!("rounds of a loop after the first {ROUNDS_WITHOUT_COUNT}: nothing counts them");
             left_out.push(
-                Problem::unsupported(0..0, message)
+                Diagnostic::unsupported(Span::default(), message)
                     .hint("count its rounds, as in `for (int i = 0; i < 64; i++)`"),
             );
         }
@@ -187,8 +186,8 @@ impl GlslSession {
         budget: &mut Budget,
         given: &[(String, Vec<NodeId>)],
     ) -> Result<Vec<NodeId>> {
-        let place = function.place.clone();
-        let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
+        let place = function.place;
+        let wrong = || Diagnostic::new(place, "this function does not fit its call");
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
         let known = self.globals.take();
         let mut executor = Executor::new(file, called, graph, budget, self);
@@ -202,13 +201,13 @@ impl GlslSession {
             let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
             let kind = kind.unwrap_or(ScalarKind::Float);
             let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
-            let parts = parts.iter().map(|&node| executor.convert(from, kind, Part::Node(node), &place));
+            let parts = parts.iter().map(|&node| executor.convert(from, kind, Part::Node(node), place));
             passed.push(Argument::Parts(parts.collect::<Result<_>>()?));
         }
-        let result = executor.call(function.handle, passed, place.clone());
+        let result = executor.call(function.handle, passed, place);
         let result = result.and_then(|parts| {
             let nodes = parts.into_iter().map(|part| {
-                let node = executor.node(part, &place)?;
+                let node = executor.node(part, place)?;
                 Ok(executor.graph.select(executor.discarded, executor.zero, node))
             });
             nodes.collect()
@@ -272,10 +271,10 @@ impl<'m, 'g> Executor<'m, 'g> {
                     let unset = || vec![Part::Unset(handle.index() as u32); len];
                     known.map_or_else(unset, |nodes| nodes.into_iter().map(Part::Node).collect())
                 }
-                (None, None, Some(init)) => self.global_value(init, &place)?,
+                (None, None, Some(init)) => self.global_value(init, place)?,
                 (None, None, None) => {
-                    let parts = self.zeros(global.ty, &place)?;
-                    self.step(parts.len(), || place.clone())?;
+                    let parts = self.zeros(global.ty, place)?;
+                    self.step(parts.len(), || place)?;
                     parts
                 }
             };
@@ -290,7 +289,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             let before = self.memory.parts.clone();
             let place = file.written.source_range(range(file.module.functions.get_span(start)));
             if let Err(problem) = self.call(start, Vec::new(), place) {
-                if problem.kind == Fault::OverLimit {
+                if problem.fault == Fault::OverLimit {
                     return Err(problem);
                 }
                 self.memory.parts = before;
@@ -321,7 +320,7 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// Counts `count` operations. The error points to `place`.
-    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Range<u32>) -> Result<()> {
+    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Span) -> Result<()> {
         match self.budget.steps.checked_sub(count.max(1)) {
             Some(left) => {
                 self.budget.steps = left;
@@ -329,14 +328,14 @@ impl<'m, 'g> Executor<'m, 'g> {
             }
             None => {
                 self.budget.steps = 0;
-                Err(Problem::over_limit(place(), "this GLSL expands to too many operations")
+                Err(Diagnostic::over_limit(place(), "this GLSL expands to too many operations")
                     .hint("shorten its loops, or call fewer functions in them"))
             }
         }
     }
 
     /// The place in the user's text of an expression of the current function.
-    pub(super) fn place(&self, of: Handle<Expression>) -> Range<u32> {
+    pub(super) fn place(&self, of: Handle<Expression>) -> Span {
         self.file.written.source_range(range(self.frame.function.expressions.get_span(of)))
     }
 
@@ -345,34 +344,34 @@ impl<'m, 'g> Executor<'m, 'g> {
         &mut self,
         handle: Handle<Function>,
         arguments: Vec<Argument>,
-        place: Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
         let file = self.file;
         let Ok(function) = file.module.functions.try_get(handle) else { return Ok(Vec::new()) };
         let name = function.name.as_deref().unwrap_or("");
         match file.special.get(&handle) {
             Some(Special::Broken(index)) => {
-                let missing = || Problem::malformed(place.clone(), "this function has a mistake");
+                let missing = || Diagnostic::new(place, "this function has a mistake");
                 return Err(file.problems.get(*index).cloned().unwrap_or_else(missing));
             }
-            Some(special) => return SamplerRead { of: self }.colour(*special, &arguments, &place),
+            Some(special) => return SamplerRead { of: self }.colour(*special, &arguments, place),
             None => {}
         }
         if self.open.iter().any(|(open, _)| *open == handle) {
             let message = format!("`{name}` calls itself");
-            return Err(Problem::unsupported(place, message).hint("write a loop instead of the recursion"));
+            return Err(Diagnostic::unsupported(place, message).hint("write a loop instead of the recursion"));
         }
         if self.open.len() >= CALLS_MAX {
             let message = format!("functions call each other more than {CALLS_MAX} deep");
-            return Err(Problem::over_limit(place, message).hint("merge some of them"));
+            return Err(Diagnostic::over_limit(place, message).hint("merge some of them"));
         }
         let is_defined =
             function.body.iter().any(|statement| !matches!(statement, Statement::Return { value: None }));
         if !is_defined && function.result.is_some() {
             let message = format!("`{name}` is declared, but has no body");
-            return Err(Problem::malformed(place, message).hint("add the function to this file"));
+            return Err(Diagnostic::new(place, message).hint("add the function to this file"));
         }
-        self.step(1, || place.clone())?;
+        self.step(1, || place)?;
         let known = self.session.infos.entry(handle);
         let infos = known.or_insert_with(|| Rc::from(infos(&file.module, function))).clone();
         let mark = self.memory.mark();
@@ -387,7 +386,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         let outside = (std::mem::replace(&mut self.frame, frame), self.live);
         self.live = self.one;
         self.open.push((handle, [outside.0.outer, outside.1]));
-        let done = self.run(function, &place);
+        let done = self.run(function, place);
         self.open.pop();
         let frame = std::mem::replace(&mut self.frame, outside.0);
         self.live = outside.1;
@@ -401,16 +400,16 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// Runs the body of the current frame's function.
-    fn run(&mut self, function: &'m Function, place: &Range<u32>) -> Result<()> {
+    fn run(&mut self, function: &'m Function, place: Span) -> Result<()> {
         for (_, local) in function.local_variables.iter() {
             let parts = match local.init {
                 Some(init) => self.parts_of(init)?,
                 None => self.zeros(local.ty, place)?,
             };
-            self.step(parts.len(), || place.clone())?;
+            self.step(parts.len(), || place)?;
             self.memory.parts.extend(parts);
             if self.memory.parts.len() > self.budget.memory_max {
-                return Err(too_large(place.clone()));
+                return Err(too_large(place));
             }
         }
         self.block(&function.body)?;
@@ -421,7 +420,7 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 }
 
-fn too_large(place: Range<u32>) -> Problem {
+fn too_large(place: Span) -> Diagnostic {
     let message = format!("the variables of this GLSL have more than {PARTS_MAX} numbers");
-    Problem::over_limit(place, message).hint("make its arrays smaller")
+    Diagnostic::over_limit(place, message).hint("make its arrays smaller")
 }

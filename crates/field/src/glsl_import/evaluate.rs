@@ -1,18 +1,17 @@
 //! Expressions.
 
-use std::ops::Range;
-
 use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeInner};
 
+use super::Result;
 use super::calls::{Argument, Executor, Pointer};
 use super::layout::{Info, Part, member, size};
-use super::problem::{Problem, Result};
 use crate::graph::{Input, NodeId, Op};
+use crate::lang::{Diagnostic, Span};
 
 impl Executor<'_, '_> {
     pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info> {
         self.frame.infos.get(of.index()).copied().flatten().ok_or_else(|| {
-            Problem::unsupported(self.place(of), "this value has a type that a formula does not have")
+            Diagnostic::unsupported(self.place(of), "this value has a type that a formula does not have")
                 .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
         })
     }
@@ -36,7 +35,7 @@ impl Executor<'_, '_> {
     pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part> {
         self.ready(of)?;
         let Some(Some(Argument::Parts(parts))) = self.frame.values.get(of.index()) else {
-            return Err(Problem::unsupported(self.place(of), "this is no value"));
+            return Err(Diagnostic::unsupported(self.place(of), "this is no value"));
         };
         let index = if self.info(of)?.len == 1 { 0 } else { index };
         Ok(parts.get(index).copied().unwrap_or(Part::Node(self.zero)))
@@ -49,7 +48,7 @@ impl Executor<'_, '_> {
             Argument::Parts(parts) => Ok(parts),
             Argument::Pointer(pointer) => {
                 let place = self.place(of);
-                self.load(&pointer, || place.start..place.end)
+                self.load(&pointer, || place)
             }
         }
     }
@@ -57,13 +56,13 @@ impl Executor<'_, '_> {
     pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>> {
         let place = self.place(of);
         let parts = self.parts_of(of)?;
-        parts.into_iter().map(|part| self.node(part, &place)).collect()
+        parts.into_iter().map(|part| self.node(part, place)).collect()
     }
 
     pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer> {
         match self.argument(of)? {
             Argument::Pointer(pointer) => Ok(pointer),
-            Argument::Parts(_) => Err(Problem::unsupported(self.place(of), "this cannot be assigned to")),
+            Argument::Parts(_) => Err(Diagnostic::unsupported(self.place(of), "this cannot be assigned to")),
         }
     }
 
@@ -75,7 +74,7 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a part as a node of the graph.
-    pub(super) fn node(&mut self, part: Part, place: &Range<u32>) -> Result<NodeId> {
+    pub(super) fn node(&mut self, part: Part, place: Span) -> Result<NodeId> {
         Ok(match part {
             Part::Node(node) => node,
             Part::Int(value) => self.graph.constant(value as f32),
@@ -84,12 +83,12 @@ impl Executor<'_, '_> {
         })
     }
 
-    fn unset(&self, index: u32, place: &Range<u32>) -> Problem {
+    fn unset(&self, index: u32, place: Span) -> Diagnostic {
         let mut globals = self.file.module.global_variables.iter();
         let name = globals.nth(index as usize).and_then(|(_, global)| global.name.clone());
         let name = name.unwrap_or_default();
         let message = format!("`{name}` comes from outside of the GLSL, and has no value here");
-        Problem::unsupported(place.clone(), message).hint(format!(
+        Diagnostic::unsupported(place, message).hint(format!(
             "declare `let {name} = …` or `param {name} = 1` in the scene, or give it a value in the GLSL"
         ))
     }
@@ -113,7 +112,7 @@ impl Executor<'_, '_> {
             Expression::FunctionArgument(index) => {
                 match self.frame.arguments.get(*index as usize).cloned() {
                     Some(argument) => self.put(of, argument),
-                    None => return Err(Problem::malformed(self.place(of), "an argument is missing")),
+                    None => return Err(Diagnostic::new(self.place(of), "an argument is missing")),
                 }
                 return Ok(());
             }
@@ -124,24 +123,24 @@ impl Executor<'_, '_> {
                 if let Some(index) = self.whole(part) {
                     return self.access(of, *base, u32::try_from(index).unwrap_or(0));
                 }
-                let index = self.node(part, &place)?;
+                let index = self.node(part, place)?;
                 return self.access_computed(of, *base, index);
             }
             Expression::CallResult(_) => {
-                return Err(Problem::unsupported(self.place(of), "this call has no result"));
+                return Err(Diagnostic::unsupported(self.place(of), "this call has no result"));
             }
             _ => {}
         }
         let parts = self.value(expression, of)?;
         let place = self.place(of);
-        self.step(parts.len(), || place.clone())?;
+        self.step(parts.len(), || place)?;
         self.put(of, Argument::Parts(parts));
         Ok(())
     }
 
     fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>> {
         let place = self.place(of);
-        if let Some(parts) = self.composed(expression, &place, |this, of, _| this.parts_of(of))? {
+        if let Some(parts) = self.composed(expression, place, |this, of, _| this.parts_of(of))? {
             return Ok(parts);
         }
         Ok(match expression {
@@ -152,53 +151,48 @@ impl Executor<'_, '_> {
             }
             Expression::Load { pointer } => {
                 let pointer = self.pointer_of(*pointer)?;
-                self.load(&pointer, || place.start..place.end)?
+                self.load(&pointer, || place)?
             }
             Expression::Unary { op, expr } => {
                 let kind = self.info(*expr)?.kind;
                 let parts = self.parts_of(*expr)?;
-                parts.into_iter().map(|part| self.unary(*op, kind, part, &place)).collect::<Result<_>>()?
+                parts.into_iter().map(|part| self.unary(*op, kind, part, place)).collect::<Result<_>>()?
             }
-            Expression::Binary { op, left, right } => self.binary(*op, *left, *right, &place)?,
+            Expression::Binary { op, left, right } => self.binary(*op, *left, *right, place)?,
             Expression::Select { condition, accept, reject } => {
-                self.choice(*condition, *accept, *reject, &place)?
+                self.choice(*condition, *accept, *reject, place)?
             }
             Expression::Relational { fun, argument } => {
                 let nodes = self.nodes_of(*argument)?;
-                self.relational(*fun, &nodes, &place)?
+                self.relational(*fun, &nodes, place)?
             }
             Expression::Math { fun, arg, arg1, arg2, arg3 } => {
                 let others = [*arg1, *arg2, *arg3];
-                self.math(*fun, *arg, others, &place)?
+                self.math(*fun, *arg, others, place)?
             }
             Expression::As { expr, kind, convert } => {
-                self.converted(*expr, *kind, convert.is_some(), &place)?
+                self.converted(*expr, *kind, convert.is_some(), place)?
             }
             Expression::ArrayLength(_) => {
-                return Err(Problem::unsupported(place, "an array needs a known size"));
+                return Err(Diagnostic::unsupported(place, "an array needs a known size"));
             }
             Expression::Derivative { axis, expr, .. } if self.session.in_picture => {
                 let nodes = self.nodes_of(*expr)?;
-                self.derivative(*axis, &nodes, &place)?
+                self.derivative(*axis, &nodes, place)?
             }
             Expression::Derivative { .. } => {
-                return Err(Problem::unsupported(
+                return Err(Diagnostic::unsupported(
                     place,
                     "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
                 )
                 .hint("use it in the sky's colour, or pass the size of the detail as a parameter"));
             }
-            _ => return Err(Problem::unsupported(place, "this expression has no meaning in a formula")),
+            _ => return Err(Diagnostic::unsupported(place, "this expression has no meaning in a formula")),
         })
     }
 
     /// The difference of each value between this pixel and the next one.
-    fn derivative(
-        &mut self,
-        axis: DerivativeAxis,
-        nodes: &[NodeId],
-        place: &Range<u32>,
-    ) -> Result<Vec<Part>> {
+    fn derivative(&mut self, axis: DerivativeAxis, nodes: &[NodeId], place: Span) -> Result<Vec<Part>> {
         let (along_x, along_y) =
             (axis != DerivativeAxis::Y, matches!(axis, DerivativeAxis::Y | DerivativeAxis::Width));
         let mut sums = vec![self.zero; nodes.len()];
@@ -207,9 +201,9 @@ impl Executor<'_, '_> {
                 continue;
             }
             let order = self.graph.order(nodes).map_err(|error| {
-                Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
+                Diagnostic::over_limit(place, error.to_string()).hint("shorten the loops")
             })?;
-            self.step(order.nodes.len(), || place.clone())?;
+            self.step(order.nodes.len(), || place)?;
             let (pixel, one) = (self.graph.input(input), self.graph.constant(1.0));
             let beside = self
                 .graph
@@ -230,7 +224,7 @@ impl Executor<'_, '_> {
         condition: Handle<Expression>,
         accept: Handle<Expression>,
         reject: Handle<Expression>,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
         let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
         let choose = |index| {
@@ -247,7 +241,7 @@ impl Executor<'_, '_> {
         of: Handle<Expression>,
         kind: ScalarKind,
         converts: bool,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
         let from = self.info(of)?.kind;
         let parts = self.parts_of(of)?.into_iter();
@@ -266,13 +260,13 @@ impl Executor<'_, '_> {
             if index >= info.count {
                 let message =
                     format!("the index {index} is outside of this value, which has {} parts", info.count);
-                return Err(Problem::malformed(self.place(of), message).hint("count from 0"));
+                return Err(Diagnostic::new(self.place(of), message).hint("count from 0"));
             }
             (index * info.stride, info.stride)
         } else {
             let found = info.of.and_then(|of| member(&self.file.module, of, index));
             let Some(found) = found else {
-                return Err(Problem::malformed(self.place(of), "this value has no parts"));
+                return Err(Diagnostic::new(self.place(of), "this value has no parts"));
             };
             found
         };
@@ -282,7 +276,7 @@ impl Executor<'_, '_> {
             }
             Argument::Parts(parts) => {
                 let (offset, len) = (offset as usize, len as usize);
-                self.step(1, || 0..0)?;
+                self.step(1, Span::default)?;
                 Argument::Parts(parts.get(offset..offset + len).unwrap_or_default().to_vec())
             }
         };
@@ -300,7 +294,7 @@ impl Executor<'_, '_> {
         self.ready(base)?;
         let info = self.info(base)?;
         if info.count == 0 {
-            return Err(Problem::malformed(self.place(of), "this value has no elements"));
+            return Err(Diagnostic::new(self.place(of), "this value has no elements"));
         }
         let parts = match self.argument(base)? {
             Argument::Pointer(mut pointer) => {
@@ -312,7 +306,7 @@ impl Executor<'_, '_> {
             Argument::Parts(parts) => parts,
         };
         let stride = info.stride as usize;
-        self.step(parts.len(), || 0..0)?;
+        self.step(parts.len(), Span::default)?;
         let mut result = parts.get(..stride).unwrap_or_default().to_vec();
         for element in 1..info.count as usize {
             let number = self.graph.constant(element as f32);
@@ -326,7 +320,7 @@ impl Executor<'_, '_> {
         Ok(())
     }
 
-    pub(super) fn literal(&mut self, literal: Literal, place: &Range<u32>) -> Result<Part> {
+    pub(super) fn literal(&mut self, literal: Literal, place: Span) -> Result<Part> {
         let value = match literal {
             Literal::F32(value) => f64::from(value),
             Literal::F64(value) | Literal::AbstractFloat(value) => value,
@@ -336,24 +330,23 @@ impl Executor<'_, '_> {
             Literal::U64(value) => return Ok(Part::Uint(value as u32)),
             Literal::Bool(value) => return Ok(Part::Node(if value { self.one } else { self.zero })),
             _ => {
-                return Err(Problem::unsupported(
-                    place.clone(),
+                return Err(Diagnostic::unsupported(
+                    place,
                     "this number has a type that a formula does not have",
                 ));
             }
         };
         if !(value as f32).is_finite() {
-            return Err(Problem::malformed(place.clone(), "this number is not finite")
-                .hint("write a number below 1e38"));
+            return Err(Diagnostic::new(place, "this number is not finite").hint("write a number below 1e38"));
         }
         Ok(Part::Node(self.graph.constant(value as f32)))
     }
 
     /// Returns the value 0 of a type.
-    pub(super) fn zeros(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>> {
+    pub(super) fn zeros(&self, of: Handle<Type>, place: Span) -> Result<Vec<Part>> {
         let module = &self.file.module;
         let wrong = || {
-            Problem::unsupported(place.clone(), "this variable has a type that a formula does not have")
+            Diagnostic::unsupported(place, "this variable has a type that a formula does not have")
                 .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
         };
         let Some(len) = size(module, of) else { return Err(wrong()) };
@@ -378,13 +371,12 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a constant value of the module.
-    pub(super) fn global_value(&mut self, of: Handle<Expression>, place: &Range<u32>) -> Result<Vec<Part>> {
-        self.step(1, || place.clone())?;
+    pub(super) fn global_value(&mut self, of: Handle<Expression>, place: Span) -> Result<Vec<Part>> {
+        self.step(1, || place)?;
         let module = &self.file.module;
         let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(Vec::new()) };
-        self.composed(expression, place, Self::global_value)?.ok_or_else(|| {
-            Problem::unsupported(place.clone(), "this constant is computed in an unsupported way")
-        })
+        self.composed(expression, place, Self::global_value)?
+            .ok_or_else(|| Diagnostic::unsupported(place, "this constant is computed in an unsupported way"))
     }
 
     /// Returns the value of an expression that is a constant, or is composed of others, which `parts_of` returns; `None`
@@ -392,8 +384,8 @@ impl Executor<'_, '_> {
     fn composed(
         &mut self,
         expression: &Expression,
-        place: &Range<u32>,
-        mut parts_of: impl FnMut(&mut Self, Handle<Expression>, &Range<u32>) -> Result<Vec<Part>>,
+        place: Span,
+        mut parts_of: impl FnMut(&mut Self, Handle<Expression>, Span) -> Result<Vec<Part>>,
     ) -> Result<Option<Vec<Part>>> {
         Ok(Some(match expression {
             Expression::Literal(literal) => vec![self.literal(*literal, place)?],

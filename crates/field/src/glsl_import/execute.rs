@@ -2,15 +2,15 @@
 //! are selected by the condition that separated the paths.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 
-use naga::{Block, Expression, Function, Handle, Span, Statement, SwitchValue};
+use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 
+use super::Result;
 use super::calls::{Argument, Executor, Pointer, Target};
 use super::layout::Part;
 use super::parse::range;
-use super::problem::{Problem, Result};
 use crate::graph::{Node, NodeId, Op};
+use crate::lang::{Diagnostic, Span};
 
 /// Number of rounds after which a loop of a picture ends whose rounds nothing counts.
 pub(super) const ROUNDS_WITHOUT_COUNT: usize = 256;
@@ -56,7 +56,7 @@ impl<'m> Executor<'m, '_> {
     /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
     fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits> {
         let changes = self.memory.changes(exits.mark);
-        self.step(changes.len(), || 0..0)?;
+        self.step(changes.len(), Span::default)?;
         match exits.mask {
             None => {
                 for slot in changes.into_keys().filter(|slot| (*slot as usize) < end) {
@@ -89,8 +89,8 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Ends the current path with the function's result.
-    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: &Range<u32>) -> Result<()> {
-        self.step(result.len(), || place.clone())?;
+    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: Span) -> Result<()> {
+        self.step(result.len(), || place)?;
         let live = self.and(self.frame.outer, self.live);
         if self.frame.returns.mask.is_none() {
             self.frame.result = result;
@@ -118,7 +118,7 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    fn statement(&mut self, statement: &'m Statement, span: Span) -> Result<()> {
+    fn statement(&mut self, statement: &'m Statement, span: naga::Span) -> Result<()> {
         let file = self.file;
         let place = || file.written.source_range(range(span));
         self.step(1, place)?;
@@ -132,7 +132,7 @@ impl<'m> Executor<'m, '_> {
             Statement::If { condition, accept, reject } => self.branch(*condition, accept, reject)?,
             Statement::Switch { selector, cases } => self.switch(*selector, cases)?,
             Statement::Loop { body, continuing, break_if } => {
-                self.repeat(body, continuing, *break_if, &place())?;
+                self.repeat(body, continuing, *break_if, place())?;
             }
             Statement::Break => {
                 self.leave_target()?;
@@ -157,7 +157,7 @@ impl<'m> Executor<'m, '_> {
                     Some(value) => self.parts_of(*value)?,
                     None => Vec::new(),
                 };
-                self.leave_function(result, &place())?;
+                self.leave_function(result, place())?;
             }
             Statement::Store { pointer, value } => {
                 let pointer = self.pointer_of(*pointer)?;
@@ -170,8 +170,11 @@ impl<'m> Executor<'m, '_> {
                     given.push(self.argument(*argument)?);
                 }
                 let span = range(span);
-                let place =
-                    if span.is_empty() { result.map_or(0..0, |result| self.place(result)) } else { place() };
+                let place = if span.is_empty() {
+                    result.map_or(Span::default(), |result| self.place(result))
+                } else {
+                    place()
+                };
                 let parts = self.call(*function, given, place)?;
                 if let Some(result) = result {
                     self.put(*result, Argument::Parts(parts));
@@ -185,21 +188,16 @@ impl<'m> Executor<'m, '_> {
                 self.discarded = self.or(self.discarded, condition);
             }
             Statement::Kill => {
-                return Err(Problem::unsupported(place(), "`discard` has no meaning in a shape")
+                return Err(Diagnostic::unsupported(place(), "`discard` has no meaning in a shape")
                     .hint("return a large distance instead"));
             }
-            _ => return Err(Problem::unsupported(place(), "this statement has no meaning in a formula")),
+            _ => return Err(Diagnostic::unsupported(place(), "this statement has no meaning in a formula")),
         }
         Ok(())
     }
 
     /// Writes to memory. A computed index writes to every element, where the index selects it.
-    fn store(
-        &mut self,
-        pointer: &Pointer,
-        parts: &[Part],
-        place: impl Fn() -> Range<u32> + Copy,
-    ) -> Result<()> {
+    fn store(&mut self, pointer: &Pointer, parts: &[Part], place: impl Fn() -> Span + Copy) -> Result<()> {
         self.step(parts.len(), place)?;
         match pointer.indices.split_last() {
             None => {
@@ -229,11 +227,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Reads memory. A computed index selects between all elements; outside the array it reads the first one.
-    pub(super) fn load(
-        &mut self,
-        pointer: &Pointer,
-        place: impl Fn() -> Range<u32> + Copy,
-    ) -> Result<Vec<Part>> {
+    pub(super) fn load(&mut self, pointer: &Pointer, place: impl Fn() -> Span + Copy) -> Result<Vec<Part>> {
         self.step(pointer.len as usize, place)?;
         let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
             let (start, len) = (pointer.start as usize, pointer.len as usize);
@@ -260,7 +254,7 @@ impl<'m> Executor<'m, '_> {
     fn branch(&mut self, of: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
         let place = self.place(of);
         let condition = self.part(of, 0)?;
-        let condition = self.node(condition, &place)?;
+        let condition = self.node(condition, place)?;
         if let Some(value) = self.graph.as_constant(condition) {
             let breaks = |block: &Block| matches!(block.first(), Some(Statement::Break));
             let counts = (breaks(accept) || breaks(reject)) && !is_literal(self.frame.function, of);
@@ -296,7 +290,7 @@ impl<'m> Executor<'m, '_> {
             return Ok(());
         }
         let others = self.memory.changes(mark);
-        self.step(changed.len() + others.len(), || place.clone())?;
+        self.step(changed.len() + others.len(), || place)?;
         let slots: BTreeSet<u32> = changed.keys().chain(others.keys()).copied().collect();
         for slot in slots {
             let now = self.memory.at(slot);
@@ -315,7 +309,7 @@ impl<'m> Executor<'m, '_> {
         body: &'m Block,
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<()> {
         let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
         self.frame.outer = self.and(outer, before);
@@ -340,10 +334,10 @@ impl<'m> Executor<'m, '_> {
             if rounds > self.budget.rounds_max {
                 let max = self.budget.rounds_max;
                 let message = format!("this loop does not end after {max} rounds");
-                return Err(Problem::over_limit(place.clone(), message)
+                return Err(Diagnostic::over_limit(place, message)
                     .hint("give it a constant number of rounds, as in `for (int i = 0; i < 8; i++)`"));
             }
-            self.step(1, || place.clone())?;
+            self.step(1, || place)?;
             self.memory.compact(mark);
             let start = self.memory.mark();
             if let Some(target) = self.frame.targets.last_mut() {
@@ -367,7 +361,7 @@ impl<'m> Executor<'m, '_> {
             if let Some(condition) = break_if {
                 let place = self.place(condition);
                 let part = self.part(condition, 0)?;
-                let ends = self.node(part, &place)?;
+                let ends = self.node(part, place)?;
                 let live = self.live;
                 self.live = self.and(live, ends);
                 if self.live != self.zero {
@@ -424,7 +418,7 @@ impl<'m> Executor<'m, '_> {
                     continue;
                 }
             };
-            let equal = self.equal_whole(selector, value, &place)?;
+            let equal = self.equal_whole(selector, value, place)?;
             let unequal = self.graph.not(equal);
             otherwise = self.and(otherwise, unequal);
             conditions.push(Some(equal));
@@ -479,7 +473,7 @@ impl<'m> Executor<'m, '_> {
             Some(_) => return Ok(then),
             None => {}
         }
-        let (a, b) = (self.node(then, &(0..0))?, self.node(otherwise, &(0..0))?);
+        let (a, b) = (self.node(then, Span::default())?, self.node(otherwise, Span::default())?);
         Ok(Part::Node(self.select_node(condition, a, b)))
     }
 

@@ -1,7 +1,6 @@
 //! Puts the texts of `#include` in their places.
 
-use std::ops::Range;
-
+use crate::lang::Span;
 use crate::limits::Limits;
 
 /// A text with all that it includes.
@@ -22,7 +21,7 @@ pub struct Whole {
 #[derive(Debug)]
 struct Stretch {
     start: u32,
-    place: Range<u32>,
+    place: Span,
 }
 
 /// Puts the texts of `#include` in their places. `read` returns the text of a file by its path relative to the folder
@@ -38,14 +37,15 @@ impl Whole {
         &mut self,
         text: &str,
         folder: &str,
-        included: Option<&Range<u32>>,
+        included: Option<Span>,
         limits: &Limits,
         read: &mut dyn FnMut(&str) -> Option<String>,
         depth: usize,
     ) {
         let (mut at, mut goes_on) = (0, false);
         for line in text.split_inclusive('\n') {
-            let place = included.cloned().unwrap_or(at as u32..(at + line.trim_end().len()) as u32);
+            let own = Span::new(at as u32, (at + line.trim_end().len()) as u32);
+            let place = included.unwrap_or(own);
             at += line.len();
             let is_free = depth < limits.include_depth_max && self.reads < limits.scene_includes_max;
             let path = named(line).and_then(|name| joined(folder, name));
@@ -58,7 +58,7 @@ impl Whole {
                     if let Some(other) = read(&path).filter(|other| other.len() <= left) {
                         let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
                         self.files.push(path);
-                        self.paste(&other, &folder, Some(&place), limits, read, depth + 1);
+                        self.paste(&other, &folder, Some(place), limits, read, depth + 1);
                         is_there = true;
                     }
                 }
@@ -69,7 +69,7 @@ impl Whole {
                 }
             }
             if !goes_on {
-                let place = if included.is_some() { place } else { place.start..place.start };
+                let place = if included.is_some() { place } else { Span::new(place.start, place.start) };
                 self.stretches.push(Stretch { start: self.text.len() as u32, place });
             }
             goes_on = true;
@@ -78,16 +78,16 @@ impl Whole {
     }
 
     /// Maps a range of the whole text to the including text.
-    pub fn place(&self, range: &Range<u32>) -> Range<u32> {
+    pub fn place(&self, range: Span) -> Span {
         let of = |offset: u32| {
             let after = self.stretches.partition_point(|stretch| stretch.start <= offset);
             let stretch = after.checked_sub(1).and_then(|index| self.stretches.get(index));
-            stretch.map_or(offset..offset, |Stretch { start, place }| {
+            stretch.map_or(Span::new(offset, offset), |Stretch { start, place }| {
                 let on = if place.is_empty() { offset - start } else { 0 };
-                place.start + on..place.end + on
+                Span::new(place.start + on, place.end + on)
             })
         };
-        of(range.start).start..of(range.end).end
+        Span::new(of(range.start).start, of(range.end).end)
     }
 }
 

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
+use super::Result;
 use super::outside::Channel;
-use super::problem::{Problem, Result};
+use crate::lang::{Diagnostic, Span};
 
 /// Larger numbers of an input are cut, because a scene's numbers have 32 bits.
 const NUMBER_MAX: f64 = 1e30;
@@ -44,8 +45,8 @@ impl Inputs {
             return Ok(inputs);
         }
         let header: Value = serde_json::from_str(json).map_err(|error| {
-            Problem::malformed(
-                0..2,
+            Diagnostic::new(
+                Span::new(0, 2),
                 format!("the JSON at the start of this ISF shader has a mistake: {error}"),
             )
             .hint("mend the JSON between `/*{` and `}*/`")

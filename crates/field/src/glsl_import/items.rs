@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::Result;
 use super::layout::PARTS_MAX;
-use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
+use crate::lang::Diagnostic;
 use crate::limits::{GLSL_NESTING_MAX, GLSL_STRUCT_VALUES_MAX};
 
 #[derive(Debug, Clone)]
@@ -88,7 +89,7 @@ fn check_structs(items: &[Item<'_>]) -> Result<()> {
                 "the struct `{}` has more than {GLSL_STRUCT_VALUES_MAX} values or {GLSL_NESTING_MAX} levels",
                 shortened(name.text)
             );
-            return Err(Problem::over_limit(name.place(), message).hint("nest fewer structs in it"));
+            return Err(Diagnostic::over_limit(name.place(), message).hint("nest fewer structs in it"));
         }
         known.insert(name.text, (size, depth));
     }
@@ -129,7 +130,7 @@ fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize> {
     }
     if !of.is_word() {
         let message = format!("a declaration cannot begin with `{}`", shortened(of.text));
-        return Err(Problem::malformed(of.place(), message).hint("check the brackets before this line"));
+        return Err(Diagnostic::new(of.place(), message).hint("check the brackets before this line"));
     }
     if of.is("struct") {
         let end = end(start);
@@ -155,7 +156,7 @@ fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize> {
     if !tokens.get(name_at).is_some_and(Token::is_word) {
         let found = tokens.get(name_at).unwrap_or(of);
         let message = format!("`{}` begins no declaration", shortened(of.text));
-        return Err(Problem::malformed(of.start..found.end, message)
+        return Err(Diagnostic::new(of.place().to(found.place()), message)
             .hint("a declaration is a type and a name, such as `float a = 1.0;`"));
     }
     if tokens.get(name_at + 1).is_some_and(|token| token.is("(")) {
@@ -317,7 +318,9 @@ fn check_sizes(tokens: &[Token<'_>]) -> Result<()> {
             product = if end == at { product.saturating_mul(size) } else { size };
             if product > u64::from(PARTS_MAX) {
                 let message = format!("an array has more than {PARTS_MAX} values");
-                return Err(Problem::over_limit(open.start..close.end, message).hint("make it smaller"));
+                return Err(
+                    Diagnostic::over_limit(open.place().to(close.place()), message).hint("make it smaller")
+                );
             }
             end = at + 3;
         }
@@ -373,7 +376,7 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<()> {
                 let outer = open.pop().filter(|_| level.bracket.is_some_and(|bracket| bracket.is(opens)));
                 let Some(outer) = outer else {
                     let message = format!("this `{}` closes nothing", token.text);
-                    return Err(Problem::malformed(token.place(), message)
+                    return Err(Diagnostic::new(token.place(), message)
                         .hint("check that every bracket is opened and closed"));
                 };
                 let inner = std::mem::replace(&mut level, outer);
@@ -400,12 +403,14 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<()> {
         level.deepest = level.deepest.max(level.operand);
         if total + level.deepest > GLSL_NESTING_MAX {
             let message = format!("this statement nests more than {GLSL_NESTING_MAX} operators and brackets");
-            return Err(Problem::over_limit(token.place(), message).hint("split it into several statements"));
+            return Err(
+                Diagnostic::over_limit(token.place(), message).hint("split it into several statements")
+            );
         }
     }
     match level.bracket {
         Some(bracket) => {
-            Err(Problem::malformed(bracket.place(), format!("this `{}` is never closed", bracket.text))
+            Err(Diagnostic::new(bracket.place(), format!("this `{}` is never closed", bracket.text))
                 .hint("check that every bracket is opened and closed"))
         }
         None => Ok(()),

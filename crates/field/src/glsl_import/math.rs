@@ -1,13 +1,12 @@
 //! The functions of GLSL, as operators of the graph.
 
-use std::ops::Range;
-
 use naga::{Expression, Handle, MathFunction, ScalarKind};
 
+use super::Result;
 use super::calls::Executor;
 use super::layout::Part;
-use super::problem::{Problem, Result};
 use crate::graph::{Graph, NodeId, Op, matrices};
+use crate::lang::{Diagnostic, Span};
 
 impl Executor<'_, '_> {
     pub(super) fn math(
@@ -15,7 +14,7 @@ impl Executor<'_, '_> {
         of: MathFunction,
         first: Handle<Expression>,
         others: [Option<Handle<Expression>>; 3],
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
         let info = self.info(first)?;
         if matches!(info.kind, ScalarKind::Sint | ScalarKind::Uint)
@@ -31,7 +30,7 @@ impl Executor<'_, '_> {
             }
         }
         let [b, c] = rest;
-        self.step(a.len() * 4, || place.clone())?;
+        self.step(a.len() * 4, || place)?;
         if let Some(nodes) = whole_vectors(self.graph, of, &a, &b, &c, usize::from(info.rows)) {
             return Ok(nodes.into_iter().map(Part::Node).collect());
         }
@@ -42,7 +41,7 @@ impl Executor<'_, '_> {
             });
             component(self.graph, of, a, b, c).map(Part::Node).ok_or_else(|| {
                 let message = format!("the function `{of:?}` has no meaning in a formula");
-                Problem::unsupported(place.clone(), message)
+                Diagnostic::unsupported(place, message)
             })
         });
         parts.collect()
@@ -54,7 +53,7 @@ impl Executor<'_, '_> {
         of: MathFunction,
         first: Handle<Expression>,
         others: [Option<Handle<Expression>>; 3],
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Option<Vec<Part>>> {
         let len = self.info(first)?.len as usize;
         let mut result = Vec::with_capacity(len);

@@ -23,7 +23,6 @@ mod operators;
 mod outside;
 mod parse;
 mod preprocess;
-mod problem;
 mod quiet;
 mod rewrite;
 mod samplers;
@@ -36,8 +35,12 @@ pub use includes::{Whole, whole};
 pub use outside::candidate;
 pub(crate) use outside::{Channel, Meaning, meaning};
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
-pub use problem::Problem;
 pub use samplers::image_sampler;
+
+use crate::lang::Diagnostic;
+
+/// A result of reading or executing GLSL. The spans of a mistake are bytes of the GLSL text as the user wrote it.
+type Result<T, E = Diagnostic> = std::result::Result<T, E>;
 
 #[cfg(test)]
 mod tests;

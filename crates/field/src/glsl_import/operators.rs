@@ -1,15 +1,15 @@
 //! Operators and conversions.
 
 use std::collections::HashSet;
-use std::ops::Range;
 
 use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, UnaryOperator};
 
+use super::Result;
 use super::calls::Executor;
 use super::layout::Part;
 use super::math::wrapped;
-use super::problem::{Problem, Result};
 use crate::graph::{Graph, Node, NodeId, Op, matrices};
+use crate::lang::{Diagnostic, Span};
 
 impl Executor<'_, '_> {
     pub(super) fn unary(
@@ -17,7 +17,7 @@ impl Executor<'_, '_> {
         op: UnaryOperator,
         kind: ScalarKind,
         part: Part,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Part> {
         Ok(match (op, part) {
             (UnaryOperator::Negate, Part::Int(value)) => Part::Int(value.wrapping_neg()),
@@ -44,12 +44,12 @@ impl Executor<'_, '_> {
         op: BinaryOperator,
         left: Handle<Expression>,
         right: Handle<Expression>,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
         let (a, b) = (self.info(left)?, self.info(right)?);
         if op == BinaryOperator::Multiply && (a.columns > 0 || b.columns > 0) && a.len > 1 && b.len > 1 {
             let (x, y) = (self.nodes_of(left)?, self.nodes_of(right)?);
-            self.step(x.len() * y.len(), || place.clone())?;
+            self.step(x.len() * y.len(), || place)?;
             let nodes = matrices::product(self.graph, &x, a.columns, &y, b.columns);
             return Ok(nodes.into_iter().map(Part::Node).collect());
         }
@@ -94,9 +94,9 @@ impl Executor<'_, '_> {
         &mut self,
         of: RelationalFunction,
         nodes: &[NodeId],
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
-        self.step(nodes.len(), || place.clone())?;
+        self.step(nodes.len(), || place)?;
         let holds = match of {
             RelationalFunction::All => nodes.iter().fold(self.one, |all, &node| self.and(all, node)),
             RelationalFunction::Any => nodes.iter().fold(self.zero, |any, &node| self.or(any, node)),
@@ -114,7 +114,7 @@ impl Executor<'_, '_> {
         from: ScalarKind,
         to: ScalarKind,
         part: Part,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Part> {
         let is_whole = matches!(from, ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Bool);
         Ok(match (to, part) {
@@ -143,7 +143,7 @@ impl Executor<'_, '_> {
         from: ScalarKind,
         to: ScalarKind,
         part: Part,
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Part> {
         let known = match part {
             Part::Int(value) => Some(value as u32),
@@ -184,20 +184,14 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn whole_binary(
-        &mut self,
-        op: BinaryOperator,
-        a: Part,
-        b: Part,
-        place: &Range<u32>,
-    ) -> Result<Part> {
+    pub(super) fn whole_binary(&mut self, op: BinaryOperator, a: Part, b: Part, place: Span) -> Result<Part> {
         if let Some(part) = constant(self.graph, op, a, b) {
             return Ok(part);
         }
         let (known_a, known_b) = (self.whole(a), self.whole(b));
         let (x, y) = (self.node(a, place)?, self.node(b, place)?);
         if matches!(op, BinaryOperator::And | BinaryOperator::InclusiveOr | BinaryOperator::ExclusiveOr) {
-            self.step(8 * BITS, || place.clone())?;
+            self.step(8 * BITS, || place)?;
         }
         let is_random = [x, y].iter().any(|node| self.session.scrambled.contains(node));
         let power = |value: Option<i64>| {
@@ -258,7 +252,7 @@ impl Executor<'_, '_> {
         Ok(Part::Node(node))
     }
 
-    pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: &Range<u32>) -> Result<NodeId> {
+    pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: Span) -> Result<NodeId> {
         let part = match (a, b) {
             (Part::Int(a), Part::Int(b)) => truth(self.graph, a == b),
             (Part::Uint(a), Part::Uint(b)) => truth(self.graph, a == b),
@@ -291,9 +285,9 @@ fn difference(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
 // Whole numbers: constant ones have 32 bits, others are floats without a fraction.
 
 /// The error of a function of the bits of a number that is not constant.
-pub(super) fn bits(place: &Range<u32>) -> Problem {
+pub(super) fn bits(place: Span) -> Diagnostic {
     let message = "this works on the bits of a whole number that is not constant";
-    Problem::unsupported(place.clone(), message)
+    Diagnostic::unsupported(place, message)
         .hint("compute the bits with `floor`, `mod` and `exp2` of floats, and a hash with `fract(sin(…))`")
 }
 

@@ -2,19 +2,19 @@
 //! when a scene calls it, so that one function does not spoil a file.
 
 use std::collections::{BTreeMap, HashMap};
-use std::ops::Range;
 
 use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
-use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
+use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Type, TypeInner};
 
+use super::Result;
 use super::isf::Inputs;
 use super::items::{self, Origin, shortened};
 use super::outside::{self, Channel};
 use super::preprocess::{PRELUDE, preprocess};
-use super::problem::{Problem, Result};
 use super::quiet::catch_quietly;
 use super::rewrite::{BROKEN, DRAWING, Globals, IMAGE, IMAGE_IN_SCENES, START, ShaderItems, Written};
 use super::tokens::tokenize;
+use crate::lang::{Diagnostic, Span};
 use crate::limits::Limits;
 
 /// The type of a parameter or result that scenes know.
@@ -49,7 +49,7 @@ pub struct GlslFunction {
     /// The type of the result; `None` for `void` and for types that scenes lack.
     pub result: Option<GlslType>,
     /// The bytes of the GLSL text at which the function begins.
-    pub place: Range<u32>,
+    pub place: Span,
     /// True for the function that returns the colour of a pixel of the picture.
     pub is_picture: bool,
     pub(super) handle: Handle<Function>,
@@ -96,7 +96,7 @@ pub(super) enum Special {
 pub struct GlslFile {
     pub(super) module: Module,
     pub(super) written: Written,
-    pub(super) problems: Vec<Problem>,
+    pub(super) problems: Vec<Diagnostic>,
     pub(super) globals: Globals,
     /// Functions that give globals their values, in the order of the text.
     pub(super) starts: Vec<Handle<Function>>,
@@ -114,7 +114,7 @@ impl GlslFile {
         let max = limits.scene_bytes_max;
         if text.len() > max {
             let message = format!("the GLSL is larger than {max} bytes");
-            return Err(Problem::over_limit(0..0, message).hint("split it into several files"));
+            return Err(Diagnostic::over_limit(Span::default(), message).hint("split it into several files"));
         }
         let inputs = Inputs::of(text)?;
         let before = format!("{PRELUDE}{}", inputs.declarations);
@@ -153,14 +153,14 @@ impl GlslFile {
             }
         }
         let message = format!("more than {ROUNDS_MAX} functions of the GLSL have mistakes");
-        let place = problems.first().map_or(0..0, |problem| problem.place.clone());
-        Err(problems.into_iter().next().unwrap_or_else(|| Problem::over_limit(place, message)))
+        let first = problems.into_iter().next();
+        Err(first.unwrap_or_else(|| Diagnostic::over_limit(Span::default(), message)))
     }
 
     fn of(
         module: Module,
         written: Written,
-        problems: Vec<Problem>,
+        problems: Vec<Diagnostic>,
         program: ShaderItems<'_>,
     ) -> Result<Self> {
         let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
@@ -210,7 +210,7 @@ impl GlslFile {
     }
 
     /// Returns the mistake in a function's body, if there is one. Calls of the function report it.
-    pub fn problem_of(&self, function: &GlslFunction) -> Option<&Problem> {
+    pub fn problem_of(&self, function: &GlslFunction) -> Option<&Diagnostic> {
         let body = &self.module.functions.try_get(function.handle).ok()?.body;
         body.iter().find_map(|statement| match statement {
             naga::Statement::Call { function, .. } => match self.special.get(function) {
@@ -294,56 +294,54 @@ fn read(text: &str) -> Result<Module, Vec<Error>> {
         Some(Err(errors)) => Err(errors.errors),
         None => {
             let kind = ErrorKind::InternalError("naga cannot read this text");
-            Err(vec![Error { kind, meta: Span::UNDEFINED }])
+            Err(vec![Error { kind, meta: naga::Span::UNDEFINED }])
         }
     }
 }
 
-pub(super) fn range(span: Span) -> Range<u32> {
-    span.to_range().map_or(0..0, |range| range.start as u32..range.end as u32)
+pub(super) fn range(span: naga::Span) -> Span {
+    span.to_range().map_or(Span::default(), |range| Span::new(range.start as u32, range.end as u32))
 }
 
-fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (Problem, Option<usize>) {
+fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (Diagnostic, Option<usize>) {
     let span = range(error.meta);
     let item = if error.meta.is_defined() { written.source(span.start).map(|found| found.1) } else { None };
     let place = written.source_range(span);
     let problem = match &error.kind {
         ErrorKind::UnknownVariable(name) => {
-            Problem::malformed(place, format!("there is no `{}` here", shortened(name)))
+            Diagnostic::new(place, format!("there is no `{}` here", shortened(name)))
                 .hint("declare it in this file, before its use")
         }
         ErrorKind::UnknownField(name) => {
-            Problem::malformed(place, format!("there is no component `{}` here", shortened(name)))
+            Diagnostic::new(place, format!("there is no component `{}` here", shortened(name)))
         }
         ErrorKind::VariableAlreadyDeclared(name) => {
-            Problem::malformed(place, format!("`{}` is declared twice", shortened(name)))
+            Diagnostic::new(place, format!("`{}` is declared twice", shortened(name)))
                 .hint("give one of them another name")
         }
         ErrorKind::NotImplemented(what) | ErrorKind::InternalError(what) => {
-            Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
+            Diagnostic::unsupported(place, format!("this GLSL is not supported: {what}"))
         }
-        ErrorKind::EndOfFile => {
-            Problem::malformed(place, "the GLSL ends too early").hint("check the brackets")
-        }
+        ErrorKind::EndOfFile => Diagnostic::new(place, "the GLSL ends too early").hint("check the brackets"),
         ErrorKind::SemanticError(text) if text.starts_with("Unknown function '") => {
             let name = text.split('\'').nth(1).unwrap_or("");
             if item.and_then(|item| program.name_of(item)).is_some_and(|own| own.is(name)) {
-                Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
+                Diagnostic::unsupported(place, format!("`{}` calls itself", shortened(name)))
                     .hint("write a loop instead of the recursion")
             } else if ["imageLoad", "imageStore", "imageSize"].contains(&name)
                 || name.starts_with("imageAtomic")
             {
                 let message = format!("`{}` uses an image to which the shader writes", shortened(name));
-                Problem::unsupported(place, message)
+                Diagnostic::unsupported(place, message)
                     .hint("a scene keeps the last frame alone: read `backbuffer`")
             } else {
                 let message = format!("there is no function `{}` for these arguments", shortened(name));
-                Problem::malformed(place, message).hint("declare it in this file, before its use")
+                Diagnostic::new(place, message).hint("declare it in this file, before its use")
             }
         }
         kind => {
             let message: String = kind.to_string().chars().take(200).collect();
-            Problem::malformed(place, format!("this GLSL has a mistake: {message}"))
+            Diagnostic::new(place, format!("this GLSL has a mistake: {message}"))
         }
     };
     (problem, item)

@@ -6,9 +6,10 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::Result;
 use super::items::shortened;
-use super::problem::{Problem, Result};
 use super::tokens::{Kind, Token};
+use crate::lang::Diagnostic;
 use crate::limits::GLSL_MACRO_PARAMETERS_MAX;
 use crate::limits::LIMITS;
 
@@ -80,7 +81,7 @@ pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<V
     }
     match conditions.last() {
         Some(open) => {
-            Err(Problem::malformed(open.begin.place(), "this `#if` has no `#endif`")
+            Err(Diagnostic::new(open.begin.place(), "this `#if` has no `#endif`")
                 .hint("end it with `#endif`"))
         }
         None => Ok(this.out),
@@ -92,7 +93,7 @@ impl<'a> Preprocessor<'a> {
         self.steps += 1;
         if self.steps > self.steps_max {
             let message = format!("the macros expand to more than {} words and signs", self.steps_max);
-            return Err(Problem::over_limit(token.place(), message)
+            return Err(Diagnostic::over_limit(token.place(), message)
                 .hint("make this macro a function, or let it use fewer macros"));
         }
         Ok(())
@@ -105,7 +106,7 @@ impl<'a> Preprocessor<'a> {
             "if" | "ifdef" | "ifndef" => {
                 if conditions.len() >= NESTING_MAX {
                     let message = format!("`#if` is nested deeper than {NESTING_MAX} levels");
-                    return Err(Problem::over_limit(name.place(), message).hint("remove some of them"));
+                    return Err(Diagnostic::over_limit(name.place(), message).hint("remove some of them"));
                 }
                 let holds = active
                     && match name.text {
@@ -118,7 +119,7 @@ impl<'a> Preprocessor<'a> {
             "elif" | "else" | "endif" => {
                 let Some(mut condition) = conditions.pop() else {
                     let message = format!("this `#{}` has no `#if`", name.text);
-                    return Err(Problem::malformed(name.place(), message).hint("remove it"));
+                    return Err(Diagnostic::new(name.place(), message).hint("remove it"));
                 };
                 if name.is("endif") {
                     return Ok(());
@@ -137,18 +138,15 @@ impl<'a> Preprocessor<'a> {
                 }
             }
             "error" => {
-                return Err(Problem::malformed(
-                    name.place(),
-                    "the GLSL refuses to be compiled with `#error`",
-                )
-                .hint("define what it asks for, or remove the line"));
+                return Err(Diagnostic::new(name.place(), "the GLSL refuses to be compiled with `#error`")
+                    .hint("define what it asks for, or remove the line"));
             }
             "include" => {
                 let file: String = rest.iter().map(|token| token.text).collect();
                 let file = shortened(&file);
                 let message =
                     format!("the file {file} is not in the folder of this shader, or cannot be read");
-                return Err(Problem::unsupported(name.place(), message).hint(format!(
+                return Err(Diagnostic::unsupported(name.place(), message).hint(format!(
                     "put it there as text, or paste its text here; a shader includes at most {} files, {} deep",
                     LIMITS.scene_includes_max, LIMITS.include_depth_max
                 )));
@@ -165,24 +163,25 @@ impl<'a> Preprocessor<'a> {
 
     fn define(&mut self, define: Token<'a>, rest: &[Token<'a>]) -> Result<()> {
         let Some((name, rest)) = rest.split_first().filter(|(name, _)| name.is_word()) else {
-            return Err(Problem::malformed(define.place(), "`#define` needs a name")
-                .hint("write `#define NAME value`"));
+            return Err(
+                Diagnostic::new(define.place(), "`#define` needs a name").hint("write `#define NAME value`")
+            );
         };
         if let Some(paste) = rest.iter().find(|token| token.is("##") || token.is("#")) {
-            return Err(Problem::unsupported(paste.place(), "macros cannot join words with `##`")
+            return Err(Diagnostic::unsupported(paste.place(), "macros cannot join words with `##`")
                 .hint("write the words out"));
         }
         let takes = rest.first().is_some_and(|token| token.is("(") && token.joined);
         let (parameters, body) = if takes {
             let Some(close) = rest.iter().position(|token| token.is(")")) else {
-                return Err(Problem::malformed(name.place(), "the parameters of this macro have no `)`")
+                return Err(Diagnostic::new(name.place(), "the parameters of this macro have no `)`")
                     .hint("close them on the same line"));
             };
             let names = rest.get(1..close).unwrap_or_default().iter();
             let names: Vec<&str> = names.filter(|token| !token.is(",")).map(|token| token.text).collect();
             if names.len() > GLSL_MACRO_PARAMETERS_MAX {
                 let message = format!("this macro has more than {GLSL_MACRO_PARAMETERS_MAX} parameters");
-                return Err(Problem::over_limit(name.place(), message).hint("make it a function"));
+                return Err(Diagnostic::over_limit(name.place(), message).hint("make it a function"));
             }
             (Some(names), rest.get(close + 1..).unwrap_or_default())
         } else {
@@ -220,7 +219,9 @@ impl<'a> Preprocessor<'a> {
             }
             if active.len() >= 4 * NESTING_MAX {
                 let message = format!("macros use each other more than {} deep", 4 * NESTING_MAX);
-                return Err(Problem::over_limit(token.place(), message).hint("make some of them functions"));
+                return Err(
+                    Diagnostic::over_limit(token.place(), message).hint("make some of them functions")
+                );
             }
             let floor;
             let body = match &of.parameters {
@@ -239,7 +240,7 @@ impl<'a> Preprocessor<'a> {
                     if given != parameters.len() {
                         let (takes, name) = (parameters.len(), token.text);
                         let message = format!("the macro `{name}` takes {takes} arguments, not {given}");
-                        return Err(Problem::malformed(token.place(), message)
+                        return Err(Diagnostic::new(token.place(), message)
                             .hint("give it as many as its `#define` names"));
                     }
                     self.substitute(&of.body, parameters, &arguments, &token)?
@@ -266,7 +267,7 @@ impl<'a> Preprocessor<'a> {
     ) -> Result<Vec<Vec<Token<'a>>>> {
         if depth >= NESTING_MAX {
             let message = format!("macro calls are nested deeper than {NESTING_MAX} levels");
-            return Err(Problem::over_limit(name.place(), message).hint("make this macro a function"));
+            return Err(Diagnostic::over_limit(name.place(), message).hint("make this macro a function"));
         }
         left.pop();
         let (mut arguments, mut open) = (vec![Vec::new()], 1);
@@ -288,7 +289,7 @@ impl<'a> Preprocessor<'a> {
             }
         }
         let message = format!("the arguments of the macro `{}` have no `)`", name.text);
-        Err(Problem::malformed(name.place(), message).hint("close them before the next `#` line"))
+        Err(Diagnostic::new(name.place(), message).hint("close them before the next `#` line"))
     }
 
     fn substitute(
@@ -392,14 +393,14 @@ impl Conditional<'_, '_> {
 
     fn operand(&mut self, depth: usize) -> Result<i64> {
         let wrong = |place| {
-            Problem::malformed(place, "this `#if` is no whole-number condition")
+            Diagnostic::new(place, "this `#if` is no whole-number condition")
                 .hint("compare macros and whole numbers, as in `#if QUALITY > 1`")
         };
         let Some(token) = self.tokens.get(self.at).copied() else { return Err(wrong(self.of.place())) };
         self.at += 1;
         if depth >= NESTING_MAX {
             let message = format!("this condition is nested deeper than {NESTING_MAX} levels");
-            return Err(Problem::over_limit(token.place(), message).hint("use fewer parentheses"));
+            return Err(Diagnostic::over_limit(token.place(), message).hint("use fewer parentheses"));
         }
         match token.text {
             "!" => Ok(i64::from(self.operand(depth + 1)? == 0)),

@@ -1,20 +1,19 @@
 //! Writes items as GLSL 4.50 in the form that naga takes, and maps each word to its position in the user's text.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
-use std::ops::Range;
 
 use super::isf::{Inputs, Slider};
 use super::items::{Global, Item, Origin, brackets_length, closing, matching};
 use super::outside::{self, Channel};
-use super::problem::Problem;
 use super::tokens::{Kind, Token};
+use crate::lang::{Diagnostic, Span};
 
 /// The text for naga.
 #[derive(Debug)]
 pub(super) struct Written {
     pub text: String,
     /// For each word: its offset in the text, its place in the user's text, and the index of its item.
-    places: Vec<(u32, Range<u32>, usize)>,
+    places: Vec<(u32, Span, usize)>,
     /// Offset of the first item.
     own_from: u32,
 }
@@ -26,17 +25,19 @@ impl Written {
     }
 
     /// Returns the place in the user's text and the item of an offset in the text.
-    pub(super) fn source(&self, offset: u32) -> Option<(Range<u32>, usize)> {
+    pub(super) fn source(&self, offset: u32) -> Option<(Span, usize)> {
         let index = self.places.partition_point(|(start, ..)| *start <= offset).checked_sub(1)?;
         let (_, place, item) = self.places.get(index)?;
-        Some((place.clone(), *item))
+        Some((*place, *item))
     }
 
     /// Returns the place in the user's text of a range of the text.
-    pub(super) fn source_range(&self, range: Range<u32>) -> Range<u32> {
-        let first = self.source(range.start).map_or(0..0, |(place, _)| place);
-        let last = self.source(range.end.saturating_sub(1).max(range.start)).map_or(0..0, |(place, _)| place);
-        first.start..last.end.max(first.end)
+    pub(super) fn source_range(&self, range: Span) -> Span {
+        let first = self.source(range.start).map_or(Span::default(), |(place, _)| place);
+        let last = self
+            .source(range.end.saturating_sub(1).max(range.start))
+            .map_or(Span::default(), |(place, _)| place);
+        first.to(last)
     }
 
     fn push(&mut self, token: &Token<'_>, item: usize) {
@@ -185,7 +186,7 @@ impl<'a> ShaderItems<'a> {
 
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells
     /// the index of the problem.
-    pub(super) fn write(&self, broken: &BTreeMap<usize, usize>, problems: &[Problem]) -> Written {
+    pub(super) fn write(&self, broken: &BTreeMap<usize, usize>, problems: &[Diagnostic]) -> Written {
         let mut out = Written { text: String::from("#version 450\n"), places: Vec::new(), own_from: 0 };
         out.text.push_str(TEXTURES);
         for declaration in &self.given {
@@ -240,9 +241,9 @@ impl<'a> ShaderItems<'a> {
     }
 
     /// The span of the name of the function that draws.
-    pub(super) fn image_place(&self) -> Range<u32> {
+    pub(super) fn image_place(&self) -> Span {
         let drawing = self.image.as_ref().and_then(|(_, drawing)| self.name_of(*drawing));
-        drawing.map_or(0..0, Token::place)
+        drawing.map_or(Span::default(), Token::place)
     }
 
     /// The name of the function with this index.

@@ -3,15 +3,14 @@
 //!
 //! The value of a sampler is the number of its global variable.
 
-use std::ops::Range;
-
+use super::Result;
 use super::calls::{Argument, Executor};
 use super::layout::Part;
 use super::math::wrapped;
 use super::outside::Channel;
 use super::parse::Special;
-use super::problem::{Problem, Result};
 use crate::graph::{Graph, Input, Node, NodeId, Op, ScreenInput, SoundInput};
+use crate::lang::{Diagnostic, Span};
 use crate::limits::LAST_LIGHT_MAX;
 
 /// Texels in a row of Shadertoy's texture of the sound.
@@ -49,9 +48,9 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         &mut self,
         special: Special,
         arguments: &[Argument],
-        place: &Range<u32>,
+        place: Span,
     ) -> Result<Vec<Part>> {
-        self.of.step(64, || place.clone())?;
+        self.of.step(64, || place)?;
         let [Argument::Parts(sampler), Argument::Parts(at), ..] = arguments else { return Ok(Vec::new()) };
         let number = sampler.first().and_then(|part| self.of.whole(*part)).unwrap_or(-1);
         let at = at.iter().map(|part| self.of.node(*part, place)).collect::<Result<Vec<_>>>()?;
@@ -134,9 +133,9 @@ impl<'m> SamplerRead<'_, 'm, '_> {
 
     /// A picture is a mistake in shapes. In pictures, a plain sky replaces the surroundings, a noise the surface of a
     /// thing, and black an image that is read near the pixel.
-    fn picture(&mut self, number: i64, at: &[NodeId], place: &Range<u32>) -> Result<[NodeId; 4]> {
+    fn picture(&mut self, number: i64, at: &[NodeId], place: Span) -> Result<[NodeId; 4]> {
         if !self.of.session.in_picture {
-            return Err(Problem::unsupported(place.clone(), "a shape cannot read a picture").hint(
+            return Err(Diagnostic::unsupported(place, "a shape cannot read a picture").hint(
                 "a read of noise scales the position by 1/256; otherwise use `noise`, or return a number instead",
             ));
         }

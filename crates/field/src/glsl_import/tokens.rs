@@ -1,6 +1,7 @@
 //! Splits GLSL into tokens, and drops comments.
 
-use super::problem::{Problem, Result};
+use super::Result;
+use crate::lang::{Diagnostic, Span};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Kind {
@@ -28,8 +29,8 @@ pub(super) struct Token<'a> {
 }
 
 impl<'a> Token<'a> {
-    pub(super) fn place(&self) -> std::ops::Range<u32> {
-        self.start..self.end
+    pub(super) fn place(&self) -> Span {
+        Span::new(self.start, self.end)
     }
 
     /// Returns a token that is not in the text, with the location of this token.
@@ -85,8 +86,8 @@ pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>> 
         }
         if rest.starts_with(b"/*") {
             let Some(end) = text.get(at + 2..).and_then(|rest| rest.find("*/")) else {
-                let place = at as u32..at as u32 + 2;
-                return Err(Problem::malformed(place, "this comment has no end").hint("close it with `*/`"));
+                let place = Span::new(at as u32, at as u32 + 2);
+                return Err(Diagnostic::new(place, "this comment has no end").hint("close it with `*/`"));
             };
             at += end + 4;
             joined = false;
@@ -110,14 +111,16 @@ pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>> 
             let character = text.get(at..).and_then(|rest| rest.chars().next()).unwrap_or('\u{fffd}');
             let length = character.len_utf8() as u32;
             let message = format!("GLSL has no character `{}`", character.escape_default());
-            let problem = Problem::malformed(at as u32..at as u32 + length, message);
+            let problem = Diagnostic::new(Span::new(at as u32, at as u32 + length), message);
             return Err(problem.hint("remove it, or put it into a comment"));
         };
         let Some(word) = text.get(start..at) else { break };
         let (start, end) = (start as u32, at as u32);
         if tokens.len() >= tokens_max {
             let message = format!("the GLSL has more than {tokens_max} words and signs");
-            return Err(Problem::over_limit(start..end, message).hint("split it into several files"));
+            return Err(
+                Diagnostic::over_limit(Span::new(start, end), message).hint("split it into several files")
+            );
         }
         tokens.push(Token { text: word, kind, start, end, begins_line, joined, final_name: false });
         begins_line = false;

@@ -1,11 +1,9 @@
 //! GLSL files that a scene includes, and scenes that are written in GLSL.
 
-use std::ops::Range;
-
 use super::diagnostic::Diagnostic;
 use super::parser::{declares_glsl, item_words};
 use super::source::{BYTE_ORDER_MARK, Span};
-use crate::glsl_import::{GlslFile, Problem, Whole};
+use crate::glsl_import::{GlslFile, Whole};
 
 /// Endings of the names of GLSL files.
 const ENDINGS: [&str; 6] = [".glsl", ".frag", ".fs", ".fsh", ".glslf", ".shadertoy"];
@@ -80,22 +78,22 @@ pub(super) struct ForeignFile {
 }
 
 impl ForeignFile {
-    pub(super) fn span(&self, place: &Range<u32>) -> Span {
-        span(self.base, &self.whole.place(place))
+    pub(super) fn span(&self, place: Span) -> Span {
+        span(self.base, self.whole.place(place))
     }
 
-    pub(super) fn diagnostic(&self, problem: &Problem, otherwise: Span) -> Diagnostic {
+    pub(super) fn diagnostic(&self, problem: &Diagnostic, otherwise: Span) -> Diagnostic {
         diagnostic(self.base, &self.whole, problem, otherwise)
     }
 }
 
-fn span(base: u32, place: &Range<u32>) -> Span {
+fn span(base: u32, place: Span) -> Span {
     Span::new(base + place.start, base + place.end)
 }
 
-/// Returns a problem as a diagnostic in the file at `base`. A problem without a place is reported at `otherwise`.
-pub(super) fn diagnostic(base: u32, whole: &Whole, problem: &Problem, otherwise: Span) -> Diagnostic {
-    let span = if problem.place.is_empty() { otherwise } else { span(base, &whole.place(&problem.place)) };
-    let diagnostic = Diagnostic { fault: problem.kind, ..Diagnostic::new(span, problem.message.clone()) };
-    if problem.hint.is_empty() { diagnostic } else { diagnostic.hint(problem.hint.clone()) }
+/// Returns a mistake in a GLSL text at its place in the sources, where the text begins at `base`. A mistake without a
+/// place is reported at `otherwise`.
+pub(super) fn diagnostic(base: u32, whole: &Whole, problem: &Diagnostic, otherwise: Span) -> Diagnostic {
+    let span = if problem.span.is_empty() { otherwise } else { span(base, whole.place(problem.span)) };
+    Diagnostic { span, ..problem.clone() }
 }

@@ -18,6 +18,11 @@ impl Span {
         Self { start, end: end.max(start) }
     }
 
+    /// True if the span has no bytes.
+    pub fn is_empty(self) -> bool {
+        self.start == self.end
+    }
+
     /// Returns the span from the start of `self` to the end of `other`.
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start, other.end.max(self.end))

@@ -2,14 +2,14 @@
 
 use proptest::prelude::*;
 
-use super::super::{GlslFile, Problem};
+use super::super::GlslFile;
 use super::agreement::FIXTURES;
 use super::{budget, executed};
-use crate::lang::Fault;
+use crate::lang::{Diagnostic, Fault};
 use crate::limits::LIMITS;
 
 /// The first problem of a text: of the file, or of a call of its functions.
-fn first_problem(text: &str) -> Option<Problem> {
+fn first_problem(text: &str) -> Option<Diagnostic> {
     let file = match GlslFile::parse(text, &LIMITS) {
         Ok(file) => file,
         Err(problem) => return Some(problem),
@@ -22,9 +22,9 @@ fn refused(text: &str, kind: Fault) {
     let problem = first_problem(text);
     let start: String = text.chars().take(60).collect();
     let problem = problem.unwrap_or_else(|| panic!("accepted: {start}"));
-    assert_eq!(problem.kind, kind, "{start}: {problem:?}");
+    assert_eq!(problem.fault, kind, "{start}: {problem:?}");
     assert!(!problem.message.is_empty() && problem.message.len() < 400, "{problem:?}");
-    assert!(problem.place.start <= problem.place.end && problem.place.end as usize <= text.len());
+    assert!(problem.span.start <= problem.span.end && problem.span.end as usize <= text.len());
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn exponential_functions_reach_a_limit() {
     // The function with the most calls is the last one.
     let file = super::parsed(&text);
     let problem = executed(&file, file.functions().last().unwrap()).unwrap_err();
-    assert_eq!(problem.kind, Fault::OverLimit);
+    assert_eq!(problem.fault, Fault::OverLimit);
 }
 
 #[test]
@@ -185,7 +185,7 @@ proptest! {
             text.replace_range(start..end, PIECES[piece]);
         }
         if let Some(problem) = first_problem(&text) {
-            prop_assert!(problem.place.end as usize <= text.len());
+            prop_assert!(problem.span.end as usize <= text.len());
         }
     }
 

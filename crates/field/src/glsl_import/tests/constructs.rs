@@ -18,8 +18,8 @@ fn problem(text: &str, name: &str) -> (Fault, String, String) {
     let file = parsed(text);
     let function = file.functions().iter().find(|function| function.name == name).unwrap();
     let problem = executed(&file, function).unwrap_err();
-    let marked = &text[problem.place.start as usize..problem.place.end as usize];
-    (problem.kind, problem.message, marked.to_owned())
+    let marked = &text[problem.span.start as usize..problem.span.end as usize];
+    (problem.fault, problem.message, marked.to_owned())
 }
 
 #[test]
@@ -220,6 +220,6 @@ fn small_limits_end_in_errors_of_their_own() {
         let mut budget = super::Budget { steps, rounds_max, memory_max };
         let result =
             super::GlslSession::default().call(&file, function, &arguments, &mut graph, &mut budget, &[]);
-        assert_eq!(result.unwrap_err().kind, Fault::OverLimit);
+        assert_eq!(result.unwrap_err().fault, Fault::OverLimit);
     }
 }

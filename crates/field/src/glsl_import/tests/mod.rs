@@ -7,8 +7,9 @@ mod generated;
 mod witness;
 mod witness_math;
 
-use super::{Budget, GlslFile, GlslFunction, GlslSession, GlslType, Problem};
+use super::{Budget, GlslFile, GlslFunction, GlslSession, GlslType};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
+use crate::lang::Diagnostic;
 use crate::limits::LIMITS;
 
 fn parsed(text: &str) -> GlslFile {
@@ -20,7 +21,7 @@ fn budget() -> Budget {
 }
 
 /// Executes a function whose parameters are components of the point, in order and then from the start.
-fn executed(file: &GlslFile, function: &GlslFunction) -> Result<(Graph, Vec<NodeId>), Problem> {
+fn executed(file: &GlslFile, function: &GlslFunction) -> Result<(Graph, Vec<NodeId>), Diagnostic> {
     let mut graph = Graph::new();
     let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
     let mut rest = point.iter().cycle();

@@ -11,7 +11,7 @@ use super::super::value::Value;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::Read;
-use crate::glsl_import::{Budget, GlslFunction, GlslSession, GlslType, Problem, image_sampler};
+use crate::glsl_import::{Budget, GlslFunction, GlslSession, GlslType, image_sampler};
 use crate::graph::{Input, NodeId};
 
 /// The functions of all included GLSL files.
@@ -87,8 +87,8 @@ impl ForeignCall<'_, '_> {
             let name = self.outer.name(name);
             let message = format!("two GLSL files have a function `{name}` that fits this call");
             let wrong = Diagnostic::new(span, message)
-                .note(foreign.span(&function.place), "one is here")
-                .note(other.span(&twin.place), "the other one is here");
+                .note(foreign.span(function.place), "one is here")
+                .note(other.span(twin.place), "the other one is here");
             return Some(self.outer.reports.add(wrong.hint("give one of them another name")));
         }
         Some(self.execute(index, foreign, function))
@@ -128,7 +128,8 @@ impl ForeignCall<'_, '_> {
         self.outer.budget.spend(steps - budget.steps);
         for left_out in session.left_out() {
             let message = format!("`{}` leaves out {}", function.name, left_out.message);
-            self.outer.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(left_out.hint));
+            let warning = Diagnostic { hint: left_out.hint, ..Diagnostic::warning(span, message) };
+            self.outer.reports.diagnostics.warn(warning);
         }
         kept(self, session);
         let nodes = match result {
@@ -198,10 +199,10 @@ impl ForeignCall<'_, '_> {
     }
 
     #[cold]
-    fn problem(&mut self, foreign: &ForeignFile, problem: &Problem) -> Value {
+    fn problem(&mut self, foreign: &ForeignFile, problem: &Diagnostic) -> Value {
         let (name, span) = (self.name, self.span);
         let mut diagnostic = foreign.diagnostic(problem, span);
-        let is_limit = problem.kind == Fault::OverLimit;
+        let is_limit = problem.fault == Fault::OverLimit;
         if diagnostic.span != span {
             diagnostic = diagnostic.note(span, format!("`{}` is called here", self.outer.name(name)));
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::{Scene, compile};
+use super::super::{Scene, Span, compile};
 use super::pixels::{SCREEN, color_on, drawn, with_glsl};
 use crate::glsl_import::{SceneAround, Shown, scene_around, whole};
 use crate::graph::{FrameInputs, Point, SoundInput, SoundInputs, TableData, TextureReader};
@@ -342,7 +342,7 @@ fn files_that_include_each_other_end() {
         Some("x".repeat(LIMITS.scene_bytes_max + 1))
     });
     assert_eq!(reads, LIMITS.scene_includes_max, "a long file was read again and again");
-    let place = endless.place(&(endless.text.len() as u32 - 3..endless.text.len() as u32));
+    let place = endless.place(Span::new(endless.text.len() as u32 - 3, endless.text.len() as u32));
     assert!(place.end as usize <= text.len(), "{place:?}");
 }
 

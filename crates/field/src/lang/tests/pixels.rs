@@ -1,8 +1,8 @@
 //! Scenes that draw in two dimensions: the pixel, the picture's size and the pointer in the sky's formula.
 
-use super::super::{Scene, compile};
+use super::super::{Diagnostic, Scene, compile};
 use super::scene;
-use crate::glsl_import::{Problem, Shown, scene_around};
+use crate::glsl_import::{Shown, scene_around};
 use crate::graph::{FrameInputs, Point, Screen};
 use crate::world::World;
 
@@ -109,7 +109,7 @@ fn a_shader_that_draws_and_has_no_distance_becomes_a_scene_of_sky() {
     assert!(around.left_out.is_empty(), "{:?}", around.left_out);
     assert!(with_glsl(&around.text("a.glsl"), glsl).objects.is_empty());
     let broken = "void mainImage(out vec4 c, in vec2 f) { c = vec4(a); }";
-    let Problem { message, .. } = scene_around(broken, Shown::Picture).unwrap_err();
+    let Diagnostic { message, .. } = scene_around(broken, Shown::Picture).unwrap_err();
     assert_eq!(message, "there is no `a` here");
 }
 
