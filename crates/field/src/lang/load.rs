@@ -5,7 +5,7 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::foreign::{self, ForeignFile, is_glsl, is_shader};
 use super::source::{Sources, Span};
 use super::symbol::Interner;
-use super::{Resolver, lexer, parser, path};
+use super::{Resolver, lexer, library, parser, path};
 use crate::glsl_import::{GlslFile, Shown, scene_around_file, whole};
 use crate::limits::Limits;
 
@@ -20,41 +20,35 @@ pub(super) struct Loaded {
     pub foreign_broken: bool,
 }
 
-impl Loaded {
-    /// Returns an empty scene. `names` contains the names of the library.
-    pub(super) fn new(names: Interner) -> Self {
-        Self { names, ..Self::default() }
-    }
-}
-
-/// Parses `text` and its includes into `loaded`, depth first: an included text precedes the text that includes it.
+/// Parses `text` and its includes, depth first: an included text precedes the text that includes it. Also returns the
+/// texts and the mistakes. The tree has [`Ast::name_events`] if `records_names` is set.
 pub(super) fn load(
     name: &str,
     text: &str,
     resolve: &mut Resolver<'_>,
-    loaded: Loaded,
     limits: &Limits,
-    sources: &mut Sources,
-    diagnostics: &mut Diagnostics,
-) -> Loaded {
-    let mut loader =
-        Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
+    records_names: bool,
+) -> (Loaded, Sources, Diagnostics) {
+    let mut loaded = Loaded { names: library::library().names.clone(), ..Loaded::default() };
+    loaded.ast.name_events = records_names.then(Vec::new);
+    let (sources, diagnostics) = (Sources::default(), Diagnostics::new(limits.scene_diagnostics_max));
     // A file that includes itself is in the scene's folder.
-    loader.open.extend(name.rsplit(['/', '\\']).next().map(str::to_owned));
+    let open = name.rsplit(['/', '\\']).next().map(str::to_owned).into_iter().collect();
+    let mut loader = Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open };
     if is_shader(text) {
         loader.shader(name, text);
     } else {
         loader.file(name, text, None);
     }
-    loader.loaded
+    (loader.loaded, loader.sources, loader.diagnostics)
 }
 
 struct Loader<'a, 'b> {
     loaded: Loaded,
     resolve: &'a mut Resolver<'b>,
     limits: &'a Limits,
-    sources: &'a mut Sources,
-    diagnostics: &'a mut Diagnostics,
+    sources: Sources,
+    diagnostics: Diagnostics,
     bytes: usize,
     tokens: usize,
     /// Files that are being read, the outermost first.
@@ -73,11 +67,11 @@ impl Loader<'_, '_> {
     fn parse(&mut self, text: &str, base: u32) {
         let mut tokens = Vec::new();
         let left = self.limits.scene_tokens_max.saturating_sub(self.tokens);
-        lexer::tokenize(text, base, left, &mut self.loaded.names, &mut tokens, self.diagnostics);
+        lexer::tokenize(text, base, left, &mut self.loaded.names, &mut tokens, &mut self.diagnostics);
         self.tokens += tokens.len();
         let nesting = self.limits.scene_nesting_max;
         let items =
-            parser::parse(&tokens, &self.loaded.names, nesting, &mut self.loaded.ast, self.diagnostics);
+            parser::parse(&tokens, &self.loaded.names, nesting, &mut self.loaded.ast, &mut self.diagnostics);
         drop(tokens);
         if self.loaded.items.is_empty() && !items.iter().any(|item| matches!(item, Item::Include { .. })) {
             self.loaded.items = items;

@@ -79,7 +79,6 @@ use std::collections::BTreeSet;
 
 use crate::limits::{LIMITS, Limits};
 use changing::ChangingNumbers;
-use diagnostic::Diagnostics;
 
 /// Returns the text of an included file, or an error message in plain words. The path is relative to the scene's
 /// folder, has `/` between folders and never leads out of the folder.
@@ -148,9 +147,6 @@ fn compile_all(
     limits: &Limits,
     changing: ChangingNumbers,
 ) -> Compiled {
-    let mut sources = Sources::default();
-    let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
-    let empty = load::Loaded::new(library::library().names.clone());
     let mut includes_asked = Vec::new();
     let mut note_and_resolve = |path: &str| {
         if !includes_asked.iter().any(|known| known == path) {
@@ -158,7 +154,7 @@ fn compile_all(
         }
         resolve(path)
     };
-    let loaded = load::load(name, text, &mut note_and_resolve, empty, limits, &mut sources, &mut diagnostics);
+    let (loaded, sources, mut diagnostics) = load::load(name, text, &mut note_and_resolve, limits, false);
     let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
     let warnings = if scene.is_some() { diagnostics.drain_warnings() } else { Vec::new() };
@@ -167,9 +163,6 @@ fn compile_all(
 
 /// Checks only a text's tokens and grammar: reads no includes, resolves no names. Returns mistakes and sources.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
-    let mut sources = Sources::default();
-    let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
-    let empty = load::Loaded::new(library::library().names.clone());
-    load::load(name, text, &mut |_| Ok(String::new()), empty, &LIMITS, &mut sources, &mut diagnostics);
+    let (_, sources, diagnostics) = load::load(name, text, &mut |_| Ok(String::new()), &LIMITS, false);
     (diagnostics.finish(), sources)
 }

@@ -7,12 +7,11 @@
 use std::collections::HashMap;
 
 use super::ast::{Name, NameEvent, NameKind};
-use super::diagnostic::Diagnostics;
 use super::fields::Holds;
-use super::load::{self, Loaded};
+use super::load;
 use super::source::{Sources, Span};
 use super::symbol::{Interner, Symbol};
-use super::{Resolver, library, lower};
+use super::{Resolver, lower};
 use crate::limits::LIMITS;
 
 /// A declaration.
@@ -69,17 +68,13 @@ impl Names {
 
 /// Returns the names of a scene and of the files that it includes.
 pub fn names(name: &str, text: &str, resolve: &mut Resolver<'_>) -> (Names, Sources) {
-    let mut sources = Sources::default();
-    let mut mistakes = Diagnostics::new(LIMITS.scene_diagnostics_max);
-    let mut empty = Loaded::new(library::library().names.clone());
-    empty.ast.name_events = Some(Vec::new());
-    let loaded = load::load(name, text, resolve, empty, &LIMITS, &mut sources, &mut mistakes);
+    let (loaded, sources, _) = load::load(name, text, resolve, &LIMITS, true);
     let events = loaded.ast.name_events.unwrap_or_default();
     (resolved(&events, &loaded.names), sources)
 }
 
 /// Namespaces. A function and a material may have the name of a value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Namespace {
     Values,
     Functions,
@@ -100,8 +95,8 @@ fn namespace(kind: NameKind) -> Option<Namespace> {
 #[derive(Default)]
 struct Resolving {
     names: Names,
-    /// Indices of the top-level declarations, with their names.
-    global: Vec<(Namespace, Symbol, usize)>,
+    /// The index of the first top-level declaration of each name. Further ones are a mistake.
+    global: HashMap<(Namespace, Symbol), usize>,
     /// For each local name that is valid here, the indices of its declarations, the innermost last.
     innermost: HashMap<Symbol, Vec<usize>>,
     /// For each open scope, its names with the indices of their declarations.
@@ -151,14 +146,9 @@ fn resolved(events: &[NameEvent], interner: &Interner) -> Names {
         before = Some(event);
     }
     this.close_all(u32::MAX);
-    // Of several declarations of a name, which are a mistake, the first one counts.
-    let mut global = this.global;
-    global.sort_by_key(|(namespace, symbol, index)| (*namespace as u8, *symbol, *index));
     for (span, namespace, symbol) in uses {
-        let key = (namespace as u8, symbol);
-        let found = global.partition_point(|(namespace, symbol, _)| (*namespace as u8, *symbol) < key);
-        let declared = global.get(found).filter(|(namespace, symbol, _)| (*namespace as u8, *symbol) == key);
-        let meaning = declared.map_or(Meaning::OfLanguage, |(.., index)| Meaning::Declared(*index));
+        let declared = this.global.get(&(namespace, symbol));
+        let meaning = declared.map_or(Meaning::OfLanguage, |index| Meaning::Declared(*index));
         this.names.all.push((span, meaning));
     }
     this.names.all.sort_by_key(|(span, _)| *span);
@@ -182,7 +172,9 @@ impl Resolving {
                 scope.push((name.symbol, index));
                 self.innermost.entry(name.symbol).or_default().push(index);
             }
-            (None, Some(namespace)) => self.global.push((namespace, name.symbol, index)),
+            (None, Some(namespace)) => {
+                self.global.entry((namespace, name.symbol)).or_insert(index);
+            }
             (None, None) => {}
         }
         let item = Span::new(self.item, name.span.end);
@@ -210,7 +202,8 @@ impl Resolving {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{compile, no_includes};
+    use super::super::diagnostic::Diagnostics;
+    use super::super::{compile, library, no_includes};
     use super::*;
 
     /// Returns the text with the number of its declaration behind each name: `a:0` for the first declaration, `a:-`
