@@ -11,6 +11,8 @@ use std::collections::BTreeSet;
 use super::diagnostic::Diagnostics;
 use super::lexer;
 use super::library;
+use super::scene::Param;
+use super::source::Span;
 use super::symbol::Interner;
 use super::token::{Kind, Token};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
@@ -72,21 +74,13 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
 pub(super) struct ChangingNumbers {
     /// Offsets of the edited numbers in the text, sorted.
     offsets: Vec<u32>,
-    /// The edited numbers found in expressions so far: each number's offset and the index of its input.
-    inputs: Vec<(u32, u16)>,
+    /// The edited numbers found in expressions so far, in the order of their inputs: each number's offset and value.
+    found: Vec<(u32, f32)>,
     /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
-    values: Vec<f32>,
     turning: Vec<(u32, Turning)>,
     /// Inputs whose values determine the scene's structure. If one changes, the text has to be compiled again.
     depended_on: RefCell<BTreeSet<u16>>,
-}
-
-pub(super) struct ChangingNumber {
-    pub offset: u32,
-    pub value: f32,
-    /// The range in which a frame may set the input.
-    pub range: (f32, f32),
 }
 
 impl ChangingNumbers {
@@ -112,36 +106,38 @@ impl ChangingNumbers {
     /// parameters. There are at most `max` inputs; the remaining numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
         self.offsets.binary_search(&offset).ok()?;
-        if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {
-            return Some(Input::Param(*input));
-        }
-        if self.values.is_empty() {
+        if self.found.is_empty() {
             self.first = declared;
         }
-        let number = self.first + self.values.len();
+        let known = self.found.iter().position(|(known, _)| *known == offset);
+        let number = self.first + known.unwrap_or(self.found.len());
         if number >= max {
             return None;
         }
-        let number = u16::try_from(number).ok()?;
-        self.inputs.push((offset, number));
-        self.values.push(value);
-        Some(Input::Param(number))
+        let input = Input::Param(u16::try_from(number).ok()?);
+        if known.is_none() {
+            self.found.push((offset, value));
+        }
+        Some(input)
     }
 
-    pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
+    /// Returns the inputs as parameters without names, with the ranges in which a frame may set them.
+    pub(super) fn params(&self) -> impl Iterator<Item = Param> {
         let fixed = self.depended_on.borrow().clone();
-        self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
-            let turned = self.turning.iter().find(|(of, _)| *of == offset && !fixed.contains(&input));
-            let range = turned
+        self.found.iter().zip(self.first..).map(move |(&(offset, value), input)| {
+            let is_fixed = fixed.iter().any(|fixed| usize::from(*fixed) == input);
+            let turned = self.turning.iter().find(|(of, _)| *of == offset && !is_fixed);
+            let (min, max) = turned
                 .map_or((value, value), |(_, turning)| (turning.least.min(value), turning.most.max(value)));
-            ChangingNumber { offset, value, range }
+            let span = Span::new(offset, offset);
+            Param { name: String::new(), default: value, min, max, is_number: true, span }
         })
     }
 
     /// Returns the value of an expression that consists only of numbers.
     pub(super) fn known(&self, graph: &Graph, value: NodeId) -> Option<f32> {
         let constant = graph.as_constant(value);
-        if constant.is_some() || self.values.is_empty() {
+        if constant.is_some() || self.found.is_empty() {
             return constant;
         }
         let used = graph.inputs_used(&[value]).ok()?;
@@ -156,7 +152,7 @@ impl ChangingNumbers {
         });
         self.depended_on.borrow_mut().extend(numbers);
         let mut params = vec![0.0; self.first];
-        params.extend(&self.values);
+        params.extend(self.found.iter().map(|(_, value)| *value));
         let frame = FrameInputs { params, ..FrameInputs::default() };
         graph.evaluate(&[value], &Point::default(), &frame).ok()?.first().copied()
     }

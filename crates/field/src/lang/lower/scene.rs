@@ -8,7 +8,7 @@ use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
 use super::super::origins::Stretch;
-use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky, Swarm};
+use super::super::scene::{Camera, Light, LightKind, Medium, Object, Picture, Scene, Sky, Swarm};
 use super::super::source::{Sources, Span};
 use super::super::value::Value;
 use super::lowering::{A_DISTANCE, Lowering};
@@ -91,7 +91,7 @@ impl<'a> SceneBuilder<'a> {
         self.warn_of_light_from_below();
         self.check_memory();
         self.add_default_light();
-        self.add_changing_numbers();
+        self.lowering.declared.params.extend(self.lowering.changing.params());
         self.lowering.origins.finish(sources);
         let unset = Values::default();
         let camera =
@@ -187,17 +187,6 @@ impl<'a> SceneBuilder<'a> {
                 ..Light::of(LightKind::Lamp, self.lowering.numbers(Light::FIELDS, &Values::default()))
             });
         }
-    }
-
-    fn add_changing_numbers(&mut self) {
-        self.lowering.declared.params.extend(self.lowering.changing.numbers().map(|number| Param {
-            name: String::new(),
-            default: number.value,
-            min: number.range.0,
-            max: number.range.1,
-            is_number: true,
-            span: Span::new(number.offset, number.offset),
-        }));
     }
 
     /// Records the text of an object or a material. The notes since the mark `from` belong to its fields.
