@@ -122,7 +122,7 @@ impl GlslFile {
         tokens.iter_mut().for_each(|token| (token.start, token.end) = (0, 0));
         tokens.extend(tokenize(text, limits.scene_tokens_max)?);
         let expanded = preprocess(&tokens, limits.scene_tokens_max)?;
-        let program = ShaderItems::new(items::split(&expanded)?, inputs);
+        let mut program = ShaderItems::new(items::split(&expanded)?, inputs);
         let (mut broken, mut problems) = (BTreeMap::new(), Vec::new());
         let mut bytes = 0;
         for _ in 0..ROUNDS_MAX {
@@ -132,7 +132,10 @@ impl GlslFile {
                 break;
             }
             let errors = match read(&written.text) {
-                Ok(module) => return Self::of(module, written, problems, program),
+                Ok(module) => {
+                    program.globals.with_values.retain(|_, item| !broken.contains_key(item));
+                    return Self::of(module, written, problems, program);
+                }
                 Err(errors) => errors,
             };
             let known = broken.len();
@@ -230,7 +233,6 @@ impl GlslFile {
     /// Returns the uniforms that have neither a value in the file nor a meaning in a scene: name and number of
     /// components.
     pub fn open_uniforms(&self) -> Vec<(&str, usize)> {
-        let with_values = super::rewrite::with_values(&self.module);
         let uniforms = self.module.global_variables.iter().filter_map(|(_, global)| {
             let name = global.name.as_deref()?;
             let len = match type_of(&self.module, global.ty)? {
@@ -240,7 +242,7 @@ impl GlslFile {
             let is_open = self.globals.outside.get(name) == Some(&Origin::Uniform)
                 && outside::is_open(name)
                 && !self.is_sampler(name)
-                && !with_values.contains(name);
+                && !self.globals.with_values.contains_key(name);
             is_open.then_some((name, len))
         });
         uniforms.collect()

@@ -1,6 +1,6 @@
 //! Writes items as GLSL 4.50 in the form that naga takes, and maps each word to its position in the user's text.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::isf::{Inputs, Slider};
 use super::items::{Global, Item, Origin, brackets_length, closing, matching};
@@ -101,6 +101,8 @@ pub(super) struct Globals {
     pub outside: HashMap<String, Origin>,
     /// Globals without a value, in the order of the text.
     pub unset: BTreeSet<String>,
+    /// Globals from outside that have a value too, with the indices of their items.
+    pub with_values: BTreeMap<String, usize>,
     /// Globals that read textures, with their channels.
     pub samplers: BTreeMap<String, Channel>,
     /// The inputs of an ISF shader that a user sets.
@@ -127,7 +129,7 @@ impl<'a> ShaderItems<'a> {
         let Inputs { sliders, is_isf, channels, .. } = inputs;
         let mut globals = Globals { sliders, is_isf, ..Globals::default() };
         let mut declared = BTreeSet::new();
-        for item in &items {
+        for (index, item) in items.iter().enumerate() {
             if let Item::Global(global) = item {
                 let name = global.name.text;
                 declared.insert(name);
@@ -136,6 +138,9 @@ impl<'a> ShaderItems<'a> {
                 }
                 if matches!(global.origin, Origin::Uniform | Origin::Varying) {
                     globals.outside.insert(name.to_owned(), global.origin);
+                    if !global.value.is_empty() {
+                        globals.with_values.insert(name.to_owned(), index);
+                    }
                 } else if global.value.is_empty() {
                     globals.unset.insert(name.to_owned());
                 }
@@ -469,21 +474,4 @@ fn renamed(name: &str, called: bool) -> &str {
         of if is_sampler(of) => "int",
         name => RESERVED.split(' ').find(|word| word.strip_suffix('_') == Some(name)).unwrap_or(name),
     }
-}
-
-/// Names of the globals to which the text gives a value.
-pub(super) fn with_values(module: &naga::Module) -> HashSet<&str> {
-    let starts = module
-        .functions
-        .iter()
-        .filter(|(_, function)| function.name.as_deref().is_some_and(|name| name.starts_with(START)));
-    let stores = starts.flat_map(|(_, function)| function.body.iter().map(move |store| (function, store)));
-    let names = stores.filter_map(|(function, statement)| {
-        let naga::Statement::Store { pointer, .. } = statement else { return None };
-        let Ok(naga::Expression::GlobalVariable(global)) = function.expressions.try_get(*pointer) else {
-            return None;
-        };
-        module.global_variables.try_get(*global).ok()?.name.as_deref()
-    });
-    names.collect()
 }
