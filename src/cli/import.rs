@@ -10,7 +10,7 @@ use super::files::{is_standard, scene_of};
 use crate::atomic_file::AtomicFile;
 use crate::export::output::refuse_to_replace;
 use crate::export::print::{print_line, print_message};
-use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader, text_around};
+use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader};
 use mariana_field::glsl_export::{MADE_BY, left_out, shadertoy};
 use mariana_field::glsl_import::Shown;
 use mariana_field::lang::{Diagnostic, Sources};
@@ -55,7 +55,7 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
         ShaderError::NoScene { problem, .. } => underlined(shader, &read.text, problem),
         _ => error.into(),
     })?;
-    let scene = text_around(&around, name);
+    let scene = around.text(name);
     let output = arguments.output.clone().unwrap_or_else(|| shader.with_extension("scene"));
     if is_shader_file(&output) {
         bail!("{} is called like a shader: give the scene a name such as my.scene", output.display());

@@ -39,7 +39,6 @@ pub use loader::{Loaded, Loader};
 pub use order::SceneList;
 pub use shader_import::{
     ImportedShader, ShaderError, import_shader, is_copy, is_shader_file, read_shader, scene_of_shader,
-    text_around,
 };
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use world::{NEUTRAL, ReadyScene, SceneBlend, SeenScene, TextureCache, camera_number};

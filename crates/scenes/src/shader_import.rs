@@ -4,7 +4,7 @@ use mariana_files::reading::{TextError, read_text};
 use std::path::{Path, PathBuf};
 
 use mariana_field::glsl_import::{SceneAround, Shown, Whole, scene_around, whole};
-use mariana_field::lang::{Diagnostic, Sources, formatted, is_glsl};
+use mariana_field::lang::{Diagnostic, Sources, is_glsl};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
@@ -110,12 +110,6 @@ pub fn scene_of_shader(path: &Path, shader: &Shader, shown: Shown) -> Result<Sce
     })
 }
 
-/// Returns the formatted text of a scene that includes its shader by the name `include`.
-pub fn text_around(around: &SceneAround, include: &str) -> String {
-    let text = around.text(include);
-    formatted(&text).unwrap_or(text)
-}
-
 /// Copies a shader into a folder of scenes and writes a scene around it. If the folder has the same shader and its scene
 /// already, that scene is the result, with the user's changes. Creates the folder. Replaces no file.
 ///
@@ -142,7 +136,7 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
         None => AtomicFile::create(&copy)?.write_beside(text.as_bytes())?,
     };
     let include = copy.file_name().unwrap_or_default().to_string_lossy();
-    let scene = text_around(&around, &include);
+    let scene = around.text(&include);
     let scene = AtomicFile::create(&copy.with_extension(ENDING))?.write_beside(scene.as_bytes())?;
     Ok(ImportedShader { scene, notes: around.notes() })
 }

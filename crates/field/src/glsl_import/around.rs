@@ -12,7 +12,7 @@ use super::samplers::image_sampler;
 use crate::graph::{
     FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData, TextureReader,
 };
-use crate::lang::{Diagnostic, Span};
+use crate::lang::{Diagnostic, Span, formatted};
 use crate::limits::LIMITS;
 
 /// The part of a shader that a scene shows, if the shader draws a picture and has a distance function.
@@ -37,13 +37,14 @@ pub struct SceneAround {
 }
 
 impl SceneAround {
-    /// Returns the text of the scene, which includes the file by the path `include`.
+    /// Returns the formatted text of the scene, which includes the file by the path `include`.
     pub fn text(&self, include: &str) -> String {
         let choice = self.choice.as_ref().map_or(String::new(), |choice| format!("# It {choice}.\n"));
-        format!(
+        let text = format!(
             "# Made by `mariana import` from {include}.\n{choice}\ninclude \"{include}\"\n\n{}",
             self.body
-        )
+        );
+        formatted(&text).unwrap_or(text)
     }
 
     /// Returns a sentence for the choice and for each part that the scene leaves out.
@@ -221,7 +222,13 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
 }
 
 fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<SceneAround> {
-    let sampled = Sampled::of(file, function)?;
+    let mut graph = Graph::new();
+    let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
+    let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
+    let order = graph.order(&nodes).map_err(|error| {
+        Diagnostic::over_limit(function.place, error.to_string()).hint("shorten its loops")
+    })?;
+    let sampled = sampled(&Sampler { graph, nodes, order, frame: FrameInputs::default() });
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
     let mut scene = uniforms(file);
@@ -350,20 +357,6 @@ fn executed(
             .map(|(name, texture)| (name.to_owned(), vec![graph.constant(image_sampler(texture))])),
     );
     session.call(file, function, &[argument], graph, &mut budget, &given)
-}
-
-impl Sampled {
-    fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self> {
-        let mut graph = Graph::new();
-        let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
-        let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
-        let too_large = |error: crate::graph::GraphError| {
-            Diagnostic::over_limit(function.place, error.to_string()).hint("shorten its loops")
-        };
-        let order = graph.order(&nodes).map_err(too_large)?;
-        let sampler = Sampler { graph, nodes, order, frame: FrameInputs::default() };
-        Ok(sampled(&sampler))
-    }
 }
 
 /// Looks for the shape on a grid, and places the camera in free space around it.
