@@ -270,7 +270,7 @@ impl TextureCache {
         for texture in &scene.textures {
             match self.picture(source, texture, &mut kept) {
                 Ok(picture) => pictures.push(picture),
-                Err(diagnostic) => wrong.push(*diagnostic),
+                Err(diagnostic) => wrong.push(diagnostic),
             }
         }
         self.pictures = kept;
@@ -286,7 +286,7 @@ impl TextureCache {
         source: &SceneSource,
         texture: &TextureRef,
         kept: &mut HashMap<u64, Arc<RgbaImage>>,
-    ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
+    ) -> Result<Arc<RgbaImage>, Diagnostic> {
         let mut hasher = DefaultHasher::new();
         if texture.is_last_frame() {
             // The renderer replaces it by its own texture.
@@ -326,13 +326,13 @@ pub(super) fn image_bytes(
     source: &SceneSource,
     name: &str,
     span: Span,
-) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+) -> Result<Cow<'static, [u8]>, Diagnostic> {
     let own = source.file().map(|file| Folder::of(file).bytes(name, limits::TEXTURE_BYTES_MAX));
     match (own, shipped(name)) {
         (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
         (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
-        (None, None) => Err(Box::new(missing(source, name, span))),
-        (Some(Err(refusal)), _) => Err(Box::new(refused(source, name, span, &refusal))),
+        (None, None) => Err(missing(source, name, span)),
+        (Some(Err(refusal)), _) => Err(refused(source, name, span, &refusal)),
     }
 }
 
@@ -397,23 +397,20 @@ fn refused(source: &SceneSource, name: &str, span: Span, refusal: &Refusal) -> D
 }
 
 /// Decodes a PNG or JPEG after checking the size in its header.
-pub(super) fn decode(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
-    let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
-        Box::new(kind(span, message).hint(hint))
-    };
+pub(super) fn decode(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Diagnostic> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
         Ok(other) => {
             let message = format!("`{name}` is an image in the unsupported format {other:?}");
-            return Err(diagnostic(Diagnostic::unsupported, message, "save it as PNG or JPEG"));
+            return Err(Diagnostic::unsupported(span, message).hint("save it as PNG or JPEG"));
         }
         Err(_) => {
             let message = format!("`{name}` is not an image in a known format");
-            return Err(diagnostic(Diagnostic::new, message, "name a PNG or JPEG file"));
+            return Err(Diagnostic::new(span, message).hint("name a PNG or JPEG file"));
         }
     };
     let damaged = |error: image::ImageError| {
-        diagnostic(Diagnostic::new, format!("the image `{name}` is damaged: {error}"), "save it again")
+        Diagnostic::new(span, format!("the image `{name}` is damaged: {error}")).hint("save it again")
     };
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
@@ -421,7 +418,7 @@ pub(super) fn decode(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, 
     if width > side || height > side || u64::from(width) * u64::from(height) > pixels {
         let message = format!("the image `{name}` is too large: {width} x {height} pixels");
         let hint = format!("scale it down to at most {side} pixels a side and {pixels} in total");
-        return Err(diagnostic(Diagnostic::over_limit, message, &hint));
+        return Err(Diagnostic::over_limit(span, message).hint(hint));
     }
     // Apply the orientation from the metadata.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);

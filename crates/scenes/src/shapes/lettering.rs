@@ -6,7 +6,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use harfrust::{ShapeOptions, ShaperData, UnicodeBuffer};
 use kurbo::{Affine, BezPath, Rect, Shape};
@@ -68,31 +67,38 @@ pub(super) struct Line {
 }
 
 /// The fonts of a text: the chosen one, and others for the letters that it lacks.
-#[derive(Debug, Clone)]
-pub(super) struct Fonts(Vec<Arc<Font>>);
+#[derive(Debug)]
+pub(super) struct Fonts<'f> {
+    first: &'f Font,
+    others: Vec<Font>,
+}
 
-impl Fonts {
+impl<'f> Fonts<'f> {
     /// Chooses fonts for a text: the given font, the program's own fonts, and fonts of the system.
-    pub(super) fn for_text(first: &Arc<Font>, text: &str, system: &mut SystemFonts) -> Self {
-        let mut fonts = vec![first.clone()];
-        let lacking = |fonts: &[Arc<Font>]| -> BTreeSet<char> {
+    pub(super) fn for_text(first: &'f Font, text: &str, system: &mut SystemFonts) -> Self {
+        let mut fonts = Self { first, others: Vec::new() };
+        let lacking = |fonts: &Self| -> BTreeSet<char> {
             let is_lacking =
-                |letter: &char| !letter.is_whitespace() && !fonts.iter().any(|font| font.has(*letter));
+                |letter: &char| !letter.is_whitespace() && !fonts.all().any(|font| font.has(*letter));
             text.chars().filter(|letter| !is_invisible(*letter)).filter(is_lacking).collect()
         };
         for data in OWN {
             if lacking(&fonts).is_empty() {
-                return Self(fonts);
+                return fonts;
             }
-            fonts.push(Arc::new(Font { data: Cow::Borrowed(data), index: 0 }));
+            fonts.others.push(Font { data: Cow::Borrowed(data), index: 0 });
         }
         let letters = lacking(&fonts);
         if !letters.is_empty() {
             let found = system.with_letters(&letters).into_iter();
             let found = found.map(|font| ((*font.data.font).as_ref().to_vec(), font.data.index));
-            fonts.extend(found.filter_map(|(data, index)| Font::of(data, index)).map(Arc::new));
+            fonts.others.extend(found.filter_map(|(data, index)| Font::of(data, index)));
         }
-        Self(fonts)
+        fonts
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Font> {
+        std::iter::once(self.first).chain(&self.others)
     }
 
     /// Returns the outline of one line.
@@ -108,9 +114,8 @@ impl Fonts {
                 let end = rest.char_indices().skip(1).find(|(_, letter)| !same(*letter));
                 let (run, after) = rest.split_at(end.map_or(rest.len(), |(end, _)| end));
                 rest = after;
-                match font.or(Some(0)).and_then(|font| self.0.get(font)) {
-                    Some(font) => line.add(font, run),
-                    None => continue,
+                if let Some(font) = self.all().nth(font.unwrap_or(0)) {
+                    line.add(font, run);
                 }
                 if font.is_none() {
                     line.missing.extend(run.chars().filter(|letter| !letter.is_whitespace()));
@@ -124,7 +129,7 @@ impl Fonts {
         if letter.is_whitespace() || is_invisible(letter) {
             return Some(0);
         }
-        self.0.iter().position(|font| font.has(letter))
+        self.all().position(|font| font.has(letter))
     }
 }
 

@@ -67,7 +67,6 @@ pub(super) struct ShapeCache {
 struct Kept {
     grids: HashMap<u64, ShapeGrid>,
     fonts: HashMap<u64, Arc<Font>>,
-    bakers: HashMap<u64, Arc<SongBaker>>,
 }
 
 /// Returns an entry of the current scene, or of the scene before.
@@ -75,13 +74,9 @@ fn known<T: Clone>(now: &HashMap<u64, T>, before: &HashMap<u64, T>, key: u64) ->
     now.get(&key).or_else(|| before.get(&key)).cloned()
 }
 
-/// Bakes texts of the song in one font.
-#[derive(Debug)]
-struct SongBaker(Arc<Font>);
-
-impl TextBaker for SongBaker {
+impl TextBaker for Font {
     fn bake(&self, text: &str) -> ShapeGrid {
-        song_grid(text, &self.0)
+        song_grid(text, self)
     }
 }
 
@@ -89,24 +84,6 @@ impl TextBaker for SongBaker {
 fn system_fonts<T>(read: impl FnOnce(&mut SystemFonts) -> T) -> T {
     static FONTS: LazyLock<Mutex<SystemFonts>> = LazyLock::new(Mutex::default);
     read(&mut lock(&FONTS))
-}
-
-/// Why a text or picture cannot be baked.
-struct Refused {
-    message: String,
-    hint: String,
-    over_limit: bool,
-}
-
-impl Refused {
-    fn new(message: String, hint: &str) -> Self {
-        Self { message, hint: hint.to_owned(), over_limit: false }
-    }
-
-    fn at(self, span: Span) -> Diagnostic {
-        let kind = if self.over_limit { Diagnostic::over_limit } else { Diagnostic::new };
-        kind(span, self.message).hint(self.hint)
-    }
 }
 
 impl ShapeCache {
@@ -123,7 +100,7 @@ impl ShapeCache {
                     keys.push(key);
                     shapes.push(AtlasShape { grid, changes: changes(&shape.source) });
                 }
-                Err(diagnostic) => wrong.push(*diagnostic),
+                Err(diagnostic) => wrong.push(diagnostic),
             }
         }
         if !wrong.is_empty() {
@@ -152,14 +129,13 @@ impl Kept {
         before: &Self,
         source: &SceneSource,
         shape: &mut ShapeRef,
-    ) -> Result<(u64, ShapeGrid), Box<Diagnostic>> {
+    ) -> Result<(u64, ShapeGrid), Diagnostic> {
         let span = shape.span;
-        let refused = |refused: Refused| Box::new(refused.at(span));
         let mut hasher = DefaultHasher::new();
         shape.source.hash(&mut hasher);
         let (font, bytes) = match &shape.source {
             ShapeSource::Text { font, .. } | ShapeSource::Song { font, .. } => {
-                let (key, font) = self.font(before, source, font.as_deref()).map_err(refused)?;
+                let (key, font) = self.font(before, source, font.as_deref(), span)?;
                 key.hash(&mut hasher);
                 (Some(font), None)
             }
@@ -171,16 +147,11 @@ impl Kept {
         };
         let key = hasher.finish();
         if let (true, Some(font)) = (changes(&shape.source), &font) {
-            let baker = known(&self.bakers, &before.bakers, key);
-            let baker = baker.unwrap_or_else(|| Arc::new(SongBaker(font.clone())));
-            self.bakers.insert(key, baker.clone());
-            shape.baker = Some(baker);
+            shape.baker = Some(font.clone());
         }
         let grid = match (known(&self.grids, &before.grids, key), &shape.source, font, bytes) {
             (Some(grid), ..) => grid,
-            (None, ShapeSource::Text { text, .. }, Some(font), _) => {
-                text_grid(text, &font).map_err(refused)?
-            }
+            (None, ShapeSource::Text { text, .. }, Some(font), _) => text_grid(text, span, &font)?,
             (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(name, span, &bytes)?,
             _ => no_words(),
         };
@@ -194,11 +165,12 @@ impl Kept {
         before: &Self,
         source: &SceneSource,
         name: Option<&str>,
-    ) -> Result<(u64, Arc<Font>), Refused> {
+        span: Span,
+    ) -> Result<(u64, Arc<Font>), Diagnostic> {
         let mut hasher = DefaultHasher::new();
         name.hash(&mut hasher);
         let file = name.filter(|name| is_font_file(name));
-        let bytes = file.map(|name| font_bytes(source, name)).transpose()?;
+        let bytes = file.map(|name| font_bytes(source, name, span)).transpose()?;
         bytes.hash(&mut hasher);
         let key = hasher.finish();
         let font = match (known(&self.fonts, &before.fonts, key), name, bytes) {
@@ -206,9 +178,9 @@ impl Kept {
             (None, None, _) => Arc::new(Font::own()),
             (None, Some(name), Some(bytes)) => Arc::new(Font::of(bytes, 0).ok_or_else(|| {
                 let message = format!("`{name}` is damaged, or it is no font with outlines");
-                Refused::new(message, "use a TrueType or OpenType font")
+                Diagnostic::new(span, message).hint("use a TrueType or OpenType font")
             })?),
-            (None, Some(name), None) => Arc::new(system_font(name)?),
+            (None, Some(name), None) => Arc::new(system_font(name, span)?),
         };
         self.fonts.insert(key, font.clone());
         Ok((key, font))
@@ -216,7 +188,7 @@ impl Kept {
 }
 
 /// Reads a font of the system.
-fn system_font(name: &str) -> Result<Font, Refused> {
+fn system_font(name: &str, span: Span) -> Result<Font, Diagnostic> {
     let found = system_fonts(|fonts| fonts.named(name).ok_or_else(|| fonts.families()));
     let (data, index) = found.map_err(|families| {
         let hint = match nearest(name, families.iter().map(String::as_str)) {
@@ -227,11 +199,11 @@ fn system_font(name: &str) -> Result<Font, Refused> {
                 "put the font's file into the scene's folder, and write its name with its ending".to_owned()
             }
         };
-        Refused { message: format!("this system has no font `{name}`"), hint, over_limit: false }
+        Diagnostic::new(span, format!("this system has no font `{name}`")).hint(hint)
     })?;
     Font::of(data, index).ok_or_else(|| {
         let message = format!("the font `{name}` of this system has no outlines");
-        Refused::new(message, "use another font")
+        Diagnostic::new(span, message).hint("use another font")
     })
 }
 
@@ -253,26 +225,22 @@ fn changes(source: &ShapeSource) -> bool {
     matches!(source, ShapeSource::Song { .. })
 }
 
-fn picture_bytes(
-    source: &SceneSource,
-    name: &str,
-    span: Span,
-) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+fn picture_bytes(source: &SceneSource, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Diagnostic> {
     if is_video(name) {
         let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
         let wrong = Diagnostic::unsupported(span, message);
-        return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+        return Err(wrong.hint("name a PNG, JPEG or SVG file"));
     }
     image_bytes(source, name, span)
 }
 
-fn font_bytes(source: &SceneSource, name: &str) -> Result<Vec<u8>, Refused> {
+fn font_bytes(source: &SceneSource, name: &str, span: Span) -> Result<Vec<u8>, Diagnostic> {
     let Some(file) = source.file() else {
         let message = format!("`{name}` is a file, and only a scene in a file can use fonts of its folder");
-        return Err(Refused::new(message, "save the scene as a file next to the font"));
+        return Err(Diagnostic::new(span, message).hint("save the scene as a file next to the font"));
     };
     Folder::of(file).bytes(name, limits::FONT_BYTES_MAX).map_err(|refusal| {
-        let over_limit = matches!(refusal, Refusal::TooLarge(_));
+        let kind = if let Refusal::TooLarge(_) = refusal { Diagnostic::over_limit } else { Diagnostic::new };
         let hint = match refusal {
             Refusal::TooLarge(_) => "use a font with fewer letters",
             Refusal::Unreadable(_) | Refusal::NotText(_) => "check the file's permissions",
@@ -280,27 +248,27 @@ fn font_bytes(source: &SceneSource, name: &str) -> Result<Vec<u8>, Refused> {
                 "put the font's file into the scene's folder"
             }
         };
-        let message = format!("the font `{name}` cannot be read: {refusal}");
-        Refused { message, hint: hint.to_owned(), over_limit }
+        kind(span, format!("the font `{name}` cannot be read: {refusal}")).hint(hint)
     })
 }
 
 /// Bakes one line of text.
-fn text_grid(text: &str, font: &Arc<Font>) -> Result<ShapeGrid, Refused> {
+fn text_grid(text: &str, span: Span, font: &Font) -> Result<ShapeGrid, Diagnostic> {
     // A damaged font can make its reader panic.
     let line = catch_unwind(AssertUnwindSafe(|| {
         system_fonts(|system| Fonts::for_text(font, text, system)).line(text)
     }));
     let Ok(line) = line else {
-        return Err(Refused::new("the font of this text is damaged".to_owned(), "use another font"));
+        return Err(Diagnostic::new(span, "the font of this text is damaged").hint("use another font"));
     };
     if !line.missing.is_empty() {
         let letters: String = line.missing.iter().collect();
         let message = format!("no font of this system has the letters `{letters}`");
-        return Err(Refused::new(message, "install a font that has them, or write other letters"));
+        let hint = "install a font that has them, or write other letters";
+        return Err(Diagnostic::new(span, message).hint(hint));
     }
     let Some(bounds) = line.bounds() else {
-        return Err(Refused::new("this text draws nothing".to_owned(), "write letters that have a shape"));
+        return Err(Diagnostic::new(span, "this text draws nothing").hint("write letters that have a shape"));
     };
     // The middle of the line, and of capital letters, is the origin.
     let moved = Affine::translate((-0.5 * line.width, -0.5));
@@ -311,13 +279,12 @@ fn text_grid(text: &str, font: &Arc<Font>) -> Result<ShapeGrid, Refused> {
     let per_unit = TEXT_POINTS.min(room / (2.0 * half.0)).min(IMAGE_POINTS / (2.0 * half.1));
     let points = |half: f64| (2.0 * half * per_unit).ceil() as usize + 2 * RIM;
     let size = (points(half.0), points(half.1));
-    let coverage = covered(&(moved * line.path), per_unit, size).map_err(|TooMuchWork| Refused {
-        message: "the letters of this text have too many edges".to_owned(),
-        hint: "use a plainer font, or fewer letters".to_owned(),
-        over_limit: true,
+    let coverage = covered(&(moved * line.path), per_unit, size).map_err(|TooMuchWork| {
+        Diagnostic::over_limit(span, "the letters of this text have too many edges")
+            .hint("use a plainer font, or fewer letters")
     })?;
     distance::grid(&coverage, size, per_unit as f32).ok_or_else(|| {
-        Refused::new("this text cannot be drawn".to_owned(), "use another font or a shorter text")
+        Diagnostic::new(span, "this text cannot be drawn").hint("use another font or a shorter text")
     })
 }
 
@@ -330,7 +297,7 @@ fn covered(path: &kurbo::BezPath, per_unit: f64, size: (usize, usize)) -> Result
 }
 
 /// Bakes a text of the song, broken into lines that fit. Letters that no font has are left out.
-fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
+fn song_grid(text: &str, font: &Font) -> ShapeGrid {
     let (columns, rows) = SONG_GRID;
     let text: String = text.chars().take(limits::SONG_LETTERS_MAX).collect();
     let text = text.replace(char::is_control, " ");
@@ -386,16 +353,16 @@ fn broken(text: &str, count: usize) -> Vec<&str> {
     lines
 }
 
-fn image_grid(name: &str, span: Span, bytes: &[u8]) -> Result<ShapeGrid, Box<Diagnostic>> {
+fn image_grid(name: &str, span: Span, bytes: &[u8]) -> Result<ShapeGrid, Diagnostic> {
     let unusable = || {
         let message = format!("the picture `{name}` is too long and narrow for a shape");
-        Box::new(Diagnostic::over_limit(span, message).hint("crop it"))
+        Diagnostic::over_limit(span, message).hint("crop it")
     };
     if svg::is_svg(name, bytes) {
         let refused = |(reason, over_limit): svg::Refused| {
             let kind = if over_limit { Diagnostic::over_limit } else { Diagnostic::new };
             let hint = if over_limit { "simplify the drawing" } else { "save it as a plain SVG with paths" };
-            Box::new(kind(span, format!("the drawing `{name}` cannot be used: {reason}")).hint(hint))
+            kind(span, format!("the drawing `{name}` cannot be used: {reason}")).hint(hint)
         };
         let drawing = Drawing::of(bytes).map_err(refused)?;
         let Some((size, per_unit)) = size_of(drawing.view.width(), drawing.view.height()) else {

@@ -340,7 +340,7 @@ fn damaged_fonts_and_drawings_never_panic() {
         bytes[at] ^= 0xff;
         for bytes in [bytes, whole[..at].to_vec()] {
             if let Some(font) = Font::of(bytes, 0) {
-                let _ = text_grid("ab", &Arc::new(font));
+                let _ = text_grid("ab", Span::default(), &font);
             }
         }
     }
@@ -361,7 +361,7 @@ fn texts_of_the_song_are_broken_into_lines_that_fit() {
     assert_eq!(broken("one two three four", 2), ["one two", "three four"]);
     assert_eq!(broken("aaaa bbb ccccc dd", 3), ["aaaa", "bbb", "ccccc dd"]);
     assert_eq!(broken("word", 3), ["word"]);
-    let own = Arc::new(Font::own());
+    let own = Font::own();
     let inside = |text: &str| song_grid(text, &own).values().iter().filter(|value| **value < 0.0).count();
     assert_eq!([inside(""), inside(" \n\t")], [0, 0]);
     let (short, long) = (inside("Hi"), inside(&"long words of a long line ".repeat(9)));
