@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use mariana_field::lang::{self, Diagnostic, Sources, Turning};
+use mariana_field::lang::{self, Turning};
 use mariana_files::reading::TextError;
 use mariana_work::lock;
 
@@ -116,14 +116,13 @@ impl Findings {
                 texts.extend(included(source, scene.includes.iter().map(String::as_str)));
                 let turned = scene.params.iter().filter(|param| param.is_number && param.min < param.max);
                 numbers.extend(turned.map(|param| param.span.start as usize));
-                let FoundMistakes { diagnostics, sources } = &*ready.warnings;
-                warnings.extend(diagnostics.iter().filter_map(|one| placed(one, sources)));
+                warnings = placed(&ready.warnings);
                 Vec::new()
             }
             Err(SceneError::Mistakes { found, .. }) => {
                 let others = found.sources.files().iter().skip(1).map(|file| file.name.as_str());
                 texts.extend(included(source, others));
-                found.diagnostics.iter().filter_map(|one| placed(one, &found.sources)).collect()
+                placed(found)
             }
             Err(error) => {
                 let (range, message, hint) = match error {
@@ -146,11 +145,14 @@ fn included<'a>(source: &SceneSource, names: impl Iterator<Item = &'a str>) -> i
     names.filter_map(move |name| Some(folder.as_ref()?.path(name)))
 }
 
-fn placed(one: &Diagnostic, sources: &Sources) -> Option<Mistake> {
-    let (text, range) = sources.place_in_file(one.span)?;
-    let label = if one.label.is_empty() { String::new() } else { format!(" ({})", one.label) };
-    let message = format!("{}{label}", one.message);
-    Some(Mistake { text, range, message, hint: one.hint.clone().unwrap_or_default() })
+fn placed(found: &FoundMistakes) -> Vec<Mistake> {
+    let placed = found.diagnostics.iter().filter_map(|one| {
+        let (text, range) = found.sources.place_in_file(one.span)?;
+        let label = if one.label.is_empty() { String::new() } else { format!(" ({})", one.label) };
+        let message = format!("{}{label}", one.message);
+        Some(Mistake { text, range, message, hint: one.hint.clone().unwrap_or_default() })
+    });
+    placed.collect()
 }
 
 /// Snapshot of the unsaved texts in the editor.

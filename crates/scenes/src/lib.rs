@@ -85,10 +85,7 @@ impl SceneSource {
         let word = starts_as_name && argument.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
         let known = lang::inputs().any(|(name, _)| name == argument);
         if word && !known {
-            return Err(SceneError::Unknown {
-                name: argument.to_owned(),
-                shipped: shipped_names().join(", "),
-            });
+            return Err(unknown(argument));
         }
         Ok(Self::Formula(argument.to_owned()))
     }
@@ -174,10 +171,7 @@ impl SceneSource {
     pub fn text(&self) -> Result<Cow<'_, str>, SceneError> {
         match self {
             Self::Formula(text) => Ok(text.into()),
-            Self::Shipped(name) => shipped(name).map(Cow::from).ok_or_else(|| SceneError::Unknown {
-                name: name.clone(),
-                shipped: shipped_names().join(", "),
-            }),
+            Self::Shipped(name) => shipped(name).map(Cow::from).ok_or_else(|| unknown(name)),
             Self::File(path) => read(path).map(Cow::from),
             Self::Blend(blend) => blend.to.source.text(),
         }
@@ -253,6 +247,10 @@ pub fn shipped_names() -> Vec<String> {
         .collect();
     names.sort();
     names
+}
+
+fn unknown(name: &str) -> SceneError {
+    SceneError::Unknown { name: name.to_owned(), shipped: shipped_names().join(", ") }
 }
 
 fn shipped(name: &str) -> Option<&'static str> {

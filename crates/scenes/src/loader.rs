@@ -96,14 +96,16 @@ impl<T: Send + 'static> Loader<T> {
     /// Requests `source`, and watches it instead of the previous source. The request replaces a request that has not
     /// started. A request of the same source loads the source again.
     pub fn request(&self, source: SceneSource) {
-        if self.requests.send(Message::Load(source)).is_err() {
-            tracing::error!("the thread that loads scenes has ended: this is a bug in Mariana");
-        }
+        self.send(Message::Load(source));
     }
 
     /// Loads the current source again, because a dependency other than its files has changed.
     pub fn load_again(&self) {
-        if self.requests.send(Message::Again).is_err() {
+        self.send(Message::Again);
+    }
+
+    fn send(&self, message: Message) {
+        if self.requests.send(message).is_err() {
             tracing::error!("the thread that loads scenes has ended: this is a bug in Mariana");
         }
     }

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::folder::Folder;
-use super::{ENDING, SceneSource, shipped_names};
+use super::{SceneSource, is_scene_file, shipped_names};
 
 /// The cycle of scenes that contains a start scene, whichever scene is shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,7 +73,7 @@ fn scene_files(file: &Path) -> Vec<PathBuf> {
     let folder = Folder::of(file);
     let shown = folder.beside("").into_iter().filter(|name| !name.starts_with('.'));
     let paths = shown.map(|name| folder.path(&name));
-    paths.filter(|path| path.extension().is_some_and(|ending| ending == ENDING) && path.is_file()).collect()
+    paths.filter(|path| is_scene_file(path) && path.is_file()).collect()
 }
 
 #[cfg(test)]

@@ -92,9 +92,9 @@ pub enum Answer {
 
 #[derive(Default)]
 struct Probes {
-    point: Option<(Scenery, [f64; 2])>,
-    diagram: Option<(Scenery, [f64; 2], (u32, u32))>,
-    ray_statistics: Option<Scenery>,
+    point: Option<Question>,
+    diagram: Option<Question>,
+    ray_statistics: Option<Question>,
     /// True while a diagram is drawn.
     draws: bool,
     answers: Vec<Answer>,
@@ -114,10 +114,8 @@ impl Probes {
     }
 
     fn next(&mut self) -> Option<Question> {
-        let diagram = |(scenery, at, size)| Question::Diagram(scenery, at, size);
-        let point = self.point.take().map(|(scenery, at)| Question::Point(scenery, at));
-        let next = point.or_else(|| self.diagram.take().map(diagram));
-        let next = next.or_else(|| self.ray_statistics.take().map(Question::RayStatistics));
+        let next = self.point.take().or_else(|| self.diagram.take());
+        let next = next.or_else(|| self.ray_statistics.take());
         self.draws = matches!(next, Some(Question::Diagram(..)));
         self.surveys = matches!(next, Some(Question::RayStatistics(_)));
         next
@@ -139,12 +137,12 @@ impl Prober {
 
     /// Asks for the surface at a point, given as fractions of the frame's width and height.
     pub fn request_point(&self, scenery: Scenery, at: [f64; 2]) {
-        self.0.change(|state| state.point = Some((scenery, at)));
+        self.0.change(|state| state.point = Some(Question::Point(scenery, at)));
     }
 
     /// Asks for the diagram of the ray through a point, for an image of `size` pixels.
     pub fn request_diagram(&self, scenery: Scenery, at: [f64; 2], size: (u32, u32)) {
-        self.0.change(|state| state.diagram = Some((scenery, at, size)));
+        self.0.change(|state| state.diagram = Some(Question::Diagram(scenery, at, size)));
     }
 
     /// True while a diagram is queued or drawn.
@@ -155,7 +153,7 @@ impl Prober {
 
     /// Asks for ray statistics.
     pub fn request_ray_statistics(&self, scenery: Scenery) {
-        self.0.change(|state| state.ray_statistics = Some(scenery));
+        self.0.change(|state| state.ray_statistics = Some(Question::RayStatistics(scenery)));
     }
 
     /// True while ray statistics are queued or computed, and during the pause afterwards.
