@@ -1,7 +1,6 @@
 //! The subcommand `lsp`: connects the language server to standard input and standard output.
 
 use std::io::{IsTerminal, Read, Write};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
@@ -11,7 +10,7 @@ use clap::Args;
 use serde_json::Value;
 
 use crate::scenes::included_text;
-use mariana_language_server::{Check, Checked, Ending, Files, Framing, Server, Unreadable, framed};
+use mariana_language_server::{Check, Checked, Ending, Framing, Server, framed};
 use mariana_work::{Worker, in_order};
 
 #[derive(Args)]
@@ -21,18 +20,9 @@ pub(super) struct LspArguments {
     stdio: bool,
 }
 
-/// The files in the folder of a scene.
-struct SceneFolder;
-
-impl Files for SceneFolder {
-    fn included(&self, scene: &Path, name: &str) -> Result<String, String> {
-        included_text(scene, name)
-    }
-}
-
 enum Event {
     /// Messages that arrived together.
-    Messages(Vec<Result<Value, Unreadable>>),
+    Messages(Vec<Result<Value, String>>),
     /// The other thread has checked a text.
     Checked,
     /// Standard input has ended or cannot be read.
@@ -66,9 +56,8 @@ fn read_input(events: &Sender<Event>) {
         let length = input.read(&mut chunk).unwrap_or(0);
         framing.push(chunk.get(..length).unwrap_or_default());
         let messages: Vec<_> = std::iter::from_fn(|| framing.message()).collect();
-        let is_broken = messages.iter().any(|message| matches!(message, Err(Unreadable::Stream(_))));
         let is_sent = messages.is_empty() || events.send(Event::Messages(messages)).is_ok();
-        if length == 0 || is_broken || !is_sent {
+        if length == 0 || framing.is_broken() || !is_sent {
             // The receiver may be gone already.
             let _ = events.send(Event::Closed);
             return;
@@ -78,7 +67,7 @@ fn read_input(events: &Sender<Event>) {
 
 /// Answers messages until the client ends the server; `None` if standard input ends before.
 fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow::Result<Option<Ending>> {
-    let mut server = Server::new(Arc::new(SceneFolder));
+    let mut server = Server::new(Arc::new(included_text));
     let mut is_closed = false;
     while !is_closed {
         let first = arrived.recv().context("the thread that reads standard input has ended")?;

@@ -3,25 +3,16 @@
 
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mariana_language_server::{Files, Server};
+use mariana_language_server::Server;
 use serde_json::{Value, json};
 
 const URI: &str = "file:///scenes/long.scene";
 const LINES: usize = 1_000;
 const KEYS: usize = 1_000;
-
-struct NoFiles;
-
-impl Files for NoFiles {
-    fn included(&self, _: &Path, _: &str) -> Result<String, String> {
-        Err("there are no files".to_owned())
-    }
-}
 
 /// A scene of 1,000 lines in the style of the shipped scenes: 100 functions and 100 objects with materials.
 fn long_scene() -> String {
@@ -64,7 +55,7 @@ impl Typing {
     fn new() -> Self {
         let text = long_scene();
         let line = text.lines().position(|line| line == "object pillars_25 {").unwrap();
-        let mut server = Server::new(Arc::new(NoFiles));
+        let mut server = Server::new(Arc::new(|_, _| Err("there are no files".to_owned())));
         let document = json!({ "uri": URI, "languageId": "mariana", "version": 1, "text": text });
         server.receive(vec![
             Ok(json!({ "id": 0, "method": "initialize", "params": { "capabilities": {} } })),

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use crate::documents::Documents;
 use crate::hover::markdown;
-use crate::positions;
-use crate::protocol::{AtPosition, TextEdit};
+use crate::positions::{self, Position};
+use crate::protocol::TextEdit;
 
 /// Kinds of the protocol.
 mod kind {
@@ -19,17 +19,16 @@ mod kind {
     pub(crate) const KEYWORD: u8 = 14;
 }
 
-pub(crate) fn completion(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Value {
-    let items = items(documents, params, snippets).unwrap_or_default();
+pub(crate) fn completion(documents: &mut Documents, uri: &str, position: Position, snippets: bool) -> Value {
+    let items = items(documents, uri, position, snippets).unwrap_or_default();
     // The list holds the best candidates only, so the client asks again with more letters.
     json!({ "isIncomplete": true, "items": items })
 }
 
-fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Option<Vec<Value>> {
-    let uri = &params.text_document.uri;
+fn items(documents: &mut Documents, uri: &str, position: Position, snippets: bool) -> Option<Vec<Value>> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get_mut(uri)?;
-    let byte = positions::offset(&document.buffer, params.position);
+    let byte = positions::offset(&document.buffer, position);
     let (range, found) = proposals(&document.buffer, &mut document.colors, byte, true);
     let offset = context.offset(byte);
     let (names, sources) = (&context.parsed.names, &context.parsed.sources);

@@ -11,15 +11,9 @@ use crate::positions::{Span, offset, range};
 use crate::protocol::{Change, Location};
 use crate::uri::{path_of, uri_of};
 
-/// Reads files that scenes include.
-pub trait Files: Send + Sync {
-    /// Returns the text of the file `name`, which the scene file `scene` includes. The implementation must not read
-    /// outside of the scene's folder, not even through links.
-    ///
-    /// # Errors
-    /// Fails with a reason in plain words.
-    fn included(&self, scene: &Path, name: &str) -> Result<String, String>;
-}
+/// Returns the text of a file that a scene file includes, from the scene's path and the file's name, or a reason in plain
+/// words. It must not read outside of the scene's folder, not even through links.
+pub type ReadInclude = dyn Fn(&Path, &str) -> Result<String, String> + Send + Sync;
 
 /// An open document.
 pub(crate) struct Document {
@@ -63,7 +57,7 @@ impl Document {
 #[derive(Clone)]
 pub(crate) struct Snapshot {
     open: Arc<BTreeMap<PathBuf, Arc<str>>>,
-    files: Arc<dyn Files>,
+    read: Arc<ReadInclude>,
 }
 
 impl Snapshot {
@@ -73,7 +67,7 @@ impl Snapshot {
             let Some(scene) = scene else { return lang::no_includes(name) };
             match self.open.get(&included_path(scene, name)) {
                 Some(text) => Ok(text.to_string()),
-                None => self.files.included(scene, name),
+                None => (self.read)(scene, name),
             }
         }
     }
@@ -121,12 +115,12 @@ pub(crate) struct Documents {
     /// forget what is known about scenes that include them.
     pub(crate) open: BTreeMap<String, Document>,
     pub(crate) parsed: BTreeMap<String, Arc<Parsed>>,
-    files: Arc<dyn Files>,
+    read: Arc<ReadInclude>,
 }
 
 impl Documents {
-    pub(crate) fn new(files: Arc<dyn Files>) -> Self {
-        Self { open: BTreeMap::new(), parsed: BTreeMap::new(), files }
+    pub(crate) fn new(read: Arc<ReadInclude>) -> Self {
+        Self { open: BTreeMap::new(), parsed: BTreeMap::new(), read }
     }
 
     pub(crate) fn insert(&mut self, uri: &str, version: i64, text: String) {
@@ -157,7 +151,7 @@ impl Documents {
 
     pub(crate) fn snapshot(&self) -> Snapshot {
         let open = self.open.values().filter_map(|one| Some((one.path.clone()?, one.text.clone())));
-        Snapshot { open: Arc::new(open.collect()), files: self.files.clone() }
+        Snapshot { open: Arc::new(open.collect()), read: self.read.clone() }
     }
 
     /// Returns the names of a document and its includes.

@@ -4,15 +4,6 @@ use serde_json::Value;
 
 use crate::limits;
 
-/// A message that is no JSON, or a stream without messages. The text explains the mistake.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Unreadable {
-    /// This message is wrong; the next one can be read.
-    Message(String),
-    /// The stream cannot be read any further.
-    Stream(String),
-}
-
 /// The bytes that have arrived and are not yet a whole message.
 #[derive(Debug, Default)]
 pub struct Framing {
@@ -37,12 +28,17 @@ impl Framing {
         self.bytes.extend_from_slice(bytes.get(skipped..).unwrap_or_default());
     }
 
+    /// True after a header without a length: the start of the next message is unknown, and no further message is
+    /// returned.
+    pub fn is_broken(&self) -> bool {
+        self.is_broken
+    }
+
     /// Returns the next complete message.
     ///
     /// # Errors
-    /// [`Unreadable::Message`] for a message that is no JSON or is too large. [`Unreadable::Stream`] for a header
-    /// without a length: the start of the next message is then unknown, and no further message is returned.
-    pub fn message(&mut self) -> Option<Result<Value, Unreadable>> {
+    /// Fails with an explanation for a message that is no JSON or is too large, and for a header without a length.
+    pub fn message(&mut self) -> Option<Result<Value, String>> {
         if self.is_broken {
             return None;
         }
@@ -53,27 +49,24 @@ impl Framing {
             }
             self.is_broken = true;
             let max = limits::HEADER_BYTES_MAX;
-            return Some(Err(Unreadable::Stream(format!(
-                "the header of a message is longer than {max} bytes"
-            ))));
+            return Some(Err(format!("the header of a message is longer than {max} bytes")));
         };
         let Some(length) = length else {
             self.is_broken = true;
             let message = "a message has no header `Content-Length`: send its length in bytes";
-            return Some(Err(Unreadable::Stream(message.to_owned())));
+            return Some(Err(message.to_owned()));
         };
         let max = limits::MESSAGE_BYTES_MAX;
         if length > max {
             let here = rest.len().saturating_sub(header).min(length);
             self.at += header + here;
             self.to_skip = length - here;
-            let message = format!("a message has {length} bytes; the maximum is {max}");
-            return Some(Err(Unreadable::Message(message)));
+            return Some(Err(format!("a message has {length} bytes; the maximum is {max}")));
         }
         let body = rest.get(header..header + length)?;
         let message = serde_json::from_slice(body);
         self.at += header + length;
-        Some(message.map_err(|error| Unreadable::Message(format!("a message is not JSON: {error}"))))
+        Some(message.map_err(|error| format!("a message is not JSON: {error}")))
     }
 }
 
@@ -120,13 +113,13 @@ mod tests {
     fn a_wrong_message_does_not_hide_the_next() {
         let mut framing = Framing::default();
         framing.push(b"Content-Length: 3\r\n\r\n{]}Content-Length: 2\r\n\r\n[]");
-        assert!(matches!(framing.message(), Some(Err(Unreadable::Message(_)))));
+        assert!(framing.message().unwrap().is_err() && !framing.is_broken());
         assert_eq!(framing.message(), Some(Ok(json!([]))));
         assert_eq!(framing.message(), None);
 
         let large = limits::MESSAGE_BYTES_MAX + 1;
         framing.push(format!("Content-Length: {large}\r\n\r\n").as_bytes());
-        assert!(matches!(framing.message(), Some(Err(Unreadable::Message(_)))));
+        assert!(framing.message().unwrap().is_err() && !framing.is_broken());
         for _ in 0..large / 100_000 {
             framing.push(&[b' '; 100_000]);
         }
@@ -143,12 +136,12 @@ mod tests {
         {
             let mut framing = Framing::default();
             framing.push(wrong.as_bytes());
-            assert!(matches!(framing.message(), Some(Err(Unreadable::Stream(_)))), "{wrong}");
+            assert!(framing.message().unwrap().is_err() && framing.is_broken(), "{wrong}");
             framing.push(b"Content-Length: 2\r\n\r\n[]");
             assert_eq!(framing.message(), None);
         }
         let mut framing = Framing::default();
         framing.push(&vec![b'x'; limits::HEADER_BYTES_MAX + 1]);
-        assert!(matches!(framing.message(), Some(Err(Unreadable::Stream(_)))));
+        assert!(framing.message().unwrap().is_err() && framing.is_broken());
     }
 }

@@ -5,18 +5,16 @@ use mariana_field::lang::{Meaning, NameKind, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, Parsed};
-use crate::positions;
-use crate::protocol::AtPosition;
+use crate::positions::{self, Position};
 
-pub(crate) fn hover(documents: &mut Documents, params: &AtPosition) -> Value {
-    found(documents, params).unwrap_or(Value::Null)
+pub(crate) fn hover(documents: &mut Documents, uri: &str, position: Position) -> Value {
+    found(documents, uri, position).unwrap_or(Value::Null)
 }
 
-fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
-    let uri = &params.text_document.uri;
+fn found(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get(uri)?;
-    let byte = positions::offset(&document.buffer, params.position);
+    let byte = positions::offset(&document.buffer, position);
     let (span, about) = match context.parsed.names.at(context.offset(byte)) {
         Some((span, meaning)) => (span, about(&context.parsed, span, meaning)?),
         None => {
@@ -80,19 +78,10 @@ fn of_declaration(parsed: &Parsed, index: usize) -> Option<About> {
         _ => {}
     }
     let (file, bytes) = parsed.sources.place_in_file(declared.name)?;
-    let text = &parsed.sources.files().get(file)?.text;
-    let start = text.get(..bytes.start)?.rfind('\n').map_or(0, |end| end + 1);
-    // The line and the comment above it.
-    let above = text.get(..start)?.lines().rev().take_while(|line| line.trim_start().starts_with('#'));
-    let begin = start - above.map(|line| line.len() + 1).sum::<usize>().min(start);
-    let end = text.get(bytes.end..)?.find('\n').map_or(text.len(), |length| bytes.end + length);
-    let buffer = Buffer::new(text.get(begin..end)?.as_bytes().to_vec());
-    let mut about = declaration(&buffer, buffer.line_count() - 1);
-    about.facts = match file {
-        0 => String::new(),
-        _ => format!("declared in {}", parsed.sources.files().get(file)?.name),
-    };
-    Some(about)
+    let source = parsed.sources.files().get(file)?;
+    let buffer = Buffer::new(source.text.clone().into_bytes());
+    let facts = if file == 0 { String::new() } else { format!("declared in {}", source.name) };
+    Some(About { facts, ..declaration(&buffer, buffer.line_of(bytes.start)) })
 }
 
 /// Returns the documentation as Markdown.

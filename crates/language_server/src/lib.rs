@@ -32,6 +32,6 @@ mod signature;
 mod uri;
 
 pub use check::{Check, Checked};
-pub use documents::Files;
-pub use framing::{Framing, Unreadable, framed};
+pub use documents::ReadInclude;
+pub use framing::{Framing, framed};
 pub use server::{Ending, Server};

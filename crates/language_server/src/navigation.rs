@@ -7,16 +7,16 @@ use mariana_field::lang::Meaning;
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, included_path};
-use crate::positions::{self, offset};
-use crate::protocol::{AtPosition, Location, ReferencesParams};
+use crate::positions::{self, Position, offset};
+use crate::protocol::Location;
 use crate::uri::uri_of;
 
-pub(crate) fn definition(documents: &mut Documents, params: &AtPosition) -> Value {
-    let (contexts, byte) = at(documents, params);
+pub(crate) fn definition(documents: &mut Documents, uri: &str, position: Position) -> Value {
+    let (contexts, byte) = at(documents, uri, position);
     for context in contexts {
         let Some((span, meaning)) = context.parsed.names.at(context.offset(byte)) else { continue };
         if meaning == Meaning::Include {
-            return included(documents, &params.text_document.uri, &context, span);
+            return included(documents, uri, &context, span);
         }
         let Meaning::Declared(index) = meaning else { continue };
         let Some(declared) = context.parsed.names.declarations.get(index) else { continue };
@@ -35,25 +35,21 @@ fn included(documents: &Documents, uri: &str, context: &Context, span: mariana_f
     target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": positions::Span::default() }))
 }
 
-pub(crate) fn references(documents: &mut Documents, params: &ReferencesParams) -> Value {
-    let all = places(documents, &params.at, params.context.include_declaration);
-    json!(all)
-}
-
 /// Returns the uses of a name in the document itself.
-pub(crate) fn highlights(documents: &mut Documents, params: &AtPosition) -> Value {
-    let all = places(documents, params, true);
-    let here = all.into_iter().filter(|one| one.uri == params.text_document.uri);
+pub(crate) fn highlights(documents: &mut Documents, uri: &str, position: Position) -> Value {
+    let all = places(documents, uri, position, true);
+    let here = all.into_iter().filter(|one| one.uri == uri);
     json!(here.map(|one| json!({ "range": one.range })).collect::<Vec<_>>())
 }
 
 /// Returns the locations of the name at a position, in all open scenes that contain the document.
 pub(crate) fn places(
     documents: &mut Documents,
-    params: &AtPosition,
+    uri: &str,
+    position: Position,
     with_declaration: bool,
 ) -> Vec<Location> {
-    let (contexts, byte) = at(documents, params);
+    let (contexts, byte) = at(documents, uri, position);
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
     for context in contexts {
@@ -73,9 +69,8 @@ pub(crate) fn places(
 }
 
 /// Returns the scenes that contain a document, and the byte of a position in the document.
-pub(crate) fn at(documents: &mut Documents, params: &AtPosition) -> (Vec<Context>, usize) {
-    let uri = &params.text_document.uri;
+pub(crate) fn at(documents: &mut Documents, uri: &str, position: Position) -> (Vec<Context>, usize) {
     let contexts = documents.contexts(uri);
-    let byte = documents.open.get(uri).map_or(0, |document| offset(&document.buffer, params.position));
+    let byte = documents.open.get(uri).map_or(0, |document| offset(&document.buffer, position));
     (contexts, byte)
 }

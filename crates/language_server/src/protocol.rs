@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::positions::{Position, Span};
+use crate::positions::Span;
 
 /// An error in the answer to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,49 +47,6 @@ pub(crate) fn answer(id: &Value, result: Result<Value, Failure>) -> Value {
 
 pub(crate) fn notification(method: &str, params: Value) -> Value {
     json!({ "jsonrpc": "2.0", "method": method, "params": params })
-}
-
-#[derive(Debug, Deserialize)]
-pub(crate) struct DocumentId {
-    pub uri: String,
-}
-
-/// The parameters of requests about a whole document.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct OfDocument {
-    pub text_document: DocumentId,
-}
-
-/// The parameters of requests about a position.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct AtPosition {
-    pub text_document: DocumentId,
-    pub position: Position,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct ReferencesParams {
-    #[serde(flatten)]
-    pub at: AtPosition,
-    #[serde(default)]
-    pub context: ReferencesContext,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct ReferencesContext {
-    pub include_declaration: bool,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct RenameParams {
-    #[serde(flatten)]
-    pub at: AtPosition,
-    pub new_name: String,
 }
 
 #[derive(Debug, Deserialize)]

@@ -8,11 +8,12 @@ use serde_json::{Value, json};
 use crate::documents::{Context, Documents, Parsed};
 use crate::limits;
 use crate::navigation::{at, places};
-use crate::protocol::{AtPosition, Failure, RenameParams, TextEdit, code};
+use crate::positions::Position;
+use crate::protocol::{Failure, TextEdit, code};
 
 /// Returns the place of the name at a position, if it can be renamed.
-pub(crate) fn prepare(documents: &mut Documents, params: &AtPosition) -> Value {
-    let (contexts, byte) = at(documents, params);
+pub(crate) fn prepare(documents: &mut Documents, uri: &str, position: Position) -> Value {
+    let (contexts, byte) = at(documents, uri, position);
     let found = contexts.iter().find_map(|context| {
         let (span, meaning) = context.parsed.names.at(context.offset(byte))?;
         matches!(meaning, Meaning::Declared(_)).then_some((context, span))
@@ -23,9 +24,13 @@ pub(crate) fn prepare(documents: &mut Documents, params: &AtPosition) -> Value {
     location.map_or(Value::Null, |location| json!({ "range": location.range, "placeholder": name }))
 }
 
-pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result<Value, Failure> {
+pub(crate) fn rename(
+    documents: &mut Documents,
+    uri: &str,
+    position: Position,
+    name: &str,
+) -> Result<Value, Failure> {
     let refuse = |message: String| Failure::new(code::REQUEST_FAILED, message);
-    let name = params.new_name.as_str();
     let is_letter = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
     if name.is_empty()
         || name.len() > limits::NAME_BYTES_MAX
@@ -34,7 +39,7 @@ pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result
     {
         return Err(refuse(format!("`{name}` is not a name: use the letters a to z, digits and `_`")));
     }
-    let (contexts, byte) = at(documents, &params.at);
+    let (contexts, byte) = at(documents, uri, position);
     let declared = |context: &Context| match context.parsed.names.at(context.offset(byte)) {
         Some((_, Meaning::Declared(index))) => Some(index),
         _ => None,
@@ -48,7 +53,7 @@ pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result
         }
     }
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
-    for place in places(documents, &params.at, true) {
+    for place in places(documents, uri, position, true) {
         let edit = TextEdit { range: place.range, new_text: name.to_owned() };
         changes.entry(place.uri).or_default().push(edit);
     }

@@ -7,11 +7,10 @@ use mariana_field::lang::formatted;
 use serde_json::{Value, json};
 
 use crate::check::{Check, Checked};
-use crate::documents::{Documents, Files};
-use crate::framing::Unreadable;
+use crate::documents::{Documents, ReadInclude};
 use crate::positions::range;
 use crate::protocol::{
-    ChangedParams, Failure, OfDocument, OpenedParams, TextEdit, answer, code, notification, parameters,
+    ChangedParams, Failure, OpenedParams, TextEdit, answer, code, notification, parameters,
 };
 use crate::semantic_tokens::TYPES;
 use crate::uri::path_of;
@@ -59,11 +58,11 @@ struct Diagnosing {
 
 impl Server {
     /// Returns a server that waits for `initialize`.
-    pub fn new(files: Arc<dyn Files>) -> Self {
+    pub fn new(read: Arc<ReadInclude>) -> Self {
         Self {
             state: State::New,
             client: Value::Null,
-            documents: Documents::new(files),
+            documents: Documents::new(read),
             diagnosing: Diagnosing::default(),
         }
     }
@@ -78,7 +77,7 @@ impl Server {
 
     /// Handles the messages that have arrived, and returns the answers. A request is not executed if its cancellation
     /// is among the messages.
-    pub fn receive(&mut self, messages: Vec<Result<Value, Unreadable>>) -> Vec<Value> {
+    pub fn receive(&mut self, messages: Vec<Result<Value, String>>) -> Vec<Value> {
         let cancelled: Vec<Value> = messages
             .iter()
             .flatten()
@@ -89,7 +88,7 @@ impl Server {
         for message in messages {
             match message {
                 Ok(message) => self.message(&message, &cancelled, &mut answers),
-                Err(Unreadable::Message(text) | Unreadable::Stream(text)) => {
+                Err(text) => {
                     answers.push(answer(&Value::Null, Err(Failure::new(code::PARSE_ERROR, text))));
                 }
             }
@@ -164,21 +163,29 @@ impl Server {
                 return Ok(Value::Null);
             }
         }
+        let uri = || uri_in(params);
+        let position = || parameters(&params["position"]);
         let snippets = has(&self.client, "/textDocument/completion/completionItem/snippetSupport");
         Ok(match method {
-            "textDocument/hover" => hover::hover(documents, &parameters(params)?),
-            "textDocument/completion" => completion::completion(documents, &parameters(params)?, snippets),
-            "textDocument/signatureHelp" => signature::signature(documents, &parameters(params)?),
-            "textDocument/definition" => navigation::definition(documents, &parameters(params)?),
-            "textDocument/references" => navigation::references(documents, &parameters(params)?),
-            "textDocument/documentHighlight" => navigation::highlights(documents, &parameters(params)?),
-            "textDocument/prepareRename" => rename::prepare(documents, &parameters(params)?),
-            "textDocument/rename" => rename::rename(documents, &parameters(params)?)?,
-            "textDocument/documentSymbol" => outline::outline(documents, &uri_in(params)?),
-            "textDocument/semanticTokens/full" => semantic_tokens::tokens(documents, &uri_in(params)?),
-            "textDocument/documentColor" => color::colors(documents, &uri_in(params)?),
+            "textDocument/hover" => hover::hover(documents, uri()?, position()?),
+            "textDocument/completion" => completion::completion(documents, uri()?, position()?, snippets),
+            "textDocument/signatureHelp" => signature::signature(documents, uri()?, position()?),
+            "textDocument/definition" => navigation::definition(documents, uri()?, position()?),
+            "textDocument/references" => {
+                let with_declaration = params["context"]["includeDeclaration"] == true;
+                json!(navigation::places(documents, uri()?, position()?, with_declaration))
+            }
+            "textDocument/documentHighlight" => navigation::highlights(documents, uri()?, position()?),
+            "textDocument/prepareRename" => rename::prepare(documents, uri()?, position()?),
+            "textDocument/rename" => {
+                let name: String = parameters(&params["newName"])?;
+                rename::rename(documents, uri()?, position()?, &name)?
+            }
+            "textDocument/documentSymbol" => outline::outline(documents, uri()?),
+            "textDocument/semanticTokens/full" => semantic_tokens::tokens(documents, uri()?),
+            "textDocument/documentColor" => color::colors(documents, uri()?),
             "textDocument/colorPresentation" => color::presentations(&parameters(params)?),
-            "textDocument/formatting" => formatting(documents, &uri_in(params)?),
+            "textDocument/formatting" => formatting(documents, uri()?),
             _ => {
                 let message = format!("there is no request `{method}`");
                 return Err(Failure::new(code::METHOD_NOT_FOUND, message));
@@ -268,16 +275,16 @@ impl Server {
 
     fn close(&mut self, params: &Value) -> Vec<Value> {
         let Ok(uri) = uri_in(params) else { return Vec::new() };
-        self.documents.close(&uri);
+        self.documents.close(uri);
         // Scenes that include the document now read the file. Documents that it includes stand alone.
-        self.changed(&uri);
-        let included = self.diagnosing.results.remove(&uri).map(|result| result.included).unwrap_or_default();
+        self.changed(uri);
+        let included = self.diagnosing.results.remove(uri).map(|result| result.included).unwrap_or_default();
         let alone: Vec<String> =
             self.documents.open.keys().filter(|uri| is_among(uri, &included)).cloned().collect();
         alone.iter().for_each(|uri| self.diagnosing.request(uri));
-        self.diagnosing.wanted.remove(&uri);
-        self.diagnosing.revisions.remove(&uri);
-        self.publish(&uri)
+        self.diagnosing.wanted.remove(uri);
+        self.diagnosing.revisions.remove(uri);
+        self.publish(uri)
     }
 
     /// Requests diagnostics of a document and of all scenes that include it.
@@ -384,8 +391,10 @@ fn is_among(uri: &str, paths: &[std::path::PathBuf]) -> bool {
     path_of(uri).is_some_and(|path| paths.contains(&path))
 }
 
-fn uri_in(params: &Value) -> Result<String, Failure> {
-    Ok(parameters::<OfDocument>(params)?.text_document.uri)
+fn uri_in(params: &Value) -> Result<&str, Failure> {
+    let missing =
+        || Failure::new(code::INVALID_PARAMS, "the parameters are wrong: there is no `textDocument`");
+    params["textDocument"]["uri"].as_str().ok_or_else(missing)
 }
 
 /// Returns the edits that format a document: at most one, of the lines that change. A text with mistakes gets none.

@@ -6,18 +6,16 @@ use serde_json::{Value, json};
 use crate::documents::Documents;
 use crate::hover::{about, markdown};
 use crate::limits;
-use crate::positions::offset;
-use crate::protocol::AtPosition;
+use crate::positions::{Position, offset};
 
-pub(crate) fn signature(documents: &mut Documents, params: &AtPosition) -> Value {
-    found(documents, params).unwrap_or(Value::Null)
+pub(crate) fn signature(documents: &mut Documents, uri: &str, position: Position) -> Value {
+    found(documents, uri, position).unwrap_or(Value::Null)
 }
 
-fn found(documents: &mut Documents, params: &AtPosition) -> Option<Value> {
-    let uri = &params.text_document.uri;
+fn found(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get_mut(uri)?;
-    let byte = offset(&document.buffer, params.position);
+    let byte = offset(&document.buffer, position);
     let last = document.buffer.line_of(byte);
     let (mut closed, mut argument) = (0_usize, 0_usize);
     let mut opening = false;

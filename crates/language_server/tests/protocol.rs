@@ -6,19 +6,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mariana_language_server::{Ending, Files, Server, Unreadable};
+use mariana_language_server::{Ending, Server};
 use proptest::prelude::*;
 use serde_json::{Value, json};
-
-/// Files without a disk.
-struct Texts(BTreeMap<PathBuf, String>);
-
-impl Files for Texts {
-    fn included(&self, scene: &Path, name: &str) -> Result<String, String> {
-        let path = scene.parent().unwrap().join(name);
-        self.0.get(&path).cloned().ok_or_else(|| "there is no such file".to_owned())
-    }
-}
 
 struct Client {
     server: Server,
@@ -32,8 +22,14 @@ const PART: &str = "file:///scenes/part.scene";
 
 impl Client {
     fn new(files: &[(&str, &str)]) -> Self {
-        let files = files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_owned())).collect();
-        Self { server: Server::new(Arc::new(Texts(files))), id: 0, diagnostics: BTreeMap::new() }
+        // Files without a disk.
+        let files = files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_owned()));
+        let files: BTreeMap<PathBuf, String> = files.collect();
+        let read = move |scene: &Path, name: &str| {
+            let text = files.get(&scene.parent().unwrap().join(name));
+            text.cloned().ok_or_else(|| "there is no such file".to_owned())
+        };
+        Self { server: Server::new(Arc::new(read)), id: 0, diagnostics: BTreeMap::new() }
     }
 
     fn started(files: &[(&str, &str)]) -> Self {
@@ -184,7 +180,7 @@ fn the_server_begins_and_ends_as_the_protocol_says() {
 #[test]
 fn unreadable_messages_and_cancelled_requests_get_errors() {
     let mut client = Client::started(&[]);
-    let answers = client.server.receive(vec![Err(Unreadable::Message("no JSON".to_owned()))]);
+    let answers = client.server.receive(vec![Err("no JSON".to_owned())]);
     assert_eq!((&answers[0]["id"], &answers[0]["error"]["code"]), (&Value::Null, &json!(-32700)));
     for wrong in [json!([]), json!(7), json!({ "id": 3 }), json!({ "method": 5, "id": 3 })] {
         assert_eq!(client.receive(vec![wrong])[0]["error"]["code"], -32600);
