@@ -4,8 +4,8 @@ use mariana_editing::{TripleKind, triples, written_part};
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
-use crate::positions;
-use crate::protocol::{Color, ColorParams, TextEdit};
+use crate::positions::{self, Span};
+use crate::protocol::{Color, TextEdit};
 
 pub(crate) fn colors(documents: &mut Documents, uri: &str) -> Value {
     let Some(document) = documents.open.get_mut(uri) else { return json!([]) };
@@ -27,11 +27,11 @@ pub(crate) fn colors(documents: &mut Documents, uri: &str) -> Value {
 }
 
 /// Returns the text of a colour that the user has chosen.
-pub(crate) fn presentations(params: &ColorParams) -> Value {
-    let Color { red, green, blue, .. } = params.color;
+pub(crate) fn presentations(color: Color, range: Span) -> Value {
+    let Color { red, green, blue, .. } = color;
     let [red, green, blue] = [red, green, blue].map(|part| written_part(to_linear(part.clamp(0.0, 1.0))));
     let new_text = format!("vec3({red}, {green}, {blue})");
-    let edit = TextEdit { range: params.range, new_text: new_text.clone() };
+    let edit = TextEdit { range, new_text: new_text.clone() };
     json!([{ "label": new_text, "textEdit": edit }])
 }
 

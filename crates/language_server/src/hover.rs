@@ -7,11 +7,7 @@ use serde_json::{Value, json};
 use crate::documents::{Context, Documents, Parsed};
 use crate::positions::{self, Position};
 
-pub(crate) fn hover(documents: &mut Documents, uri: &str, position: Position) -> Value {
-    found(documents, uri, position).unwrap_or(Value::Null)
-}
-
-fn found(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
+pub(crate) fn hover(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get(uri)?;
     let byte = positions::offset(&document.buffer, position);

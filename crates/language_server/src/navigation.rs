@@ -1,9 +1,8 @@
 //! The declaration of a name, and all its uses.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
-use mariana_field::lang::Meaning;
+use mariana_field::lang::{Meaning, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Context, Documents, included_path};
@@ -11,7 +10,7 @@ use crate::positions::{self, Position, offset};
 use crate::protocol::Location;
 use crate::uri::uri_of;
 
-pub(crate) fn definition(documents: &mut Documents, uri: &str, position: Position) -> Value {
+pub(crate) fn definition(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let (contexts, byte) = at(documents, uri, position);
     for context in contexts {
         let Some((span, meaning)) = context.parsed.names.at(context.offset(byte)) else { continue };
@@ -21,18 +20,18 @@ pub(crate) fn definition(documents: &mut Documents, uri: &str, position: Positio
         let Meaning::Declared(index) = meaning else { continue };
         let Some(declared) = context.parsed.names.declarations.get(index) else { continue };
         if let Some(location) = documents.location(&context.parsed, declared.name) {
-            return json!(location);
+            return Some(json!(location));
         }
     }
-    Value::Null
+    None
 }
 
-fn included(documents: &Documents, uri: &str, context: &Context, span: mariana_field::lang::Span) -> Value {
+fn included(documents: &Documents, uri: &str, context: &Context, span: Span) -> Option<Value> {
     let name = context.parsed.sources.text(span).trim_matches('"').to_owned();
-    let scene = documents.open.get(uri).and_then(|document| document.path.clone());
-    let file = context.parsed.sources.files().iter().find(|file| file.name == name);
-    let target = file.and(scene).and_then(|scene| uri_of(&included_path(Path::new(&scene), &name)));
-    target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": positions::Span::default() }))
+    let scene = documents.open.get(uri)?.path.as_deref()?;
+    let is_read = context.parsed.sources.files().iter().any(|file| file.name == name);
+    let target = uri_of(&included_path(scene, &name)).filter(|_| is_read)?;
+    Some(json!({ "uri": target, "range": positions::Span::default() }))
 }
 
 /// Returns the uses of a name in the document itself.

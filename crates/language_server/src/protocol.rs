@@ -30,8 +30,8 @@ impl Failure {
     }
 }
 
-/// Reads the parameters of a message.
-pub(crate) fn parameters<T: DeserializeOwned>(value: &Value) -> Result<T, Failure> {
+/// Reads a parameter of a message.
+pub(crate) fn parameter<T: DeserializeOwned>(value: &Value) -> Result<T, Failure> {
     T::deserialize(value)
         .map_err(|error| Failure::new(code::INVALID_PARAMS, format!("the parameters are wrong: {error}")))
 }
@@ -49,13 +49,6 @@ pub(crate) fn notification(method: &str, params: Value) -> Value {
     json!({ "jsonrpc": "2.0", "method": method, "params": params })
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct ColorParams {
-    pub color: Color,
-    pub range: Span,
-}
-
 /// A colour in sRGB, each component 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Color {
@@ -66,23 +59,10 @@ pub(crate) struct Color {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct OpenedParams {
-    pub text_document: OpenedDocument,
-}
-
-#[derive(Debug, Deserialize)]
 pub(crate) struct OpenedDocument {
     pub uri: String,
     pub version: i64,
     pub text: String,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct ChangedParams {
-    pub text_document: ChangedDocument,
-    pub content_changes: Vec<Change>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -12,16 +12,14 @@ use crate::positions::Position;
 use crate::protocol::{Failure, TextEdit, code};
 
 /// Returns the place of the name at a position, if it can be renamed.
-pub(crate) fn prepare(documents: &mut Documents, uri: &str, position: Position) -> Value {
+pub(crate) fn prepare(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let (contexts, byte) = at(documents, uri, position);
-    let found = contexts.iter().find_map(|context| {
+    let (context, span) = contexts.iter().find_map(|context| {
         let (span, meaning) = context.parsed.names.at(context.offset(byte))?;
         matches!(meaning, Meaning::Declared(_)).then_some((context, span))
-    });
-    let Some((context, span)) = found else { return Value::Null };
-    let location = documents.location(&context.parsed, span);
-    let name = context.parsed.sources.text(span);
-    location.map_or(Value::Null, |location| json!({ "range": location.range, "placeholder": name }))
+    })?;
+    let location = documents.location(&context.parsed, span)?;
+    Some(json!({ "range": location.range, "placeholder": context.parsed.sources.text(span) }))
 }
 
 pub(crate) fn rename(

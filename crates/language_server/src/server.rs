@@ -10,7 +10,7 @@ use crate::check::{Check, Checked};
 use crate::documents::{Documents, ReadInclude};
 use crate::positions::range;
 use crate::protocol::{
-    ChangedParams, Failure, OpenedParams, TextEdit, answer, code, notification, parameters,
+    ChangedDocument, Failure, OpenedDocument, TextEdit, answer, code, notification, parameter,
 };
 use crate::semantic_tokens::TYPES;
 use crate::uri::path_of;
@@ -164,27 +164,29 @@ impl Server {
             }
         }
         let uri = || uri_in(params);
-        let position = || parameters(&params["position"]);
+        let position = || parameter(&params["position"]);
         let snippets = has(&self.client, "/textDocument/completion/completionItem/snippetSupport");
         Ok(match method {
-            "textDocument/hover" => hover::hover(documents, uri()?, position()?),
+            "textDocument/hover" => hover::hover(documents, uri()?, position()?).into(),
             "textDocument/completion" => completion::completion(documents, uri()?, position()?, snippets),
-            "textDocument/signatureHelp" => signature::signature(documents, uri()?, position()?),
-            "textDocument/definition" => navigation::definition(documents, uri()?, position()?),
+            "textDocument/signatureHelp" => signature::signature(documents, uri()?, position()?).into(),
+            "textDocument/definition" => navigation::definition(documents, uri()?, position()?).into(),
             "textDocument/references" => {
                 let with_declaration = params["context"]["includeDeclaration"] == true;
                 json!(navigation::places(documents, uri()?, position()?, with_declaration))
             }
             "textDocument/documentHighlight" => navigation::highlights(documents, uri()?, position()?),
-            "textDocument/prepareRename" => rename::prepare(documents, uri()?, position()?),
+            "textDocument/prepareRename" => rename::prepare(documents, uri()?, position()?).into(),
             "textDocument/rename" => {
-                let name: String = parameters(&params["newName"])?;
+                let name: String = parameter(&params["newName"])?;
                 rename::rename(documents, uri()?, position()?, &name)?
             }
             "textDocument/documentSymbol" => outline::outline(documents, uri()?),
             "textDocument/semanticTokens/full" => semantic_tokens::tokens(documents, uri()?),
             "textDocument/documentColor" => color::colors(documents, uri()?),
-            "textDocument/colorPresentation" => color::presentations(&parameters(params)?),
+            "textDocument/colorPresentation" => {
+                color::presentations(parameter(&params["color"])?, parameter(&params["range"])?)
+            }
             "textDocument/formatting" => formatting(documents, uri()?),
             _ => {
                 let message = format!("there is no request `{method}`");
@@ -253,23 +255,24 @@ impl Server {
     }
 
     fn open(&mut self, params: &Value) -> Vec<Value> {
-        let Ok(OpenedParams { text_document }) = parameters(params) else { return Vec::new() };
-        let uri = text_document.uri;
+        let opened = parameter(&params["textDocument"]);
+        let Ok(OpenedDocument { uri, version, text }) = opened else { return Vec::new() };
         if !self.documents.open.contains_key(&uri) && self.documents.open.len() >= limits::DOCUMENTS_MAX {
             let max = limits::DOCUMENTS_MAX;
             let message =
                 format!("more than {max} scenes are open: close some, to see the mistakes in {uri}");
             return vec![notification("window/showMessage", json!({ "type": 2, "message": message }))];
         }
-        self.documents.insert(&uri, text_document.version, text_document.text);
+        self.documents.insert(&uri, version, text);
         self.changed(&uri);
         Vec::new()
     }
 
     fn change(&mut self, params: &Value) {
-        let Ok(ChangedParams { text_document, content_changes }) = parameters(params) else { return };
-        if self.documents.change(&text_document.uri, text_document.version, content_changes) {
-            self.changed(&text_document.uri);
+        let Ok(ChangedDocument { uri, version }) = parameter(&params["textDocument"]) else { return };
+        let Ok(changes) = parameter(&params["contentChanges"]) else { return };
+        if self.documents.change(&uri, version, changes) {
+            self.changed(&uri);
         }
     }
 

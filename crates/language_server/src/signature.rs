@@ -8,11 +8,7 @@ use crate::hover::{about, markdown};
 use crate::limits;
 use crate::positions::{Position, offset};
 
-pub(crate) fn signature(documents: &mut Documents, uri: &str, position: Position) -> Value {
-    found(documents, uri, position).unwrap_or(Value::Null)
-}
-
-fn found(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
+pub(crate) fn signature(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get_mut(uri)?;
     let byte = offset(&document.buffer, position);
