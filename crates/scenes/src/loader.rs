@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::{Duration, Instant, SystemTime};
@@ -43,13 +42,7 @@ pub struct Loaded<T> {
 #[derive(Debug)]
 pub struct Loader<T> {
     requests: Sender<Message>,
-    shared: Arc<Shared<T>>,
-}
-
-#[derive(Debug)]
-struct Shared<T> {
-    newest: Mutex<Option<Loaded<T>>>,
-    ended: AtomicBool,
+    newest: Arc<Mutex<Option<Loaded<T>>>>,
 }
 
 enum Message {
@@ -77,20 +70,20 @@ impl<T: Send + 'static> Loader<T> {
         patience: Duration,
     ) -> io::Result<Self> {
         let (requests, inbox) = channel();
-        let shared = Arc::new(Shared { newest: Mutex::new(None), ended: AtomicBool::new(false) });
-        let results = Arc::clone(&shared);
+        let newest = Arc::new(Mutex::new(None));
+        let results = Arc::downgrade(&newest);
         Background::start("scene loader", move || {
             let publish = move |loaded| {
-                if !results.ended.load(Ordering::Acquire) {
-                    // Drop the old value outside the lock, because it may be large.
-                    let old = lock(&results.newest).replace(loaded);
-                    drop(old);
-                    wake();
-                }
+                // Without a loader, nobody polls the result.
+                let Some(newest) = results.upgrade() else { return };
+                // Drop the old value outside the lock, because it may be large.
+                let old = lock(&newest).replace(loaded);
+                drop(old);
+                wake();
             };
             Worker { load, publish, patience, current: None, noticed: None }.run(&inbox);
         })?;
-        Ok(Self { requests, shared })
+        Ok(Self { requests, newest })
     }
 
     /// Requests `source`, and watches it instead of the previous source. The request replaces a request that has not
@@ -112,19 +105,12 @@ impl<T: Send + 'static> Loader<T> {
 
     /// Returns the newest result, unless it was returned before. Never blocks.
     pub fn poll(&self) -> Option<Loaded<T>> {
-        match self.shared.newest.try_lock() {
+        match self.newest.try_lock() {
             Ok(mut newest) => newest.take(),
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
             // The thread is storing the result and calls `wake` afterwards.
             Err(TryLockError::WouldBlock) => None,
         }
-    }
-}
-
-impl<T> Drop for Loader<T> {
-    fn drop(&mut self) {
-        // The thread ends when it finds no sender of requests.
-        self.shared.ended.store(true, Ordering::Release);
     }
 }
 

@@ -1,7 +1,7 @@
 use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::Receiver;
 use std::thread::sleep;
 
