@@ -1,13 +1,15 @@
 //! `--controlled`: a video or a thumbnail that a window draws in a separate process.
 
 use std::io::BufRead;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 use anyhow::Context;
 
 use crate::ending::{self, Signal};
 use crate::export::print::{print_line, print_message};
 use crate::export::video::{CONTINUE, PAUSE, VideoReport, Written};
+use mariana_player::lower_priority;
+use mariana_work::{Latest, Shared, looping};
 
 /// The priority of a video. With [`LOWEST`], a window with a software renderer would leave the video no time.
 const VIDEO_NICENESS: i32 = 10;
@@ -16,7 +18,7 @@ const LOWEST: i32 = 19;
 
 /// The connection to the window.
 pub(super) struct Controlled {
-    is_paused: Arc<(Mutex<bool>, Condvar)>,
+    is_paused: Latest<bool>,
 }
 
 impl Controlled {
@@ -26,13 +28,8 @@ impl Controlled {
     /// # Errors
     /// Fails if no thread can be started.
     pub(super) fn begin() -> anyhow::Result<Self> {
-        let is_paused = Arc::new((Mutex::new(false), Condvar::new()));
-        let obeying = is_paused.clone();
-        end_with_input(VIDEO_NICENESS, move |line| {
-            let (paused, changed) = &*obeying;
-            let mut paused = paused.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_paused = end_with_input(VIDEO_NICENESS, |line, paused| {
             *paused = if line == PAUSE { true } else { *paused && line != CONTINUE };
-            changed.notify_all();
         })?;
         Ok(Self { is_paused })
     }
@@ -41,9 +38,7 @@ impl Controlled {
     pub(super) fn reach(&self, done: u64, of: Option<u64>) {
         // A window that no longer reads has ended the standard input too.
         let _ = report(&VideoReport::Drawn { done, of });
-        let (paused, changed) = &*self.is_paused;
-        let paused = paused.lock().unwrap_or_else(PoisonError::into_inner);
-        drop(changed.wait_while(paused, |paused| *paused));
+        drop(self.is_paused.wait_while(Duration::MAX, |paused| *paused));
     }
 
     /// Reports the finished video.
@@ -62,25 +57,21 @@ impl Controlled {
 /// # Errors
 /// Fails if no thread can be started.
 pub(super) fn draw_for_window() -> anyhow::Result<()> {
-    end_with_input(LOWEST, |_| ())
+    end_with_input(LOWEST, |_, _| ()).map(drop)
 }
 
-/// Sets the priority, which later threads and ffmpeg inherit. A new thread calls `obey` with each line of standard input,
-/// and ends the process after the last.
-fn end_with_input(niceness: i32, mut obey: impl FnMut(String) + Send + 'static) -> anyhow::Result<()> {
-    #[cfg(target_os = "linux")]
-    let _ = rustix::process::setpriority_process(None, niceness);
-    #[cfg(not(target_os = "linux"))]
-    let _ = niceness;
-    let watch = move || {
-        std::io::stdin().lock().lines().map_while(Result::ok).for_each(&mut obey);
+/// Sets the priority, which later threads and ffmpeg inherit. A new thread calls `obey` with each line of standard input
+/// and the returned state, and ends the process after the last line.
+fn end_with_input(niceness: i32, obey: fn(String, &mut bool)) -> anyhow::Result<Latest<bool>> {
+    lower_priority(niceness);
+    let watch = move |shared: &Shared<bool>| {
+        let lines = std::io::stdin().lock().lines().map_while(Result::ok);
+        lines.for_each(|line| shared.change(|state| obey(line, state)));
         ending::end_now(Signal::HangUp, || {
             print_message("the window has ended this work; unfinished files are removed")
         });
     };
-    let thread = std::thread::Builder::new().name("window".into()).spawn(watch);
-    thread.context("no thread can be started: close other programs")?;
-    Ok(())
+    looping("window", false, watch).context("no thread can be started: close other programs")
 }
 
 fn report(report: &VideoReport) -> anyhow::Result<()> {

@@ -10,7 +10,7 @@ use image::RgbaImage;
 use super::image_of;
 use crate::scenes::TextureSource;
 use mariana_player::video::{Camera, VideoError, VideoFrame, VideoInfo, VideoReader};
-use mariana_work::{Latest, Shared, latest};
+use mariana_work::{Latest, Shared, looping};
 
 /// Decoded frames of a video that are kept: the shown one, and the next ones. At the limit of 1,920 x 1,080 pixels they
 /// take 50 MB.
@@ -23,7 +23,6 @@ pub(super) struct Feed(Latest<FeedState>);
 
 #[derive(Default)]
 struct FeedState {
-    has_begun: bool,
     /// The time of the show's last frame, in seconds of the song.
     time: f64,
     info: Option<VideoInfo>,
@@ -54,9 +53,8 @@ impl Feed {
     ) -> io::Result<Self> {
         let state = FeedState { time, ..FeedState::default() };
         // The only job ends with the feed.
-        let begin = |state: &mut FeedState| (!std::mem::replace(&mut state.has_begun, true)).then_some(());
-        let work = move |(), shared: &Shared<_>| FeedThread { shared, wake: &wake }.run(&source);
-        latest("moving texture", state, begin, work).map(Self)
+        let work = move |shared: &Shared<_>| FeedThread { shared, wake: &wake }.run(&source);
+        looping("moving texture", state, work).map(Self)
     }
 
     /// Returns the picture at `time` seconds of the song: the newest one that has come. Never waits for one.
@@ -141,7 +139,7 @@ impl FeedThread<'_> {
                 told = Some(words);
                 (self.wake)();
             }
-            drop(self.shared.wait_while(RETRY, |_| true));
+            self.shared.rest(RETRY);
         }
     }
 

@@ -11,12 +11,12 @@ mod process;
 mod queue;
 mod worker;
 
+use std::collections::VecDeque;
 use std::io;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::mpsc::{Sender, channel};
 
-use mariana_work::lock;
+use mariana_work::{Latest, Shared, looping};
 
 use crate::commands::JobAction;
 use crate::config::Folders;
@@ -29,8 +29,14 @@ use worker::{Event, Worker};
 /// The queue of videos. Dropping it ends the video that is being rendered, which stays in the queue.
 pub struct Videos {
     events: Sender<Event>,
-    shared: Arc<Mutex<Shown>>,
-    news: Receiver<String>,
+    published: Latest<Published>,
+}
+
+#[derive(Default)]
+struct Published {
+    shown: Shown,
+    /// Messages for the user.
+    news: VecDeque<String>,
 }
 
 /// The state of the queue.
@@ -65,14 +71,11 @@ impl Videos {
     /// Fails if the system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let (events, incoming) = channel();
-        let (tell, news) = channel();
-        let shared = Arc::<Mutex<Shown>>::default();
-        let sends = events.clone();
-        let (folders, shows) = (folders.clone(), shared.clone());
-        std::thread::Builder::new().name("videos".into()).spawn(move || {
-            Worker::new(folders, (sends, incoming), (shows, tell), Box::new(wake)).work();
-        })?;
-        Ok(Self { events, shared, news })
+        let (folders, sends) = (folders.clone(), events.clone());
+        let work = move |shared: &Shared<Published>| {
+            Worker::new(folders, (sends, incoming), Box::new(wake)).work(shared);
+        };
+        Ok(Self { events, published: looping("videos", Published::default(), work)? })
     }
 
     /// Appends a video to the queue. `file` is its path; if the path is taken, the video gets another name.
@@ -100,12 +103,12 @@ impl Videos {
 
     /// Reads the state of the queue.
     pub fn with_shown<T>(&self, read: impl FnOnce(&Shown) -> T) -> T {
-        read(&lock(&self.shared))
+        read(&self.published.lock().shown)
     }
 
     /// Returns the next message for the user, if any.
     pub fn news(&self) -> Option<String> {
-        self.news.try_recv().ok()
+        self.published.lock().news.pop_front()
     }
 
     fn send(&self, event: Event) {

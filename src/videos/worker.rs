@@ -2,16 +2,15 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use mariana_work::lock;
+use mariana_work::Shared;
 use tempfile::TempDir;
 
-use super::Shown;
 use super::estimate::{Estimate, Measure, Measuring};
 use super::process::{End, Process, show_in_folder};
 use super::queue::{JobState, Queue, QueueFile};
+use super::{Published, Shown};
 use crate::commands::JobAction;
 use crate::config::{Folders, PerformanceFiles};
 use crate::ending::{self, Undo};
@@ -51,10 +50,9 @@ pub(super) struct Worker {
     wanted: Option<Measure>,
     shown: Shown,
     published: Option<Instant>,
-    /// Messages for the user, which are sent after the state to which they belong is published.
+    /// Messages for the user, which are published with the state to which they belong.
     told: Vec<String>,
     events: (Sender<Event>, Receiver<Event>),
-    shares: (Arc<Mutex<Shown>>, Sender<String>),
     wake: Box<dyn Fn() + Send>,
 }
 
@@ -86,7 +84,6 @@ impl Worker {
     pub(super) fn new(
         folders: Folders,
         events: (Sender<Event>, Receiver<Event>),
-        shares: (Arc<Mutex<Shown>>, Sender<String>),
         wake: Box<dyn Fn() + Send>,
     ) -> Self {
         Self {
@@ -100,12 +97,11 @@ impl Worker {
             published: None,
             told: Vec::new(),
             events,
-            shares,
             wake,
         }
     }
 
-    pub(super) fn work(mut self) {
+    pub(super) fn work(mut self, shared: &Shared<Published>) {
         let (file, told) = QueueFile::open(&self.folders, &mut self.queue);
         self.file = file;
         let unfinished = self.queue.jobs.iter().filter(|job| job.state == JobState::Unfinished).count();
@@ -115,7 +111,7 @@ impl Worker {
             count => Some(format!("{count} videos are unfinished: press F10 to continue them")),
         };
         self.told.extend(told.into_iter().chain(words));
-        self.publish();
+        self.publish(shared);
         loop {
             let wait = self.run.as_ref().and_then(VideoRun::due);
             let wait = wait.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
@@ -133,7 +129,7 @@ impl Worker {
                 run.killed_at = Some(Instant::now() + PATIENCE);
             }
             self.begin_next();
-            self.publish();
+            self.publish(shared);
         }
     }
 
@@ -333,7 +329,7 @@ impl Worker {
     }
 
     /// Keeps the queue and publishes it. Progress without other changes is published less often.
-    fn publish(&mut self) {
+    fn publish(&mut self, shared: &Shared<Published>) {
         if let Some(Err(words)) = self.file.as_mut().map(|file| file.keep(&self.queue)) {
             self.told.push(words);
         }
@@ -347,14 +343,12 @@ impl Worker {
             self.shown.jobs.clone_from(&self.queue.jobs);
             self.published = Some(now);
         }
-        let mut shared = lock(&self.shares.0);
-        let is_new = *shared != self.shown || !self.told.is_empty();
-        shared.clone_from(&self.shown);
-        drop(shared);
-        for words in self.told.drain(..) {
-            tracing::info!("{words}");
-            let _ = self.shares.1.send(words);
-        }
+        self.told.iter().for_each(|words| tracing::info!("{words}"));
+        let mut published = shared.lock();
+        let is_new = published.shown != self.shown || !self.told.is_empty();
+        published.shown.clone_from(&self.shown);
+        published.news.extend(self.told.drain(..));
+        drop(published);
         if is_new {
             (self.wake)();
         }

@@ -8,6 +8,7 @@ use std::time::Duration;
 use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
 use mariana_music::limits as music_limits;
+use mariana_work::Latest;
 
 use super::device_list::{FoundDevice, ListedDevice};
 use super::devices::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
@@ -40,7 +41,6 @@ pub(crate) trait Port: Sized + Send + 'static {
     type Link: Send + 'static;
     /// Port-specific data about the open stream.
     type Note: Clone + Default + Send + 'static;
-    type StandIn: Send + 'static;
 
     const DIRECTION: Direction;
     const STAND_IN: &'static str;
@@ -48,11 +48,10 @@ pub(crate) trait Port: Sized + Send + 'static {
     /// Returns a function that opens and starts a device on another thread. The function may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
     fn describe(link: &Self::Link) -> Self::Note;
-    /// Handles a newly opened device. It is called after the device's status was published.
-    fn ready(&mut self, link: Self::Link);
-    fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
-    /// Handles a newly started substitute. It is called after the substitute's status was published.
-    fn stood_in(&mut self);
+    /// Starts the substitute for a device, if there is one. Dropping it stops it.
+    fn stand_in(&self) -> io::Result<Option<(Latest<()>, Self::Link)>>;
+    /// Handles a newly opened device or its substitute, whose status is published already; `None` if neither is there.
+    fn ready(&mut self, link: Option<Self::Link>);
 }
 
 pub(crate) struct Opened<L> {

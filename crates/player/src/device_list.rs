@@ -1,7 +1,6 @@
 //! The list of connected devices. A separate thread polls it several times a second, because cpal does not pass on the
 //! changes that the sound servers announce. A poll makes four queries to the server.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
@@ -9,7 +8,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::devices::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::error::Direction;
-use mariana_work::{Background, lock};
+use mariana_work::{Latest, Shared, lock, looping};
 
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
@@ -122,18 +121,23 @@ impl DeviceList {
 }
 
 #[derive(Default)]
-struct SharedDevices {
+struct Polled {
     /// The device list, and a number that grows with each of its changes; 0 before the first poll.
-    latest: Mutex<(u64, Arc<DeviceList>)>,
-    looks: AtomicU64,
-    stop: AtomicBool,
+    latest: (u64, Arc<DeviceList>),
+    looks: u64,
+}
+
+impl Polled {
+    fn publish(&mut self, device_list: DeviceList) {
+        if self.latest.0 == 0 || *self.latest.1 != device_list {
+            self.latest = (self.latest.0 + 1, Arc::new(device_list));
+        }
+        self.looks += 1;
+    }
 }
 
 /// The polling thread. The program has one polling thread, which runs as long as a reference to it exists.
-pub struct DeviceWatch {
-    shared: Arc<SharedDevices>,
-    worker: Mutex<Background>,
-}
+pub struct DeviceWatch(Latest<Polled>);
 
 static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
 
@@ -147,46 +151,27 @@ impl DeviceWatch {
         if let Some(watch) = slot.upgrade() {
             return Ok(watch);
         }
-        let shared = Arc::new(SharedDevices::default());
-        let looking = shared.clone();
-        let worker = Background::start("device watch", move || {
-            while !looking.stop.load(Ordering::Relaxed) {
-                looking.publish(DeviceList::query());
-                looking.looks.fetch_add(1, Ordering::Release);
-                std::thread::park_timeout(LOOK_PERIOD);
+        let poll = |shared: &Shared<Polled>| {
+            while !shared.is_over() {
+                let device_list = DeviceList::query();
+                shared.lock().publish(device_list);
+                shared.rest(LOOK_PERIOD);
             }
-        })?;
-        let watch = Arc::new(Self { shared, worker: Mutex::new(worker) });
+        };
+        let thread = looping("device watch", Polled::default(), poll)?;
+        let watch = Arc::new(Self(thread.finished_at_drop(END_LIMIT)));
         *slot = Arc::downgrade(&watch);
         Ok(watch)
     }
 
     /// The number of finished polls. A change appears in the list after at most two more polls.
     pub fn looks(&self) -> u64 {
-        self.shared.looks.load(Ordering::Acquire)
+        self.0.lock().looks
     }
 
     /// Returns the latest list and its generation. If the generation differs from before, the list has changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
-        lock(&self.shared.latest).clone()
-    }
-}
-
-impl SharedDevices {
-    fn publish(&self, device_list: DeviceList) {
-        let mut latest = lock(&self.latest);
-        if latest.0 == 0 || *latest.1 != device_list {
-            *latest = (latest.0 + 1, Arc::new(device_list));
-        }
-    }
-}
-
-impl Drop for DeviceWatch {
-    fn drop(&mut self) {
-        self.shared.stop.store(true, Ordering::Relaxed);
-        let mut worker = lock(&self.worker);
-        worker.unpark();
-        worker.finish(END_LIMIT);
+        self.0.lock().latest.clone()
     }
 }
 
@@ -236,12 +221,12 @@ mod tests {
 
     #[test]
     fn only_changes_count() {
-        let shared = SharedDevices::default();
-        shared.publish(DeviceList::default());
-        shared.publish(DeviceList::default());
-        assert_eq!(lock(&shared.latest).0, 1);
-        shared.publish(DeviceList { known: true, ..DeviceList::default() });
-        assert_eq!(lock(&shared.latest).0, 2);
+        let mut polled = Polled::default();
+        polled.publish(DeviceList::default());
+        polled.publish(DeviceList::default());
+        assert_eq!(polled.latest.0, 1);
+        polled.publish(DeviceList { known: true, ..DeviceList::default() });
+        assert_eq!((polled.latest.0, polled.looks), (2, 3));
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub const TAGS_KEPT_MAX: usize = 60_000;
 /// Maximum number of files of a folder whose tags are read in advance. Further tags are read when they are shown.
 pub const FOLDER_TAGS_MAX: usize = 2_000;
 /// Maximum size of the cache file of tags, in bytes. The rest of a larger file is ignored.
-pub const TAG_CACHE_BYTES_MAX: u64 = 1 << 26;
+pub const TAG_CACHE_BYTES_MAX: usize = 1 << 26;
 /// Maximum number of edits of a list that can be undone.
 pub const UNDO_STEPS_MAX: usize = 50;
 /// Maximum number of entries in all earlier states of a list that are kept for undo.

@@ -177,18 +177,13 @@ impl Player {
         let port = OutputPort::new(controls.clone(), counters.clone(), rate, deliver);
         let supervisor = Supervisor::start(port, options.output)?;
         let outputs = supervisor.notes();
+        let of_song = [decoding, analysis, list_thread].map(|thread| thread.finished_at_drop(END_LIMIT));
         Ok(Self {
             controls,
             counters,
             position: Position::new(outputs.clone(), audible_segments.clone(), track.clone()),
             audible: AudibleMoment::new(outputs, audible_segments, track.id),
-            threads: Threads {
-                commands,
-                supervisor: Some(supervisor),
-                decoding,
-                analysis,
-                list: list_thread,
-            },
+            threads: Threads { commands, supervisor, _of_song: of_song },
             gain,
             track,
             listing,
@@ -266,9 +261,7 @@ impl Player {
     /// Switches to another output. The current output continues until the new output is open. A player that was started
     /// without a device also switches to the output.
     pub fn choose_output(&self, target: Target) {
-        if let Some(supervisor) = &self.threads.supervisor {
-            supervisor.choose(target);
-        }
+        self.threads.supervisor.choose(target);
     }
 
     /// Changes the gain control. The image follows within half a second, because the analysis is ahead of the sound.
@@ -293,7 +286,7 @@ impl Player {
 
     /// The current state of playback.
     pub fn status(&mut self) -> PlayerStatus {
-        let output = self.threads.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let output = self.threads.supervisor.status();
         let place = self.position.current();
         self.track = place.track;
         let (ended, next) = self.audible.end_and_next(output.note.as_ref());
@@ -359,17 +352,16 @@ impl Player {
 
 // The threads of a player, and their shutdown.
 
-const END_LIMIT: Duration = Duration::from_secs(1);
+/// The time that each of the three threads of the song has to end.
+const END_LIMIT: Duration = Duration::from_millis(350);
 
 /// The threads that [`Player::start`](Player::start) starts. Dropping this value ends them, within a time limit.
 struct Threads {
     commands: Sender<Command>,
-    /// Ends first when this value is dropped, and is `None` from then on.
-    supervisor: Option<Supervisor>,
-    decoding: Background,
-    analysis: Background,
-    /// This thread ends when the decoding thread ends.
-    list: Background,
+    // Ends first when this value is dropped.
+    supervisor: Supervisor,
+    /// The threads of the decoding, of the analysis and of the list. The other two end when the decoding ends.
+    _of_song: [Background; 3],
 }
 
 impl Threads {
@@ -382,11 +374,6 @@ impl Threads {
 impl Drop for Threads {
     fn drop(&mut self) {
         self.send(Command::Quit);
-        self.supervisor = None;
-        let decoded = self.decoding.finish(END_LIMIT) && self.analysis.finish(END_LIMIT);
-        if !decoded || !self.list.finish(END_LIMIT) {
-            tracing::warn!("the song's decoder does not stop and is abandoned");
-        }
     }
 }
 

@@ -22,7 +22,7 @@ use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use super::devices::monitor_id;
 use super::error::{DeviceError, Direction};
 use super::server_connection::ServerConnection;
-use mariana_work::{Background, lock};
+use mariana_work::{Background, Latest, lock};
 
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
@@ -56,7 +56,7 @@ type Numbered<L> = (u64, Event<L>);
 pub(crate) struct Supervisor<P: Port> {
     events: Sender<Numbered<P::Link>>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
-    worker: Background,
+    _worker: Background,
 }
 
 impl<P: Port> Supervisor<P> {
@@ -81,7 +81,7 @@ impl<P: Port> Supervisor<P> {
             superseded: false,
         };
         let worker = Background::start("sound devices", move || watch.run(&inbox))?;
-        Ok(Self { events, status, worker })
+        Ok(Self { events, status, _worker: worker.finished_at_drop(3 * CLOSE_LIMIT) })
     }
 
     pub(crate) fn status(&self) -> StreamStatus<P::Note> {
@@ -111,7 +111,6 @@ impl<N: Clone> NoteReader<N> {
 impl<P: Port> Drop for Supervisor<P> {
     fn drop(&mut self) {
         let _ = self.events.send((0, Event::Quit));
-        self.worker.finish(3 * CLOSE_LIMIT);
     }
 }
 
@@ -140,7 +139,7 @@ impl DeviceThread {
     }
 }
 
-enum Current<P: Port> {
+enum Current {
     None,
     Device {
         thread: DeviceThread,
@@ -150,7 +149,7 @@ enum Current<P: Port> {
         silent_looks: u32,
     },
     /// The substitute for a device. The substitute stops when this value is dropped.
-    StandIn(#[allow(dead_code, reason = "held because it stops when it is dropped")] Option<P::StandIn>),
+    StandIn(#[allow(dead_code, reason = "held because it stops when it is dropped")] Option<Latest<()>>),
 }
 
 struct Opening {
@@ -171,7 +170,7 @@ struct Watch<P: Port> {
     status: Arc<Mutex<StreamStatus<P::Note>>>,
     events: Sender<Numbered<P::Link>>,
     last_number: u64,
-    current: Current<P>,
+    current: Current,
     opening: Option<Opening>,
     retry_at: Option<Instant>,
     /// The device that was open last for the current target.
@@ -198,7 +197,7 @@ impl<P: Port> Watch<P> {
         if let Some(opening) = self.opening.take() {
             opening.thread.close();
         }
-        close::<P>(std::mem::replace(&mut self.current, Current::None));
+        close(std::mem::replace(&mut self.current, Current::None));
     }
 
     /// Starts to open the target, unless an opening is running.
@@ -295,8 +294,8 @@ impl<P: Port> Watch<P> {
         let note = P::describe(&link);
         *lock(&self.status) =
             StreamStatus { description, device: Some(entry), silent: None, refused: None, note };
-        self.port.ready(link);
-        close::<P>(before);
+        self.port.ready(Some(link));
+        close(before);
     }
 
     /// Handles a failed device or a failed opening. A failed device is replaced by silence.
@@ -416,26 +415,24 @@ impl<P: Port> Watch<P> {
         if matches!(self.current, Current::StandIn(_)) {
             return;
         }
-        let (stand_in, note) = match self.port.stand_in() {
-            Ok(stood_in) => stood_in,
-            Err(error) => {
-                lock(&self.status).silent =
-                    Some(format!("{reason}; and the silent clock could not start: {error}"));
-                (None, P::Note::default())
-            }
-        };
+        let stand_in = self.port.stand_in().unwrap_or_else(|error| {
+            lock(&self.status).silent =
+                Some(format!("{reason}; and the silent clock could not start: {error}"));
+            None
+        });
+        let (stand_in, link) = stand_in.unzip();
         {
             let mut status = lock(&self.status);
             status.description = P::STAND_IN.into();
             status.device = None;
-            status.note = note;
+            status.note = link.as_ref().map(P::describe).unwrap_or_default();
         }
-        self.port.stood_in();
-        close::<P>(std::mem::replace(&mut self.current, Current::StandIn(stand_in)));
+        self.port.ready(link);
+        close(std::mem::replace(&mut self.current, Current::StandIn(stand_in)));
     }
 }
 
-fn close<P: Port>(current: Current<P>) {
+fn close(current: Current) {
     if let Current::Device { thread, .. } = current {
         thread.close();
     }

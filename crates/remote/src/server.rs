@@ -128,7 +128,8 @@ impl Serving {
             Ok(listens)
         };
         let refused = |why| self.set_state(RemoteState::Refused(why));
-        let listens = self.place.open_when_free("phone control", "--remote", &self.is_over, open, refused);
+        let is_over = || self.is_over();
+        let listens = self.place.open_when_free("phone control", "--remote", is_over, open, refused);
         let Some(listens) = listens else { return };
         while !self.is_over() {
             let pairing_address = PairingAddress::new(listens, self.name(), &self.token);
@@ -141,7 +142,10 @@ impl Serving {
     }
 
     fn set_state(&self, state: RemoteState) {
-        state.store_in(&self.state, &self.wake);
+        let is_new = lock(&self.state).replace(state);
+        if is_new {
+            (self.wake)();
+        }
     }
 
     /// Returns the host given by the user, if it is a name.

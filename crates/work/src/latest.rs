@@ -1,23 +1,26 @@
-//! A thread that takes its next job from a state, so that only the latest requests count.
+//! A thread that shares a state with its owner: it takes its next job from the state, so that only the latest requests
+//! count, or runs its own loop.
 
 use std::io;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::Thread;
 use std::time::Duration;
 
 use super::{Background, contained, lock};
 
 /// The state that a thread shares with its owner.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Shared<State> {
     state: Mutex<State>,
     changed: Condvar,
     is_over: AtomicBool,
 }
 
-/// The owner of a thread that [`latest`] has started, which ends when this is dropped.
-#[derive(Debug)]
+/// The owner of a thread that [`latest`] or [`looping`] has started, which ends when this is dropped. The default has a
+/// state, but no thread.
+#[derive(Debug, Default)]
 pub struct Latest<State> {
     shared: Arc<Shared<State>>,
     background: Background,
@@ -35,20 +38,32 @@ pub fn latest<State: Send + 'static, Job>(
     mut next: impl FnMut(&mut State) -> Option<Job> + Send + 'static,
     mut work: impl FnMut(Job, &Shared<State>) + Send + 'static,
 ) -> io::Result<Latest<State>> {
-    let (state, changed) = (Mutex::new(state), Condvar::new());
-    let shared = Arc::new(Shared { state, changed, is_over: AtomicBool::new(false) });
-    let of_thread = shared.clone();
-    let background = Background::start(name, move || {
+    looping(name, state, move |shared| {
         loop {
             let mut job = None;
-            drop(of_thread.wait_while(Duration::MAX, |state| {
+            drop(shared.wait_while(Duration::MAX, |state| {
                 job = next(state);
                 job.is_none()
             }));
-            let Some(job) = job.filter(|_| !of_thread.is_over()) else { return };
-            contained(|| work(job, &of_thread));
+            let Some(job) = job.filter(|_| !shared.is_over()) else { return };
+            contained(|| work(job, shared));
         }
-    })?;
+    })
+}
+
+/// Starts a thread that runs its own loop, and must end when [`Shared::is_over`].
+///
+/// # Errors
+/// Fails if the system cannot start a thread.
+pub fn looping<State: Send + 'static>(
+    name: &str,
+    state: State,
+    work: impl FnOnce(&Shared<State>) + Send + 'static,
+) -> io::Result<Latest<State>> {
+    let (state, changed) = (Mutex::new(state), Condvar::new());
+    let shared = Arc::new(Shared { state, changed, is_over: AtomicBool::new(false) });
+    let of_thread = shared.clone();
+    let background = Background::start(name, move || work(&of_thread))?;
     Ok(Latest { shared, background })
 }
 
@@ -63,6 +78,11 @@ impl<State> Shared<State> {
         let changed = change(&mut self.lock());
         self.changed.notify_all();
         changed
+    }
+
+    /// Waits for `time`, or until the end.
+    pub fn rest(&self, time: Duration) {
+        drop(self.wait_while(time, |_| true));
     }
 
     /// Waits while `waits` is true, for at most `limit` and until the end. `waits` is called after each change.
@@ -89,6 +109,11 @@ impl<State> Latest<State> {
         self.background.wait = limit;
         self
     }
+
+    /// Returns the thread, to unpark it.
+    pub fn thread(&self) -> Option<&Thread> {
+        self.background.thread()
+    }
 }
 
 impl<State> Deref for Latest<State> {
@@ -102,5 +127,6 @@ impl<State> Deref for Latest<State> {
 impl<State> Drop for Latest<State> {
     fn drop(&mut self) {
         self.change(|_| self.is_over.store(true, Ordering::Relaxed));
+        self.thread().map(Thread::unpark);
     }
 }

@@ -1,5 +1,6 @@
-//! Background threads of three kinds: [`once`] computes one answer, [`in_order`] carries out all orders one after the
-//! other, and [`latest`] takes its next job from a state in which the owner replaces what it no longer wants.
+//! Background threads of four kinds: [`once`] computes one answer, [`in_order`] carries out all orders one after the
+//! other, [`latest`] takes its next job from a state in which the owner replaces what it no longer wants, and [`looping`]
+//! runs its own loop on a state that it shares with the owner.
 //!
 //! The owner never waits for a thread unless it asks to. A panic is logged with the name of the thread, and never hangs
 //! the owner. A thread ends when its owner is dropped, after the job at hand.
@@ -16,13 +17,13 @@ mod in_order;
 mod latest;
 
 pub use in_order::{Worker, in_order};
-pub use latest::{Latest, Shared, latest};
+pub use latest::{Latest, Shared, latest, looping};
 
 /// A thread that runs its own loop. Dropping this leaves the thread alone.
 #[derive(Debug)]
 pub struct Background {
     handle: Option<JoinHandle<()>>,
-    end: Receiver<Infallible>,
+    end: Mutex<Receiver<Infallible>>,
     /// How long dropping this waits for the end.
     wait: Duration,
 }
@@ -46,7 +47,7 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Default for Background {
     /// A thread that has ended.
     fn default() -> Self {
-        Self { handle: None, end: channel().1, wait: Duration::ZERO }
+        Self { handle: None, end: Mutex::new(channel().1), wait: Duration::ZERO }
     }
 }
 
@@ -61,7 +62,7 @@ impl Background {
             let _at_end = at_end;
             let _ = contained(work);
         })?;
-        Ok(Self { handle: Some(handle), end, wait: Duration::ZERO })
+        Ok(Self { handle: Some(handle), end: Mutex::new(end), wait: Duration::ZERO })
     }
 
     /// Returns the thread, to unpark it; `None` after [`Background::finish`].
@@ -69,21 +70,21 @@ impl Background {
         self.handle.as_ref().map(JoinHandle::thread)
     }
 
-    /// Unparks the thread.
-    pub fn unpark(&self) {
-        if let Some(handle) = &self.handle {
-            handle.thread().unpark();
-        }
+    /// Dropping this waits at most `limit` for the thread's end.
+    #[must_use]
+    pub fn finished_at_drop(mut self, limit: Duration) -> Self {
+        self.wait = limit;
+        self
     }
 
     /// True once the thread has ended.
     pub fn has_ended(&self) -> bool {
-        matches!(self.end.try_recv(), Err(TryRecvError::Disconnected))
+        matches!(lock(&self.end).try_recv(), Err(TryRecvError::Disconnected))
     }
 
     /// Waits at most `limit` for the thread's end, and returns true if it ended. Otherwise the thread is left alone.
     pub fn finish(&mut self, limit: Duration) -> bool {
-        let ended = matches!(self.end.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
+        let ended = matches!(lock(&self.end).recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
         // Panics are already reported.
         self.handle.take().filter(|_| ended).map(JoinHandle::join);
         ended
@@ -92,8 +93,14 @@ impl Background {
 
 impl Drop for Background {
     fn drop(&mut self) {
-        if !self.wait.is_zero() {
-            self.finish(self.wait);
+        let thread = self.thread().cloned().filter(|_| !self.wait.is_zero());
+        if let Some(thread) = thread
+            && !self.finish(self.wait)
+        {
+            tracing::info!(
+                "the thread '{}' does not stop and is abandoned",
+                thread.name().unwrap_or_default()
+            );
         }
     }
 }

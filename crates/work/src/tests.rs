@@ -151,6 +151,23 @@ fn dropping_the_owner_ends_a_thread_that_waits_and_one_that_looks() {
 }
 
 #[test]
+fn a_loop_shares_its_state_and_rests_until_the_owner_is_gone() {
+    let (ended, ends) = channel();
+    let work = move |shared: &Shared<u32>| {
+        while !shared.is_over() {
+            shared.change(|rounds| *rounds += 1);
+            shared.rest(LIMIT);
+        }
+        ended.send(*shared.lock()).unwrap();
+    };
+    let owner = looping("test", 0, work).unwrap();
+    drop(owner.wait_while(LIMIT, |rounds| *rounds == 0));
+    drop(owner);
+    assert_eq!(ends.recv_timeout(LIMIT), Ok(1));
+    assert_eq!(*Latest::<u32>::default().lock(), 0);
+}
+
+#[test]
 fn the_owner_waits_no_longer_than_its_limit() {
     let (open, waits) = gate();
     let mut background = Background::start("test", waits).unwrap();

@@ -4,14 +4,12 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::process::{ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
-use std::thread::Builder;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::child::{ChildLimits, ChildProcess};
 use crate::ending::{self, Undo};
-use mariana_work::lock;
+use mariana_work::{Latest, lock, looping};
 
 /// Only this many bytes at the end of the process's messages are read.
 const MESSAGE_BYTES: u64 = 4096;
@@ -29,9 +27,7 @@ pub(super) struct EncoderProcess {
     input: Option<ChildStdin>,
     /// The process writes its messages into this file. A pipe could become full and block the process.
     reported_problems: File,
-    wait: Arc<Mutex<Wait>>,
-    /// Dropping this sender stops the watching thread.
-    _watch: SyncSender<()>,
+    watch: Latest<Wait>,
     _end: Undo,
 }
 
@@ -61,31 +57,24 @@ impl EncoderProcess {
             io::Result::Ok((child, move || lock(&its).kill()))
         })?;
         let input = lock(&child).child().stdin.take();
-        let wait = Arc::new(Mutex::new(Wait::default()));
-        let (stop, stopped) = sync_channel(0);
-        let process = Self {
-            child: child.clone(),
-            input,
-            reported_problems,
-            wait: wait.clone(),
-            _watch: stop,
-            _end: end,
-        };
-        let output = output.to_owned();
-        Builder::new().name("encoder watch".into()).spawn(move || {
+        let (output, its) = (output.to_owned(), child.clone());
+        let watch = looping("encoder watch", Wait::default(), move |shared| {
             let mut last = stamp(&output);
-            let period = WATCH_PERIOD.min(patience / 4);
-            while stopped.recv_timeout(period) == Err(RecvTimeoutError::Timeout) {
+            loop {
+                shared.rest(WATCH_PERIOD.min(patience / 4));
+                if shared.is_over() {
+                    return;
+                }
                 let now = stamp(&output);
                 let writes = std::mem::replace(&mut last, now) != now;
-                let mut wait = lock(&wait);
+                let mut wait = shared.lock();
                 if wait.is_too_long(Instant::now(), writes, patience) {
                     wait.has_stalled = true;
-                    return lock(&child).kill();
+                    return lock(&its).kill();
                 }
             }
         })?;
-        Ok(process)
+        Ok(Self { child, input, reported_problems, watch, _end: end })
     }
 
     /// Writes input.
@@ -94,13 +83,13 @@ impl EncoderProcess {
     /// Fails if the process has ended.
     pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         let Some(input) = &mut self.input else { return Ok(()) };
-        lock(&self.wait).since = Some(Instant::now());
+        self.watch.lock().since = Some(Instant::now());
         let written = bytes.chunks(PIECE_BYTES).try_for_each(|piece| {
             input.write_all(piece)?;
-            lock(&self.wait).since = Some(Instant::now());
+            self.watch.lock().since = Some(Instant::now());
             Ok(())
         });
-        lock(&self.wait).since = None;
+        self.watch.lock().since = None;
         written
     }
 
@@ -110,7 +99,7 @@ impl EncoderProcess {
     /// Fails if the system reports an error, or if the process made no progress and was killed.
     pub(super) fn wait(&mut self) -> io::Result<ExitStatus> {
         self.input = None;
-        lock(&self.wait).since = Some(Instant::now());
+        self.watch.lock().since = Some(Instant::now());
         let status = loop {
             if let Some(status) = lock(&self.child).ended().transpose() {
                 break status;
@@ -121,12 +110,12 @@ impl EncoderProcess {
             }
             std::thread::sleep(LOOK_PERIOD);
         };
-        lock(&self.wait).since = None;
+        self.watch.lock().since = None;
         status
     }
 
     pub(super) fn has_stalled(&self) -> bool {
-        lock(&self.wait).has_stalled
+        self.watch.lock().has_stalled
     }
 
     pub(super) fn complaint(&mut self) -> String {

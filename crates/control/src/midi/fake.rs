@@ -7,9 +7,9 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+
+use mariana_work::{Latest, Shared, looping};
 
 use super::ports::{Hear, Ports};
 
@@ -48,37 +48,32 @@ impl Ports for FolderPorts {
         };
         let socket = open(&path).map_err(|error| error.to_string())?;
         let number = number_of(&path);
-        let is_over = Arc::new(AtomicBool::new(false));
-        let of_thread = is_over.clone();
-        let batch = std::thread::Builder::new().name("fake MIDI".into()).spawn(move || {
+        let receive = move |shared: &Shared<()>| {
             let mut bytes = vec![0; 65_536];
-            while !of_thread.load(Ordering::Relaxed) {
+            while !shared.is_over() {
                 if let Ok(length) = socket.recv(&mut bytes) {
                     hear(bytes.get(..length).unwrap_or_default());
                 }
             }
-        });
-        batch
-            .map(|_| Box::new(Open { is_over, path, number }) as Box<dyn Any>)
-            .map_err(|error| error.to_string())
+        };
+        let thread = looping("fake MIDI", (), receive).map_err(|error| error.to_string())?;
+        Ok(Box::new(Open { _thread: thread, path, number }))
     }
 }
 
-/// Returns the inode of a file, or `None` if it does not exist.
 fn number_of(path: &Path) -> Option<u64> {
     std::fs::metadata(path).ok().map(|file| file.ino())
 }
 
 /// An open port. Dropping it ends the thread and removes the socket, unless the socket has been replaced.
 struct Open {
-    is_over: Arc<AtomicBool>,
+    _thread: Latest<()>,
     path: PathBuf,
     number: Option<u64>,
 }
 
 impl Drop for Open {
     fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
         if self.number.is_some() && number_of(&self.path) == self.number {
             let _ = std::fs::remove_file(&self.path);
         }

@@ -3,11 +3,10 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use mariana_work::lock;
+use mariana_work::{Latest, Shared, lock, looping};
 
 use super::clock::{ClockReading, MidiClock};
 use super::device::{Device, Said};
@@ -37,18 +36,20 @@ pub struct MidiState {
     pub revision: u64,
 }
 
-struct Shared {
+/// What the threads of the devices use.
+struct Receiving {
     input_queue: InputQueue,
     /// The zero point of all clock times.
     zero: Instant,
-    state: Mutex<MidiState>,
     clock: Mutex<(MidiClock, Option<Arc<str>>, f64)>,
-    is_over: AtomicBool,
-    wake: Box<dyn Fn() + Send + Sync>,
 }
 
 /// Receives MIDI until it is dropped.
-pub struct MidiHub(Arc<Shared>);
+// Dropping this does not wait for the thread: closing a port may block.
+pub struct MidiHub {
+    state: Latest<MidiState>,
+    receiving: Arc<Receiving>,
+}
 
 impl MidiHub {
     /// Opens all devices of `ports`, and new devices when they are connected. Movements go to `input_queue`. `wake`
@@ -57,52 +58,44 @@ impl MidiHub {
     /// # Errors
     /// Fails if the thread cannot be started.
     pub fn start(
-        ports: Box<dyn Ports>,
+        mut ports: Box<dyn Ports>,
         input_queue: InputQueue,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        let shared = Arc::new(Shared {
-            input_queue,
-            zero: Instant::now(),
-            state: Mutex::default(),
-            clock: Mutex::default(),
-            is_over: AtomicBool::new(false),
-            wake: Box::new(wake),
-        });
-        let of_thread = shared.clone();
-        std::thread::Builder::new().name("MIDI".into()).spawn(move || poll_ports(ports, &of_thread))?;
-        Ok(Self(shared))
+        let receiving = Arc::new(Receiving { input_queue, zero: Instant::now(), clock: Mutex::default() });
+        let of_thread = receiving.clone();
+        let state = looping("MIDI", MidiState::default(), move |shared| {
+            let mut open = BTreeMap::new();
+            while !shared.is_over() {
+                if update_ports(&mut *ports, &mut open, &of_thread, shared) {
+                    wake();
+                }
+                shared.rest(LOOK);
+            }
+        })?;
+        Ok(Self { state, receiving })
     }
 
     /// Returns the current state.
     pub fn state(&self) -> MidiState {
-        lock(&self.0.state).clone()
+        self.state.lock().clone()
     }
 
     /// Returns the reading of the followed clock, and the current time on the same scale; `None` without a clock.
     pub fn clock(&self) -> Option<(ClockReading, f64)> {
-        let now = self.0.zero.elapsed().as_secs_f64();
-        let reading = lock(&self.0.clock).0.reading()?;
+        let now = self.receiving.zero.elapsed().as_secs_f64();
+        let reading = lock(&self.receiving.clock).0.reading()?;
         reading.beat_at(now).map(|_| (reading, now))
     }
 }
 
-impl Drop for MidiHub {
-    fn drop(&mut self) {
-        // Do not wait for the thread: closing a port may block.
-        self.0.is_over.store(true, Ordering::Relaxed);
-    }
-}
-
-fn poll_ports(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
-    let mut open: BTreeMap<String, Box<dyn Any>> = BTreeMap::new();
-    while !shared.is_over.load(Ordering::Relaxed) {
-        update_ports(&mut *ports, &mut open, shared);
-        std::thread::sleep(LOOK);
-    }
-}
-
-fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
+/// Opens new devices and closes removed ones. Returns true if the state has changed.
+fn update_ports(
+    ports: &mut dyn Ports,
+    open: &mut BTreeMap<String, Box<dyn Any>>,
+    receiving: &Arc<Receiving>,
+    shared: &Shared<MidiState>,
+) -> bool {
     let (names, trouble) = match ports.names() {
         Ok(names) => (names, None),
         Err(trouble) => (Vec::new(), Some(trouble)),
@@ -111,7 +104,7 @@ fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>
     let mut refused = Vec::new();
     for name in names.iter().take(limits::MIDI_DEVICES_MAX) {
         if !open.contains_key(name) {
-            match ports.open(name, hearing(name, shared.clone())) {
+            match ports.open(name, hearing(name, receiving.clone())) {
                 Ok(connection) => drop(open.insert(name.clone(), connection)),
                 Err(reason) => refused.push((name.clone(), reason)),
             }
@@ -122,11 +115,11 @@ fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>
         (name.clone(), format!("only {} devices can be open at the same time", limits::MIDI_DEVICES_MAX))
     }));
     let clock_of = {
-        let clock = lock(&shared.clock);
-        let now = shared.zero.elapsed().as_secs_f64();
+        let clock = lock(&receiving.clock);
+        let now = receiving.zero.elapsed().as_secs_f64();
         clock.1.as_deref().filter(|_| now - clock.2 < CLOCK_GONE).map(str::to_owned)
     };
-    let mut state = lock(&shared.state);
+    let mut state = shared.lock();
     let now = MidiState {
         devices: open.keys().cloned().collect(),
         refused,
@@ -135,23 +128,21 @@ fn update_ports(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>
         clock_of,
         revision: state.revision,
     };
-    if now != *state {
-        *state = MidiState { revision: state.revision + 1, ..now };
-        drop(state);
-        (shared.wake)();
-    }
+    let is_new = now != *state;
+    *state = MidiState { revision: state.revision + u64::from(is_new), ..now };
+    is_new
 }
 
-fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
+fn hearing(name: &str, receiving: Arc<Receiving>) -> Hear {
     let name: Arc<str> = name.into();
     let mut device = Device::new(name.clone());
     Box::new(move |bytes| {
         device.parse(bytes, |said| {
             match said {
-                Said::Moved(moved) => shared.input_queue.moved(moved),
+                Said::Moved(moved) => receiving.input_queue.moved(moved),
                 Said::Time(message) => {
-                    let now = shared.zero.elapsed().as_secs_f64();
-                    let mut clock = lock(&shared.clock);
+                    let now = receiving.zero.elapsed().as_secs_f64();
+                    let mut clock = lock(&receiving.clock);
                     let is_free = clock.1.is_none() || now - clock.2 > CLOCK_GONE;
                     if is_free && clock.1.as_ref() != Some(&name) {
                         *clock = (MidiClock::default(), Some(name.clone()), now);
@@ -162,7 +153,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
                     }
                 }
             }
-            shared.input_queue.count();
+            receiving.input_queue.count();
         });
     })
 }
@@ -266,10 +257,10 @@ mod tests {
         assert!(hub.clock().is_none());
         hub_test.send("drums", &[0xfa, 0xf8]);
         hub_test.send("synth", &[0xf8, 0xf8, 0xf8]);
-        assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("drums"));
+        assert_eq!(lock(&hub.receiving.clock).1.as_deref(), Some("drums"));
         // If the followed clock has been silent for long, another device takes over.
-        lock(&hub.0.clock).2 = -CLOCK_GONE;
+        lock(&hub.receiving.clock).2 = -CLOCK_GONE;
         hub_test.send("synth", &[0xf8]);
-        assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("synth"));
+        assert_eq!(lock(&hub.receiving.clock).1.as_deref(), Some("synth"));
     }
 }

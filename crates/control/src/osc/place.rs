@@ -4,10 +4,6 @@ use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use mariana_work::lock;
 
 use crate::limits;
 
@@ -45,14 +41,9 @@ pub enum PortState<T> {
 }
 
 impl<T: PartialEq> PortState<T> {
-    /// Stores this state, and calls `wake` if it differs from the state before.
-    pub fn store_in(self, shared: &Mutex<Self>, wake: impl Fn()) {
-        let mut known = lock(shared);
-        if *known != self {
-            *known = self;
-            drop(known);
-            wake();
-        }
+    /// Stores a new state. Returns true if it differs from the state before.
+    pub fn replace(&mut self, now: Self) -> bool {
+        std::mem::replace(self, now) != *self
     }
 }
 
@@ -102,17 +93,17 @@ impl Place {
         (&*self.host, self.port).to_socket_addrs()?.next().ok_or_else(nobody)
     }
 
-    /// Opens the port, retrying while `open` fails. Returns `None` if `is_over` becomes true first. `refused` gets the
+    /// Opens the port, retrying while `open` fails. Returns `None` if `is_over` returns true first. `refused` gets the
     /// reason of each failure as a sentence, in which `name` is what uses the port, and `flag` chooses the port.
     pub fn open_when_free<T>(
         &self,
         name: &str,
         flag: &str,
-        is_over: &AtomicBool,
+        is_over: impl Fn() -> bool,
         open: impl Fn(SocketAddr) -> io::Result<T>,
         refused: impl Fn(String),
     ) -> Option<T> {
-        while !is_over.load(Ordering::Relaxed) {
+        while !is_over() {
             match self.resolve().and_then(&open) {
                 Ok(opened) => return Some(opened),
                 Err(error) => refused(self.refusal(name, flag, &error)),

@@ -3,11 +3,9 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime};
 
-use mariana_work::lock;
+use mariana_work::{Latest, Shared, looping};
 use rosc::{OscMessage, OscPacket, OscTime, OscType, encoder};
 
 use super::address::{Asked, Pattern, Query, fixed_addresses, is_pattern, understand};
@@ -25,10 +23,7 @@ const PACKET_MAX: usize = 65_535;
 pub type ReceiverState = PortState<SocketAddr>;
 
 /// Receives OSC until it is dropped.
-pub struct OscReceiver {
-    state: Arc<Mutex<ReceiverState>>,
-    is_over: Arc<AtomicBool>,
-}
+pub struct OscReceiver(Latest<ReceiverState>);
 
 impl OscReceiver {
     /// Receives OSC on `place`, retrying until the port is free. Messages for parameters and `actions` go to the input
@@ -43,10 +38,13 @@ impl OscReceiver {
         board: Board,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
-        let (state, is_over) = (Arc::default(), Arc::<AtomicBool>::default());
-        let receiver = Self { state: Arc::clone(&state), is_over: is_over.clone() };
-        std::thread::Builder::new().name("OSC in".into()).spawn(move || {
-            let set_state = |now: ReceiverState| now.store_in(&state, &wake);
+        let receive = move |shared: &Shared<ReceiverState>| {
+            let set_state = |now| {
+                let is_new = shared.lock().replace(now);
+                if is_new {
+                    wake();
+                }
+            };
             let open = |address: SocketAddr| {
                 let socket = UdpSocket::bind(address)?;
                 socket.set_read_timeout(Some(LOOK))?;
@@ -54,23 +52,17 @@ impl OscReceiver {
                 Ok(socket)
             };
             let refused = |why| set_state(ReceiverState::Refused(why));
-            if let Some(socket) = place.open_when_free("OSC input", "--osc", &is_over, open, refused) {
-                Hearing { actions, input_queue, board }.run(&socket, &is_over);
+            let is_over = || shared.is_over();
+            if let Some(socket) = place.open_when_free("OSC input", "--osc", is_over, open, refused) {
+                Hearing { actions, input_queue, board }.run(&socket, is_over);
             }
-        })?;
-        Ok(receiver)
+        };
+        looping("OSC in", ReceiverState::default(), receive).map(Self)
     }
 
     /// Returns the current state.
     pub fn state(&self) -> ReceiverState {
-        lock(&self.state).clone()
-    }
-}
-
-impl Drop for OscReceiver {
-    fn drop(&mut self) {
-        // Do not wait: the thread ends by itself.
-        self.is_over.store(true, Ordering::Relaxed);
+        self.0.lock().clone()
     }
 }
 
@@ -81,10 +73,10 @@ struct Hearing {
 }
 
 impl Hearing {
-    fn run(&self, socket: &UdpSocket, is_over: &AtomicBool) {
+    fn run(&self, socket: &UdpSocket, is_over: impl Fn() -> bool) {
         let mut buffer = vec![0; PACKET_MAX];
         let (mut waiting, mut waited) = (Waiting::default(), LOOK);
-        while !is_over.load(Ordering::Relaxed) {
+        while !is_over() {
             while let Some((message, from)) = waiting.pop_due(Instant::now()) {
                 let mut answers = Vec::new();
                 self.obey(&message, &mut answers);

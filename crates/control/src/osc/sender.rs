@@ -2,11 +2,9 @@
 
 use std::io;
 use std::net::UdpSocket;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use mariana_work::lock;
+use mariana_work::{Latest, Shared, looping};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 
 use super::place::Place;
@@ -26,10 +24,12 @@ const LENGTH_BYTES: usize = 4;
 pub type Sample = Vec<(String, Vec<f32>)>;
 
 /// Sends OSC until it is dropped.
-pub struct OscSender {
-    sample: Arc<Mutex<Sample>>,
-    problem: Arc<Mutex<Option<String>>>,
-    is_over: Arc<AtomicBool>,
+pub struct OscSender(Latest<Sending>);
+
+#[derive(Default)]
+struct Sending {
+    sample: Sample,
+    problem: Option<String>,
 }
 
 impl OscSender {
@@ -38,54 +38,44 @@ impl OscSender {
     /// # Errors
     /// Fails if the thread cannot be started.
     pub fn start(place: Place, rate: f64, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let sender = Self { sample: Arc::default(), problem: Arc::default(), is_over: Arc::default() };
-        let (sample, problem, is_over) =
-            (sender.sample.clone(), sender.problem.clone(), sender.is_over.clone());
         let interval = Duration::try_from_secs_f64(1.0 / rate).unwrap_or(Duration::from_millis(33));
-        std::thread::Builder::new().name("OSC out".into()).spawn(move || {
-            while !is_over.load(Ordering::Relaxed) {
-                let Err(error) = send(&place, interval, &sample, &is_over) else { continue };
+        let work = move |shared: &Shared<Sending>| {
+            while let Err(error) = send(&place, interval, shared) {
                 let sentence =
                     format!("audio features cannot be sent to {place} ({error}); Mariana keeps trying");
-                let mut reported = lock(&problem);
-                if reported.is_none() {
-                    *reported = Some(sentence);
-                    drop(reported);
+                let is_first = shared.lock().problem.is_none();
+                if is_first {
+                    shared.lock().problem = Some(sentence);
                     wake();
                 }
-                std::thread::sleep(AGAIN);
+                shared.rest(AGAIN);
             }
-        })?;
-        Ok(sender)
+        };
+        looping("OSC out", Sending::default(), work).map(Self)
     }
 
     /// Sets the numbers to send from now on.
     pub fn put(&self, sample: Sample) {
-        *lock(&self.sample) = sample;
+        self.0.lock().sample = sample;
     }
 
     /// Returns the first problem, if any.
     pub fn problem(&self) -> Option<String> {
-        lock(&self.problem).clone()
+        self.0.lock().problem.clone()
     }
 }
 
-impl Drop for OscSender {
-    fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
-    }
-}
-
-fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &AtomicBool) -> io::Result<()> {
+/// Sends until the owner is gone.
+fn send(place: &Place, interval: Duration, shared: &Shared<Sending>) -> io::Result<()> {
     let to = place.resolve()?;
     let socket = UdpSocket::bind(if to.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" })?;
     let mut due = Instant::now();
-    while !is_over.load(Ordering::Relaxed) {
+    while !shared.is_over() {
         let now = Instant::now();
         // After the computer was suspended, do not send the missed packets.
         due = (due + interval).max(now);
         std::thread::sleep(due.saturating_duration_since(now));
-        let sample = lock(sample).clone();
+        let sample = shared.lock().sample.clone();
         for bytes in packets(sample) {
             match socket.send_to(&bytes, to) {
                 // Keep sending: no program is listening yet.

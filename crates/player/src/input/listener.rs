@@ -1,7 +1,7 @@
 //! The listening thread analyses the input's frames and sends moments to the window.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
@@ -10,6 +10,7 @@ use rtrb::Producer;
 use super::input_callback::InputCallbackLink;
 use crate::gain_switch::GainSwitch;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
+use mariana_work::Shared;
 
 /// Maximum sleep of the thread if no callback wakes it.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -35,7 +36,6 @@ pub(super) struct Heard {
 
 pub(super) struct Ear {
     pub(super) epoch: Instant,
-    pub(super) stop: AtomicBool,
     /// The times of the last signal and of the current stream's start, in nanoseconds since the epoch.
     signal_ns: AtomicU64,
     began_ns: AtomicU64,
@@ -44,7 +44,7 @@ pub(super) struct Ear {
 impl Ear {
     pub(super) fn new() -> Self {
         let (signal_ns, began_ns) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { epoch: Instant::now(), stop: AtomicBool::new(false), signal_ns, began_ns }
+        Self { epoch: Instant::now(), signal_ns, began_ns }
     }
 
     pub(super) fn now(&self) -> f64 {
@@ -104,8 +104,8 @@ impl Listener {
         }
     }
 
-    pub(super) fn run(mut self, links: &Receiver<Option<InputCallbackLink>>) {
-        while !self.ear.stop.load(Ordering::Relaxed) {
+    pub(super) fn run(mut self, links: &Receiver<Option<InputCallbackLink>>, shared: &Shared<()>) {
+        while !shared.is_over() {
             for link in links.try_iter() {
                 self.attach(link);
             }

@@ -22,7 +22,7 @@ use crate::gain_switch::GainSwitch;
 use crate::limits;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
-use mariana_work::{Awaited, Background, once};
+use mariana_work::{Awaited, Background, Latest, looping, once};
 
 const MOMENTS: usize = 256;
 
@@ -60,9 +60,9 @@ pub struct Live {
     target: Target,
     ear: Arc<Ear>,
     watch: Arc<DeviceWatch>,
-    /// Ends first when this value is dropped, and is `None` from then on.
-    supervisor: Option<Supervisor<InputPort>>,
-    listener: Background,
+    // Ends before the listener when this is dropped.
+    supervisor: Supervisor<InputPort>,
+    _listener: Latest<()>,
     gain: GainSwitch,
     moments: Consumer<Heard>,
     track: FeatureTrack,
@@ -90,7 +90,8 @@ impl Live {
         let (links, inbox) = channel();
         let gain = GainSwitch::new(gain);
         let work = Listener::new(ear.clone(), producer, gain.clone());
-        let listener = Background::start("listening", move || work.run(&inbox))?;
+        let listener = looping("listening", (), move |shared| work.run(&inbox, shared))?;
+        let listener = listener.finished_at_drop(END_LIMIT);
         let thread = listener.thread().cloned().unwrap_or_else(std::thread::current);
         let watch = DeviceWatch::shared()?;
         let supervisor = Supervisor::start(InputPort { links, listener: thread }, Some(target.clone()))?;
@@ -98,8 +99,8 @@ impl Live {
             target,
             ear,
             watch,
-            supervisor: Some(supervisor),
-            listener,
+            supervisor,
+            _listener: listener,
             gain,
             moments,
             track: FeatureTrack::new(limits::LATENCY_MS_MAX / 1000.0 + TRACK_RESERVE),
@@ -117,9 +118,7 @@ impl Live {
     pub fn choose(&mut self, target: Target) {
         self.prober.reset();
         self.target = target.clone();
-        if let Some(supervisor) = &self.supervisor {
-            supervisor.choose(target);
-        }
+        self.supervisor.choose(target);
     }
 
     /// Changes the gain control.
@@ -194,7 +193,7 @@ impl Live {
 
     /// Returns the current state. If the input has no signal, searches for an input with a signal.
     pub fn status(&mut self) -> LiveStatus {
-        let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let status = self.supervisor.status();
         let (_, device_list) = self.watch.latest();
         let name = status
             .device
@@ -229,17 +228,6 @@ impl Live {
             Target::Named(id) | Target::Preferred(id) => {
                 device_list.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone())
             }
-        }
-    }
-}
-
-impl Drop for Live {
-    fn drop(&mut self) {
-        self.supervisor = None;
-        self.ear.stop.store(true, Ordering::Relaxed);
-        self.listener.unpark();
-        if !self.listener.finish(END_LIMIT) {
-            tracing::warn!("the listening thread does not stop and is abandoned");
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::device::{
 use crate::device_list::FoundDevice;
 use crate::devices::hush_sound_library;
 use crate::error::{DeviceError, Direction};
+use mariana_work::Latest;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not
 /// reduce the delay, because features are computed once per hop, and each buffer costs the PulseAudio client about 0.1
@@ -31,18 +32,9 @@ pub(super) struct InputPort {
     pub(super) listener: Thread,
 }
 
-impl InputPort {
-    fn send(&self, link: Option<InputCallbackLink>) {
-        // A failed send means that the listening thread has ended.
-        let _ = self.links.send(link);
-        self.listener.unpark();
-    }
-}
-
 impl Port for InputPort {
     type Link = InputCallbackLink;
     type Note = Option<Arc<InputCounters>>;
-    type StandIn = ();
 
     const DIRECTION: Direction = Direction::Input;
     const STAND_IN: &'static str = "silence";
@@ -56,16 +48,14 @@ impl Port for InputPort {
         Some(link.counters.clone())
     }
 
-    fn ready(&mut self, link: InputCallbackLink) {
-        self.send(Some(link));
+    fn stand_in(&self) -> io::Result<Option<(Latest<()>, InputCallbackLink)>> {
+        Ok(None)
     }
 
-    fn stand_in(&mut self) -> io::Result<(Option<()>, Self::Note)> {
-        Ok((None, None))
-    }
-
-    fn stood_in(&mut self) {
-        self.send(None);
+    fn ready(&mut self, link: Option<InputCallbackLink>) {
+        // A failed send means that the listening thread has ended.
+        let _ = self.links.send(link);
+        self.listener.unpark();
     }
 }
 

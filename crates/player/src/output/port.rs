@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use cpal::traits::{DeviceTrait, StreamTrait};
@@ -18,7 +18,7 @@ use crate::device_list::FoundDevice;
 use crate::devices::{for_playback, hush_sound_library};
 use crate::error::{DeviceError, Direction};
 use crate::supervisor::NoteReader;
-use mariana_work::Background;
+use mariana_work::{Latest, looping};
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
@@ -34,8 +34,6 @@ pub(crate) struct OutputPort {
     counters: Arc<Counters>,
     silent_rate: u32,
     deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
-    /// The silent clock's link, kept here until the clock's status is published.
-    waiting: Option<OutputCallbackLink>,
 }
 
 impl OutputPort {
@@ -47,14 +45,13 @@ impl OutputPort {
         silent_rate: u32,
         deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
     ) -> Self {
-        Self { controls, counters, silent_rate, deliver: Box::new(deliver), waiting: None }
+        Self { controls, counters, silent_rate, deliver: Box::new(deliver) }
     }
 }
 
 impl Port for OutputPort {
     type Link = OutputCallbackLink;
     type Note = Option<Arc<SpanHistory>>;
-    type StandIn = NullOutput;
 
     const DIRECTION: Direction = Direction::Output;
     const STAND_IN: &'static str = "silent clock";
@@ -68,25 +65,17 @@ impl Port for OutputPort {
         Some(link.history.clone())
     }
 
-    fn ready(&mut self, link: OutputCallbackLink) {
-        (self.deliver)(link);
-    }
-
-    fn stand_in(&mut self) -> io::Result<(Option<NullOutput>, Self::Note)> {
+    fn stand_in(&self) -> io::Result<Option<(Latest<()>, OutputCallbackLink)>> {
         let rate = self.silent_rate;
         let (output_callback, link) =
             OutputCallback::new(rate, 0, self.controls.clone(), self.counters.clone());
-        let clock = NullOutput::start(output_callback, rate)?;
+        let clock = start_silent_clock(output_callback, rate)?;
         link.history.set_silent();
-        let note = Self::describe(&link);
-        self.waiting = Some(link);
-        Ok((Some(clock), note))
+        Ok(Some((clock, link)))
     }
 
-    fn stood_in(&mut self) {
-        if let Some(link) = self.waiting.take() {
-            (self.deliver)(link);
-        }
+    fn ready(&mut self, link: Option<OutputCallbackLink>) {
+        link.map(&mut self.deliver);
     }
 }
 
@@ -173,43 +162,29 @@ const PERIOD: Duration = Duration::from_millis(10);
 /// After a gap longer than this (the process was suspended) the clock restarts, because the ring may lack frames.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
-pub(crate) struct NullOutput {
-    stop: Arc<AtomicBool>,
-    worker: Background,
-}
+const END_LIMIT: Duration = Duration::from_millis(500);
 
-impl NullOutput {
-    pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = stop.clone();
-        let worker = Background::start("silent clock", move || {
-            let mut buffer = Vec::new();
-            let mut start = Instant::now();
-            let mut taken = 0_u64;
-            while !stopped.load(Ordering::Relaxed) {
-                let passed = start.elapsed();
-                // Count from the start, so that the errors of each sleep do not add up.
-                let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
-                let frames = due.saturating_sub(taken);
-                if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {
-                    (start, taken) = (Instant::now(), 0);
-                    continue;
-                }
-                buffer.resize(2 * frames as usize, 0.0_f32);
-                let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
-                output_callback.fill(&mut buffer, 2, due_at, Some(Duration::ZERO));
-                taken = due;
-                let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
-                std::thread::sleep(next.saturating_sub(start.elapsed()));
+fn start_silent_clock(mut output_callback: OutputCallback, rate: u32) -> io::Result<Latest<()>> {
+    let clock = looping("silent clock", (), move |shared| {
+        let mut buffer = Vec::new();
+        let mut start = Instant::now();
+        let mut taken = 0_u64;
+        while !shared.is_over() {
+            let passed = start.elapsed();
+            // Count from the start, so that the errors of each sleep do not add up.
+            let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
+            let frames = due.saturating_sub(taken);
+            if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {
+                (start, taken) = (Instant::now(), 0);
+                continue;
             }
-        })?;
-        Ok(Self { stop, worker })
-    }
-}
-
-impl Drop for NullOutput {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        self.worker.finish(Duration::from_millis(500));
-    }
+            buffer.resize(2 * frames as usize, 0.0_f32);
+            let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
+            output_callback.fill(&mut buffer, 2, due_at, Some(Duration::ZERO));
+            taken = due;
+            let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
+            std::thread::sleep(next.saturating_sub(start.elapsed()));
+        }
+    })?;
+    Ok(clock.finished_at_drop(END_LIMIT))
 }

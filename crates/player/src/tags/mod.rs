@@ -8,14 +8,14 @@
 
 use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
-use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::sync::Arc;
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use mariana_files::atomic_file::AtomicFile;
-use mariana_work::lock;
+use mariana_files::reading::read_at_most;
+use mariana_work::{Latest, Shared, looping};
 
 use super::listed::{ListedTrack, ListedTracks};
 use crate::decode::{TrackTags, tags_of};
@@ -25,18 +25,7 @@ use crate::{limits, lower_priority};
 /// The tags that are known so far, and the requests for more. Clones share everything; the thread ends with the last
 /// clone.
 #[derive(Debug, Clone, Default)]
-pub struct TagLibrary(Arc<Handle>);
-
-#[derive(Debug, Default)]
-struct Handle {
-    shared: Arc<SharedTags>,
-}
-
-#[derive(Debug, Default)]
-struct SharedTags {
-    state: Mutex<State>,
-    changed: Condvar,
-}
+pub struct TagLibrary(Arc<Latest<State>>);
 
 #[derive(Debug, Default)]
 struct State {
@@ -53,7 +42,6 @@ struct State {
     /// The revision of the list to which the totals belong.
     totals_of: Option<u64>,
     revision: u64,
-    over: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -87,42 +75,35 @@ impl TagLibrary {
     /// # Errors
     /// Fails if the system cannot start a thread.
     pub fn start(cache: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let library = Self::default();
-        let shared = library.0.shared.clone();
-        let work = move || read_all(&shared, cache.as_deref(), &wake);
-        std::thread::Builder::new().name("tags".into()).spawn(work)?;
-        Ok(library)
+        let work = move |shared: &Shared<State>| read_all(shared, cache.as_deref(), &wake);
+        looping("tags", State::default(), work).map(|library| Self(Arc::new(library)))
     }
 
     /// Reads the files of this list in the background, and computes the list's [`Totals`].
     pub fn follow_list(&self, list: &Arc<ListedTracks>) {
-        let mut state = self.lock();
-        if !Arc::ptr_eq(&state.list, list) {
-            (state.list, state.list_at) = (list.clone(), 0);
-            self.0.shared.changed.notify_one();
+        if !Arc::ptr_eq(&self.0.lock().list, list) {
+            self.0.change(|state| (state.list, state.list_at) = (list.clone(), 0));
         }
     }
 
     /// Reads these files before all others. Replaces the files of the last call.
     pub fn request<'a>(&self, files: impl IntoIterator<Item = &'a Path>) {
-        let mut state = self.lock();
-        let unread = files.into_iter().filter(|file| !state.is_current(file)).map(Path::to_owned);
-        state.urgent = unread.collect();
-        if !state.urgent.is_empty() {
-            self.0.shared.changed.notify_one();
-        }
+        self.0.change(|state| {
+            let unread = files.into_iter().filter(|file| !state.is_current(file)).map(Path::to_owned);
+            state.urgent = unread.collect();
+        });
     }
 
     /// Reads these files of a folder before the files of the list, and looks whether they have changed. Replaces the
     /// files of the last call.
     pub fn request_folder(&self, files: impl IntoIterator<Item = PathBuf>) {
-        self.lock().folder = files.into_iter().take(limits::FOLDER_TAGS_MAX).collect();
-        self.0.shared.changed.notify_one();
+        let files = files.into_iter().take(limits::FOLDER_TAGS_MAX).collect();
+        self.0.change(|state| state.folder = files);
     }
 
     /// The tags of a file; `None` until the file was examined. The tags of an unreadable file are empty.
     pub fn get(&self, file: &Path) -> Option<Arc<TrackTags>> {
-        self.lock().current(file).map(|known| known.tags.clone())
+        self.0.lock().current(file).map(|known| known.tags.clone())
     }
 
     /// The tags of a track of the list, as far as they are known. The data of a list are used for a part of a file, and
@@ -134,92 +115,75 @@ impl TagLibrary {
 
     /// The length of the list that [`Self::follow_list`] was given last, as far as its files are known.
     pub fn totals(&self) -> Totals {
-        self.lock().totals
+        self.0.lock().totals
     }
 
     /// A number that grows when new tags or totals can be shown.
     pub fn revision(&self) -> u64 {
-        self.lock().revision
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.0.shared.lock()
+        self.0.lock().revision
     }
 }
 
-impl Drop for Handle {
-    fn drop(&mut self) {
-        self.shared.lock().over = true;
-        self.shared.changed.notify_one();
+/// Examines a file, and reads it unless it is unchanged. Returns true if the cache file must change.
+fn examine(shared: &Shared<State>, file: &Path) -> bool {
+    let stamp = stamp_of(file);
+    let mut state = shared.lock();
+    let uses = state.uses + 1;
+    if let Some(known) = state.known.get_mut(&*key(file)).filter(|known| Some(known.stamp) == stamp) {
+        (known.is_current, known.used) = (true, uses);
+        state.uses = uses;
+        return false;
     }
+    drop(state);
+    let tags = match stamp {
+        Some(_) => tags_of(file).unwrap_or_else(|error| {
+            tracing::debug!("the tags of {} are not known: {error}", file.display());
+            TrackTags::default()
+        }),
+        None => TrackTags::default(),
+    };
+    shared.lock().insert(file, stamp.unwrap_or_default(), Arc::new(tags), true);
+    stamp.is_some()
 }
 
-impl SharedTags {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        lock(&self.state)
-    }
-
-    /// Examines a file, and reads it unless it is unchanged. Returns true if the cache file must change.
-    fn examine(&self, file: &Path) -> bool {
-        let stamp = stamp_of(file);
-        let mut state = self.lock();
-        let uses = state.uses + 1;
-        if let Some(known) = state.known.get_mut(&*key(file)).filter(|known| Some(known.stamp) == stamp) {
-            (known.is_current, known.used) = (true, uses);
-            state.uses = uses;
-            return false;
-        }
-        drop(state);
-        let tags = match stamp {
-            Some(_) => tags_of(file).unwrap_or_else(|error| {
-                tracing::debug!("the tags of {} are not known: {error}", file.display());
-                TrackTags::default()
-            }),
-            None => TrackTags::default(),
-        };
-        self.lock().insert(file, stamp.unwrap_or_default(), Arc::new(tags), true);
-        stamp.is_some()
-    }
-
-    /// Computes the totals of the list and makes all results visible.
-    fn publish(&self) {
-        let list = self.lock().list.clone();
-        let mut totals = Totals::default();
-        for part in list.entries.chunks(ENTRIES_AT_ONCE) {
-            let state = self.lock();
-            for track in part {
-                let whole = track.file.as_deref().filter(|_| track.start.is_none());
-                let known = whole.and_then(|file| state.current(file));
-                match merged(track, known.map(|known| &*known.tags)).duration {
-                    Some(seconds) => totals.seconds += seconds,
-                    None => totals.unknown += 1,
-                }
+/// Computes the totals of the list and makes all results visible.
+fn publish(shared: &Shared<State>) {
+    let list = shared.lock().list.clone();
+    let mut totals = Totals::default();
+    for part in list.entries.chunks(ENTRIES_AT_ONCE) {
+        let state = shared.lock();
+        for track in part {
+            let whole = track.file.as_deref().filter(|_| track.start.is_none());
+            let known = whole.and_then(|file| state.current(file));
+            match merged(track, known.map(|known| &*known.tags)).duration {
+                Some(seconds) => totals.seconds += seconds,
+                None => totals.unknown += 1,
             }
         }
-        let mut state = self.lock();
-        (state.totals, state.totals_of) = (totals, Some(list.revision));
-        state.revision += 1;
     }
+    let mut state = shared.lock();
+    (state.totals, state.totals_of) = (totals, Some(list.revision));
+    state.revision += 1;
+}
 
-    /// Replaces the cache file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags
-    /// again.
-    fn save(&self, cache: &Path) {
-        let mut known: Vec<(Arc<Path>, Known)> =
-            self.lock().known.iter().map(|(file, known)| (file.clone(), known.clone())).collect();
-        known.sort_by_key(|(_, known)| known.used);
-        let mut text = FIRST_LINE.as_bytes().to_vec();
-        for (file, Known { stamp, tags, .. }) in &known {
-            let Some(file) = file.to_str().filter(|_| *stamp != Stamp::default()) else { continue };
-            let (title, artist) = (tags.title.as_deref(), tags.artist.as_deref());
-            let line: Line<&str> = (file, stamp.size, stamp.modified, title, artist, tags.duration);
-            if let Ok(line) = serde_json::to_vec(&line) {
-                text.push(b'\n');
-                text.extend(line);
-            }
+/// Replaces the cache file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags
+/// again.
+fn save(shared: &Shared<State>, cache: &Path) {
+    let mut known: Vec<(Arc<Path>, Known)> =
+        shared.lock().known.iter().map(|(file, known)| (file.clone(), known.clone())).collect();
+    known.sort_by_key(|(_, known)| known.used);
+    let mut text = FIRST_LINE.as_bytes().to_vec();
+    for (file, Known { stamp, tags, .. }) in &known {
+        let Some(file) = file.to_str().filter(|_| *stamp != Stamp::default()) else { continue };
+        let (title, artist) = (tags.title.as_deref(), tags.artist.as_deref());
+        let line: Line<&str> = (file, stamp.size, stamp.modified, title, artist, tags.duration);
+        if let Ok(line) = serde_json::to_vec(&line) {
+            text.push(b'\n');
+            text.extend(line);
         }
-        if let Err(error) = AtomicFile::create_with_folder(cache).and_then(|file| file.write(&text)) {
-            tracing::debug!("the tags are not kept for the next run: {error}");
-        }
+    }
+    if let Err(error) = AtomicFile::create_with_folder(cache).and_then(|file| file.write(&text)) {
+        tracing::debug!("the tags are not kept for the next run: {error}");
     }
 }
 
@@ -248,9 +212,6 @@ impl State {
 
     /// Returns the next file to read.
     fn next(&mut self) -> Next {
-        if self.over {
-            return Next::Over;
-        }
         while let Some(file) = self.urgent.pop_front() {
             if !self.is_current(&file) {
                 return Next::File(file);
@@ -271,8 +232,7 @@ impl State {
     }
 
     fn has_work(&self) -> bool {
-        self.over
-            || !self.urgent.is_empty()
+        !self.urgent.is_empty()
             || !self.folder.is_empty()
             || self.list_at < self.list.entries.len()
             || self.has_new_list()
@@ -313,13 +273,7 @@ type Line<Text> = (Text, u64, u64, Option<Text>, Option<Text>, Option<f64>);
 
 /// Reads the file, the least recently used entry first. A missing or damaged file has no entries.
 fn load(cache: &Path) -> Vec<(PathBuf, Stamp, TrackTags)> {
-    let is_file = fs::symlink_metadata(cache).is_ok_and(|about| about.is_file());
-    let Some(file) = is_file.then(|| File::open(cache).ok()).flatten() else { return Vec::new() };
-    let mut bytes = Vec::new();
-    if let Err(error) = file.take(limits::TAG_CACHE_BYTES_MAX).read_to_end(&mut bytes) {
-        tracing::debug!("the cache of tags cannot be read: {error}");
-        return Vec::new();
-    }
+    let bytes = read_at_most(cache, limits::TAG_CACHE_BYTES_MAX).ok().flatten().unwrap_or_default();
     let mut lines = bytes.split(|byte| *byte == b'\n');
     if lines.next() != Some(FIRST_LINE.as_bytes()) {
         return Vec::new();
@@ -352,10 +306,9 @@ enum Next {
     /// Looks for more files: the lock was released between two parts of the list.
     Again,
     Idle,
-    Over,
 }
 
-fn read_all(shared: &SharedTags, cache: Option<&Path>, wake: &dyn Fn()) {
+fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
     lower_priority(NICENESS);
     if let Some(cache) = cache {
         let kept = load(cache);
@@ -367,29 +320,31 @@ fn read_all(shared: &SharedTags, cache: Option<&Path>, wake: &dyn Fn()) {
     let (mut unpublished, mut unsaved) = (false, false);
     let (mut published, mut saved) = (Instant::now(), Instant::now());
     loop {
-        let next = shared.lock().next();
+        let is_over = shared.is_over();
+        let next = if is_over { Next::Idle } else { shared.lock().next() };
         if let Next::File(file) = &next {
-            unsaved |= shared.examine(file);
+            unsaved |= examine(shared, file);
             unpublished = true;
         }
         let is_idle = matches!(next, Next::Idle);
         let publishes = is_idle || published.elapsed() >= PUBLISH_EVERY;
         if unpublished && publishes || is_idle && shared.lock().has_new_list() {
-            shared.publish();
+            publish(shared);
             wake();
             (unpublished, published) = (false, Instant::now());
         }
-        let saves = !matches!(next, Next::File(_) | Next::Again) || saved.elapsed() >= SAVE_EVERY;
+        let saves = is_idle || saved.elapsed() >= SAVE_EVERY;
         if unsaved && saves {
             if let Some(cache) = cache {
-                shared.save(cache);
+                save(shared, cache);
             }
             (unsaved, saved) = (false, Instant::now());
         }
-        match next {
-            Next::Over => return,
-            Next::Idle => drop(shared.changed.wait_while(shared.lock(), |state| !state.has_work())),
-            Next::File(_) | Next::Again => {}
+        if is_over {
+            return;
+        }
+        if is_idle {
+            drop(shared.wait_while(Duration::MAX, |state| !state.has_work()));
         }
     }
 }

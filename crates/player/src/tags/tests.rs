@@ -114,14 +114,14 @@ fn visible_rows_come_before_the_folder_and_the_folder_before_the_list() {
     library.request([path("row").as_path()]);
     let mut order = Vec::new();
     loop {
-        let next = library.lock().next();
+        let next = library.0.lock().next();
         let Next::File(file) = next else { break };
-        library.lock().insert(&file, Stamp::default(), Arc::default(), true);
+        library.0.lock().insert(&file, Stamp::default(), Arc::default(), true);
         order.push(file);
     }
     assert_eq!(order, [&[path("row"), path("folder")], &list[..]].concat());
     library.request([path("row").as_path()]);
-    assert!(matches!(library.lock().next(), Next::Idle), "a known file is not read again");
+    assert!(matches!(library.0.lock().next(), Next::Idle), "a known file is not read again");
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn ten_thousand_tracks_take_little_memory() {
     let run = || {
         let (library, woken) = library(folder.path());
         library.follow_list(&list);
-        wait_for(&library, &woken, "all tags", |library| library.lock().list_at == count);
+        wait_for(&library, &woken, "all tags", |library| library.0.lock().list_at == count);
         wait_for(&library, &woken, "the totals", |library| library.totals().seconds > 0.0);
         library
     };

@@ -1,3 +1,4 @@
+use std::sync::Mutex;
 use std::sync::mpsc::channel;
 
 use rosc::OscBundle;
