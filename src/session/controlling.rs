@@ -29,7 +29,7 @@ impl Session {
         let before = self.playback.scene.revision();
         for change in &params {
             if !self.playback.scene.turn(change) {
-                self.playback.controllers.input_queue.refuse(|refusals| refusals.unknown += 1);
+                self.playback.controllers.input_queue.refuse(1);
             }
         }
         let mut levels = Vec::new();

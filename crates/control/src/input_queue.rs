@@ -50,26 +50,6 @@ pub struct ParamChange {
     pub changed_by: ChangedBy,
 }
 
-/// The counts of rejected input since the start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Refusals {
-    /// Malformed or oversized messages.
-    pub rubbish: u64,
-    /// Valid messages without a matching parameter, action or query.
-    pub unknown: u64,
-    /// Values that are not numbers.
-    pub not_numbers: u64,
-    /// Input beyond the limits between two frames, and messages scheduled too far ahead.
-    pub too_many: u64,
-}
-
-impl Refusals {
-    /// Returns the sum of all counts.
-    pub fn count(self) -> u64 {
-        self.rubbish + self.unknown + self.not_numbers + self.too_many
-    }
-}
-
 /// The input since the last frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InputBatch {
@@ -96,7 +76,7 @@ struct Pending {
     places: HashMap<String, usize>,
     knob_places: HashMap<(Arc<str>, Source), usize>,
     messages: u64,
-    refusals: Refusals,
+    refused: u64,
     is_woken: bool,
 }
 
@@ -117,7 +97,7 @@ impl InputQueue {
     pub fn turn(&self, change: ParamChange) {
         self.put(|pending| {
             if !change.to.is_number() || !change.seconds.is_finite() {
-                pending.refusals.not_numbers += 1;
+                pending.refused += 1;
                 return;
             }
             if let Some(known) =
@@ -130,7 +110,7 @@ impl InputQueue {
                 pending.places.insert(change.name.clone(), pending.batch.params.len());
                 pending.batch.params.push(change);
             } else {
-                pending.refusals.too_many += 1;
+                pending.refused += 1;
             }
         });
     }
@@ -146,7 +126,7 @@ impl InputQueue {
             } else if actions.len() < limits::PENDING_ACTIONS_MAX {
                 actions.push(action);
             } else {
-                pending.refusals.too_many += 1;
+                pending.refused += 1;
             }
         });
     }
@@ -161,7 +141,7 @@ impl InputQueue {
                 pending.knob_places.insert(name, knobs.len());
                 knobs.push(knob);
             } else {
-                pending.refusals.too_many += 1;
+                pending.refused += 1;
             }
         });
     }
@@ -171,9 +151,10 @@ impl InputQueue {
         lock(&self.pending).messages += 1;
     }
 
-    /// Counts rejected input.
-    pub fn refuse(&self, count: impl FnOnce(&mut Refusals)) {
-        count(&mut lock(&self.pending).refusals);
+    /// Counts rejected input: malformed or unknown messages, values that are no numbers, input beyond the limits between
+    /// two frames, and messages scheduled too far ahead.
+    pub fn refuse(&self, count: u64) {
+        lock(&self.pending).refused += count;
     }
 
     /// Takes the pending input.
@@ -190,10 +171,10 @@ impl InputQueue {
         !lock(&self.pending).batch.is_empty()
     }
 
-    /// Returns the number of messages since the start, and the counts of rejected input.
-    pub fn counts(&self) -> (u64, Refusals) {
+    /// Returns the number of messages since the start, and of rejected input.
+    pub fn counts(&self) -> (u64, u64) {
         let pending = lock(&self.pending);
-        (pending.messages, pending.refusals)
+        (pending.messages, pending.refused)
     }
 
     fn put(&self, put: impl FnOnce(&mut Pending)) {
@@ -259,8 +240,7 @@ mod tests {
         }
         input_queue.turn(change("0", f32::NAN));
         input_queue.turn(ParamChange { seconds: f32::INFINITY, ..change("0", 0.0) });
-        let refusals = input_queue.counts().1;
-        assert_eq!((refusals.too_many, refusals.not_numbers, refusals.count()), (6, 2, 8));
+        assert_eq!(input_queue.counts().1, 8);
         let batch = input_queue.drain();
         assert_eq!(batch.params.len(), limits::PENDING_PARAMS_MAX);
         assert_eq!(
@@ -287,10 +267,7 @@ mod tests {
             let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
             input_queue.moved(KnobMove::to("desk".into(), source, 0.0, false));
         }
-        assert_eq!(
-            (input_queue.counts().1.too_many, input_queue.drain().knobs.len()),
-            (5, limits::MOVED_KNOBS_MAX)
-        );
+        assert_eq!((input_queue.counts().1, input_queue.drain().knobs.len()), (5, limits::MOVED_KNOBS_MAX));
     }
 
     #[test]

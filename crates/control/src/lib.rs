@@ -25,7 +25,7 @@ mod slider;
 
 pub use binding::{Bound, ChangedBy, SoundBinding};
 pub use glide::Glide;
-pub use input_queue::{Amount, InputBatch, InputQueue, ParamChange, Refusals};
+pub use input_queue::{Amount, InputBatch, InputQueue, ParamChange};
 pub use midi::Curve;
 pub use model::{Directed, Model, Param, Reading, Turn};
 pub use present::{Board, Present};

@@ -47,16 +47,16 @@ enum With {
 /// # Errors
 /// Fails if the text is malformed, the action is unknown, or a value is too large.
 pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
-    match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
+    match serde_json::from_str(text).map_err(|_| Refused)? {
         Message::Turn(Turn { turn: name, to }) => {
             if name.len() > control_limits::NAME_BYTES_MAX {
-                return Err(Refused::Unknown);
+                return Err(Refused);
             }
             let to = Amount::Value(number(to)?);
             Ok(Asked::Turn(ParamChange { name, to, seconds: 0.0, changed_by: ChangedBy::Phone }))
         }
         Message::Do(Do { r#do: name, with }) => {
-            let row = row_of(actions, &name).ok_or(Refused::Unknown)?;
+            let row = row_of(actions, &name).ok_or(Refused)?;
             let given = match with {
                 None => ActionValue::Nothing,
                 Some(With::Switch(on)) => ActionValue::Number(f32::from(u8::from(on))),
@@ -64,7 +64,7 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
                 Some(With::Text(text)) if text.len() <= control_limits::NAME_BYTES_MAX => {
                     ActionValue::Text(text)
                 }
-                Some(With::Text(_)) => return Err(Refused::Unknown),
+                Some(With::Text(_)) => return Err(Refused),
             };
             Asked::of(row, given)
         }
@@ -73,7 +73,7 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
 
 fn number(value: f64) -> Result<f32, Refused> {
     let value = value as f32;
-    if value.is_finite() { Ok(value) } else { Err(Refused::NotANumber) }
+    if value.is_finite() { Ok(value) } else { Err(Refused) }
 }
 
 #[cfg(test)]
@@ -139,21 +139,21 @@ mod tests {
             r#"{"do":7}"#,
             &"[".repeat(1_000),
         ] {
-            assert_eq!(parse_request(text), Err(Refused::Rubbish), "{text:.60}");
+            assert_eq!(parse_request(text), Err(Refused), "{text:.60}");
         }
     }
 
     #[test]
     fn oversized_and_unknown_messages_are_rejected() {
-        assert_eq!(parse_request(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
-        assert_eq!(parse_request(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
+        assert_eq!(parse_request(r#"{"turn":"x","to":1e300}"#), Err(Refused));
+        assert_eq!(parse_request(r#"{"do":"volume","with":-1e300}"#), Err(Refused));
         let long = "x".repeat(control_limits::NAME_BYTES_MAX + 1);
-        assert_eq!(parse_request(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
-        assert_eq!(parse_request(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
+        assert_eq!(parse_request(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused));
+        assert_eq!(parse_request(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused));
         for text in
             [r#"{"do":"quit"}"#, r#"{"do":""}"#, r#"{"do":"volume"}"#, r#"{"do":"pause","with":"on"}"#]
         {
-            assert_eq!(parse_request(text), Err(Refused::Unknown), "{text}");
+            assert_eq!(parse_request(text), Err(Refused), "{text}");
         }
     }
 }

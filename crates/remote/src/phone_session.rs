@@ -136,7 +136,7 @@ impl<'a> PhoneSession<'a> {
             Err(error) => return Err(error.to_string()),
         };
         if !self.heartbeat.count_message(Instant::now()) {
-            self.shared.input_queue.refuse(|refusals| refusals.too_many += 1);
+            self.shared.input_queue.refuse(1);
             return Err(self.close(CloseCode::Policy, "too many messages"));
         }
         match message {
@@ -145,7 +145,7 @@ impl<'a> PhoneSession<'a> {
                 Ok(())
             }
             Message::Binary(_) => {
-                self.shared.input_queue.refuse(|refusals| refusals.rubbish += 1);
+                self.shared.input_queue.refuse(1);
                 Err(self.close(CloseCode::Unsupported, "messages must be text"))
             }
             Message::Ping(_) | Message::Pong(_) | Message::Close(_) | Message::Frame(_) => Ok(()),

@@ -123,7 +123,7 @@ impl Place {
 
     fn wait_for_counts(&self, messages: u64, refused: u64) {
         let end = Instant::now() + PATIENCE;
-        while (self.input_queue.counts().0, self.input_queue.counts().1.count()) != (messages, refused) {
+        while self.input_queue.counts() != (messages, refused) {
             assert!(Instant::now() < end, "{:?}", self.input_queue.counts());
             std::thread::sleep(Duration::from_millis(2));
         }
@@ -307,8 +307,6 @@ fn bad_messages_are_counted_and_the_session_continues() {
     }
     phone.say(r#"{"turn":"size","to":2}"#);
     place.wait_for_counts(10, 9);
-    let refusals = place.input_queue.counts().1;
-    assert_eq!((refusals.rubbish, refusals.unknown, refusals.not_numbers), (6, 2, 1));
     assert_eq!(place.input_queue.drain().params.len(), 1);
 }
 
@@ -359,7 +357,7 @@ fn a_flooding_phone_is_disconnected_and_others_are_served() {
     // Unread messages may reset the connection before the reason arrives.
     assert!(matches!(flood.end(), Some(CloseCode::Policy) | None));
     place.wait_for_phones(1);
-    assert_eq!(place.input_queue.counts().1.too_many, 1);
+    assert_eq!(place.input_queue.counts().1, 1);
     place.input_queue.drain();
     phone.say(r#"{"turn":"size","to":0.25}"#);
     while place.input_queue.drain().params.iter().all(|change| change.to != Amount::Value(0.25)) {

@@ -130,7 +130,6 @@ impl Controllers {
     }
 
     pub(crate) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> ControllersState<'a> {
-        let (messages, refusals) = self.input_queue.counts();
         ControllersState {
             scene,
             sliders,
@@ -139,7 +138,7 @@ impl Controllers {
             midi: self.midi.state(),
             clock: self.midi.memory.file().clock,
             clock_tempo: self.midi.clock().map(|(reading, _)| reading.tempo),
-            counts: (messages, refusals.count()),
+            counts: self.input_queue.counts(),
             mappings: self.midi.memory.file().mappings.list(),
             learning: self.midi.learning(),
         }

@@ -23,13 +23,13 @@ impl Asked {
     /// Returns the request to run an action with this value.
     ///
     /// # Errors
-    /// [`Refused::Unknown`] if the action does not take this kind of value.
+    /// [`Refused`] if the action does not take this kind of value.
     pub fn of(row: ActionRow, given: ActionValue) -> Result<Self, Refused> {
         let is_let_go = matches!(given, ActionValue::Number(_));
         match row.wanted(given) {
             Some(action) => Ok(Self::Act(action)),
             None if is_let_go => Ok(Self::Nothing),
-            None => Err(Refused::Unknown),
+            None => Err(Refused),
         }
     }
 
@@ -40,9 +40,7 @@ impl Asked {
             Ok(Self::Act(action)) => input.act(action),
             Ok(Self::Tell(query)) => return Some(query),
             Ok(Self::Nothing) => {}
-            Err(Refused::Rubbish) => input.refuse(|refusals| refusals.rubbish += 1),
-            Err(Refused::Unknown) => input.refuse(|refusals| refusals.unknown += 1),
-            Err(Refused::NotANumber) => input.refuse(|refusals| refusals.not_numbers += 1),
+            Err(Refused) => input.refuse(1),
         }
         None
     }
@@ -69,16 +67,9 @@ pub enum Query {
     Switch(&'static str),
 }
 
-/// The reason for rejecting a message.
+/// The refusal of a message that is malformed or unknown, or has a value that is not a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refused {
-    /// The message is malformed.
-    Rubbish,
-    /// The address or the action is unknown, or the argument does not fit.
-    Unknown,
-    /// A value is not a finite number.
-    NotANumber,
-}
+pub struct Refused;
 
 /// The documentation of an address that is not an action: the address, the arguments and the help text.
 pub type FixedAddress = (&'static str, &'static str, &'static str);
@@ -105,11 +96,11 @@ pub fn fixed_addresses() -> &'static [FixedAddress] {
 /// Returns the request in a message, given the table of actions.
 ///
 /// # Errors
-/// [`Refused::Unknown`] if the address is unknown, or [`Refused::NotANumber`] if a value is not a number.
+/// [`Refused`] if the address is unknown, or a value is not a number.
 pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, Refused> {
-    let address = message.addr.strip_prefix('/').ok_or(Refused::Unknown)?;
+    let address = message.addr.strip_prefix('/').ok_or(Refused)?;
     if address.len() > limits::NAME_BYTES_MAX {
-        return Err(Refused::Unknown);
+        return Err(Refused);
     }
     let mut parts = address.splitn(2, '/');
     let (room, name) = (parts.next().unwrap_or_default(), parts.next().filter(|name| !name.is_empty()));
@@ -121,7 +112,7 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
             Some(ActionValue::Number(to)) => {
                 let seconds = match number(1)? {
                     Some(ActionValue::Number(seconds)) => seconds,
-                    Some(ActionValue::Text(_)) => return Err(Refused::Unknown),
+                    Some(ActionValue::Text(_)) => return Err(Refused),
                     Some(ActionValue::Nothing) | None => 0.0,
                 };
                 let to = if room == "param" { Amount::Value(to) } else { Amount::Fraction(to) };
@@ -132,7 +123,7 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
                     changed_by: ChangedBy::Osc,
                 }))
             }
-            Some(_) => Err(Refused::Unknown),
+            Some(_) => Err(Refused),
         },
         ("query", None) => Ok(Asked::Tell(Query::All)),
         ("query", Some("params")) => Ok(Asked::Tell(Query::Params)),
@@ -146,28 +137,28 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
         ("query", Some("actions")) => Ok(Asked::Tell(Query::Actions)),
         ("query", Some(name)) => {
             let row = row_of(actions, name).filter(|row| row.takes == ValueType::Switch);
-            row.map(|row| Asked::Tell(Query::Switch(row.name))).ok_or(Refused::Unknown)
+            row.map(|row| Asked::Tell(Query::Switch(row.name))).ok_or(Refused)
         }
         ("scene", Some(name)) => {
-            let row = row_of(actions, "scene").ok_or(Refused::Unknown)?;
+            let row = row_of(actions, "scene").ok_or(Refused)?;
             // Pads send a nonzero value when pressed, and 0 when released.
             if matches!(number(0)?, Some(ActionValue::Number(number)) if number <= 0.0) {
                 return Ok(Asked::Nothing);
             }
-            row.wanted(ActionValue::Text(name.to_owned())).map(Asked::Act).ok_or(Refused::Unknown)
+            row.wanted(ActionValue::Text(name.to_owned())).map(Asked::Act).ok_or(Refused)
         }
         (name, None) => {
-            let row = row_of(actions, name).ok_or(Refused::Unknown)?;
+            let row = row_of(actions, name).ok_or(Refused)?;
             // A text is the name of a choice, and otherwise a number.
             let given = if row.takes == ValueType::Choice { given(0)? } else { number(0)? };
             Asked::of(row, given.unwrap_or_default())
         }
-        _ => Err(Refused::Unknown),
+        _ => Err(Refused),
     }
 }
 
 fn number(number: f32) -> Result<ActionValue, Refused> {
-    if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }
+    if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused) }
 }
 
 /// Returns the number in a text such as " 0.5 ". Any other text stays a text.
@@ -187,7 +178,7 @@ fn given(argument: &OscType) -> Result<ActionValue, Refused> {
         OscType::Bool(value) => number(f32::from(u8::from(*value))),
         OscType::Nil => Ok(ActionValue::Nothing),
         OscType::String(text) if text.len() <= limits::NAME_BYTES_MAX => Ok(ActionValue::Text(text.clone())),
-        _ => Err(Refused::Unknown),
+        _ => Err(Refused),
     }
 }
 
@@ -299,8 +290,8 @@ mod tests {
         }
         assert_eq!(parse_query("/param/size", &[]), Ok(Asked::Tell(Query::Param("size".to_owned()))));
         for rubbish in [Float(f32::NAN), Float(f32::INFINITY), Double(1e300)] {
-            assert_eq!(parse_query("/param/size", std::slice::from_ref(&rubbish)), Err(Refused::NotANumber));
-            assert_eq!(parse_query("/param/size", &[Float(1.0), rubbish]), Err(Refused::NotANumber));
+            assert_eq!(parse_query("/param/size", std::slice::from_ref(&rubbish)), Err(Refused));
+            assert_eq!(parse_query("/param/size", &[Float(1.0), rubbish]), Err(Refused));
         }
     }
 
@@ -316,21 +307,14 @@ mod tests {
             assert_eq!(parse_query("/tempo", &[text(half)]), act("tempo", ActionValue::Number(0.5)));
         }
         for other in ["abc", "", " ", "0,5", "0.5 s", "0x1"] {
-            assert_eq!(parse_query("/param/size", &[text(other)]), Err(Refused::Unknown), "{other}");
-            assert_eq!(
-                parse_query("/param/size", &[OscType::Int(1), text(other)]),
-                Err(Refused::Unknown),
-                "{other}"
-            );
-            assert_eq!(parse_query("/tempo", &[text(other)]), Err(Refused::Unknown), "{other}");
+            assert_eq!(parse_query("/param/size", &[text(other)]), Err(Refused), "{other}");
+            assert_eq!(parse_query("/param/size", &[OscType::Int(1), text(other)]), Err(Refused), "{other}");
+            assert_eq!(parse_query("/tempo", &[text(other)]), Err(Refused), "{other}");
         }
         for rubbish in ["NaN", "inf", "-infinity", "1e300"] {
-            assert_eq!(parse_query("/param/size", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
-            assert_eq!(
-                parse_query("/share/size", &[OscType::Int(1), text(rubbish)]),
-                Err(Refused::NotANumber)
-            );
-            assert_eq!(parse_query("/tempo", &[text(rubbish)]), Err(Refused::NotANumber), "{rubbish}");
+            assert_eq!(parse_query("/param/size", &[text(rubbish)]), Err(Refused), "{rubbish}");
+            assert_eq!(parse_query("/share/size", &[OscType::Int(1), text(rubbish)]), Err(Refused));
+            assert_eq!(parse_query("/tempo", &[text(rubbish)]), Err(Refused), "{rubbish}");
         }
         assert_eq!(parse_query("/pause", &[text("0")]), act("pause", ActionValue::Number(0.0)));
         assert_eq!(parse_query("/next", &[text("0")]), Ok(Asked::Nothing));
@@ -371,11 +355,11 @@ mod tests {
         for address in
             ["", "next", "/", "//", "/nothing", "/next/next", "/query/next", "/param", "/param/", &long]
         {
-            assert_eq!(parse_query(address, &[]), Err(Refused::Unknown), "{address}");
+            assert_eq!(parse_query(address, &[]), Err(Refused), "{address}");
         }
         let long = OscType::String("x".repeat(limits::NAME_BYTES_MAX + 1));
-        assert_eq!(parse_query("/scene", &[long]), Err(Refused::Unknown));
-        assert_eq!(parse_query("/pause", &[OscType::String("on".to_owned())]), Err(Refused::Unknown));
+        assert_eq!(parse_query("/scene", &[long]), Err(Refused));
+        assert_eq!(parse_query("/pause", &[OscType::String("on".to_owned())]), Err(Refused));
     }
 }
 

@@ -116,9 +116,7 @@ impl Hearing {
         mut waits: impl FnMut(Duration, OscMessage) -> bool,
     ) -> Vec<OscMessage> {
         let (messages, rubbish) = messages(packet);
-        if rubbish > 0 {
-            self.input_queue.refuse(|refusals| refusals.rubbish += rubbish);
-        }
+        self.input_queue.refuse(rubbish);
         let mut answers = Vec::new();
         for (message, time) in messages {
             let is_taken = match when(time, now) {
@@ -130,7 +128,7 @@ impl Hearing {
                 When::TooLate => false,
             };
             if !is_taken {
-                self.input_queue.refuse(|refusals| refusals.too_many += 1);
+                self.input_queue.refuse(1);
             }
             self.input_queue.count();
         }
@@ -152,7 +150,7 @@ impl Hearing {
             known.into_iter().filter(|address| pattern.as_ref().is_some_and(|one| one.matches(address)));
         let meant: Vec<String> = meant.take(limits::OSC_MATCHES_MAX).collect();
         if meant.is_empty() {
-            self.input_queue.refuse(|refusals| refusals.unknown += 1);
+            self.input_queue.refuse(1);
         }
         for addr in meant {
             self.obey_one(&OscMessage { addr, args: message.args.clone() }, answers);
