@@ -25,7 +25,7 @@ use mariana_testing::sound_session::Session;
 #[path = "../tests/devices/tone.rs"]
 mod tone;
 
-use tone::Tone;
+use tone::start_tone;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 /// If the change of the position and the passed time differ by more than this, in seconds, the clock made a step.
@@ -78,7 +78,7 @@ fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
 }
 
 fn during(act: impl FnOnce(&dyn Fn() -> Option<PlayerStatus>)) -> Seen {
-    let mut player = Player::start_alone(Box::new(Tone(0)), PlayerOptions::default()).expect("a player");
+    let mut player = start_tone(PlayerOptions::default()).expect("a player");
     wait_until("the sound", || player.status().position > 1.0);
     let (seen, done) = (Mutex::new(Seen::default()), AtomicBool::new(false));
     std::thread::scope(|scope| {

@@ -23,7 +23,9 @@ use std::time::{Duration, Instant};
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use mariana_music::{Gain, StereoFrame};
 use mariana_player::input::Live;
+use mariana_player::playlist::Playlist;
 use mariana_player::source::{FrameSource, SourceError};
+use mariana_player::track::Track;
 use mariana_player::{Player, PlayerOptions, Target};
 use mariana_testing::process::wait_until;
 use mariana_testing::sound_session::Session;
@@ -197,10 +199,15 @@ impl FrameSource for Song {
     }
 }
 
+fn play_song() -> Player {
+    let list = Box::new(Playlist::default());
+    Player::start(Track::alone(Box::new(Song(0))), list, PlayerOptions::default()).expect("a player")
+}
+
 fn file() {
     let _session = Session::with_server();
     let (_stream, bursts) = find_bursts();
-    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("a player");
+    let mut player = play_song();
     let (mut pictures, mut heard): (Vec<(Instant, f64)>, Vec<Instant>) = (Vec::new(), Vec::new());
     each_frame(|now| {
         pictures.push((now, player.now(0.0).song_time));
@@ -224,7 +231,7 @@ fn file() {
 
 fn xruns(seconds: u64) {
     let _session = Session::with_server();
-    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("a player");
+    let mut player = play_song();
     let mut live = Live::start(Target::Monitor, Gain::Auto).expect("a live input");
     wait_until("the monitor", || live.status().device.is_some() && player.status().device.is_some());
     let stop = Arc::new(AtomicBool::new(false));

@@ -22,8 +22,7 @@ use super::error::PlayerError;
 use super::gain_switch::GainSwitch;
 use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 use super::output::{Controls, Counters, OutputPort};
-use super::source::FrameSource;
-use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
+use super::track::{Repeat, Track, TrackInfo, TrackList};
 use crate::output::Supervisor;
 use audible::AudibleMoment;
 use decoding::{Command, Decoding};
@@ -192,14 +191,6 @@ impl Player {
             shuffled: options.shuffled,
             track_errors,
         })
-    }
-
-    /// Starts to play a source that belongs to no list.
-    ///
-    /// # Errors
-    /// Fails like [`Player::start`].
-    pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
-        Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
     }
 
     /// Pauses (true) or resumes (false) playback.

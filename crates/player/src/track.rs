@@ -253,22 +253,3 @@ pub trait TrackList: Send {
         Edited::default()
     }
 }
-
-/// A list that consists of the one open track. It repeats in every mode except [`Repeat::Off`].
-pub struct OneTrack(pub Repeat);
-
-impl TrackList for OneTrack {
-    fn find(&mut self, wanted: &Wanted, _: &mut dyn FnMut(String)) -> Found {
-        match wanted {
-            Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
-            Wanted::Following { anew: false, .. } => Found::End,
-            Wanted::Skip { .. } | Wanted::Entry(0) => Found::Again,
-            // Only the source is known, so no other track can be opened.
-            _ => Found::Nothing,
-        }
-    }
-
-    fn set_order(&mut self, repeat: Repeat, _: bool, _: u64) {
-        self.0 = repeat;
-    }
-}

@@ -134,14 +134,6 @@ impl Decoder {
         }
     }
 
-    /// The number of damaged packets that were skipped so far. With ffmpeg the number is always 0.
-    pub fn skipped_packets(&self) -> u64 {
-        match &self.0 {
-            By::Native(decoder) => decoder.skipped_packets(),
-            By::Ffmpeg(_) => 0,
-        }
-    }
-
     /// Appends the next frames (at most one packet) to `out` and returns their number, which is 0 at the end. An error
     /// also ends the stream. A seek restarts the stream.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {

@@ -6,7 +6,7 @@
 //! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse, the file is decoded again
 //!   from its start. After a seek, lossy codecs decode half a second before the target first. So the samples are the
 //!   same as without the seek (except for AAC's random substituted noise).
-//! - Damaged packets are skipped and counted. Silence of the same length replaces them, so that later sound stays in
+//! - Damaged packets are skipped. Silence of the same length replaces them, so that later sound stays in
 //!   time.
 //! - Chained streams (Ogg) play in succession, resampled to the first rate.
 //! - No buffer is sized by a number from the file. A panic in a codec library becomes an error.
@@ -44,7 +44,6 @@ pub(super) struct NativeDecoder {
     /// True once the rate has changed or a chained stream has begun. The container's clock is meaningless from then on.
     uneven: bool,
     ended: bool,
-    skipped_before: u64,
     scratch: Vec<StereoFrame>,
 }
 
@@ -100,15 +99,10 @@ impl NativeDecoder {
             resampler: None,
             uneven: false,
             ended: false,
-            skipped_before: 0,
             scratch: first,
         };
         decoder.append(block)?;
         Ok(decoder)
-    }
-
-    pub(super) fn skipped_packets(&self) -> u64 {
-        self.skipped_before + self.reader.skipped
     }
 
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
@@ -146,7 +140,6 @@ impl NativeDecoder {
 
     fn restart(&mut self) -> Result<(), DecodeError> {
         self.forget();
-        self.skipped_before = 0;
         self.reader = PacketReader::open(&self.input, self.reader.track())?;
         self.raw = RawPlace::START;
         (self.position, self.from) = (0, 0);
@@ -169,7 +162,6 @@ impl NativeDecoder {
         let rate = self.info.sample_rate;
         // If the target is past the end, start a second before the end, so that decoding reaches the end.
         let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
-        let skipped = self.reader.skipped;
         if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
             return Ok(false);
         }
@@ -179,9 +171,6 @@ impl NativeDecoder {
         if self.fill().is_err() || !self.raw.settled || self.uneven {
             return Ok(false);
         }
-        // Packets of the pre-roll may depend on earlier packets. Their errors do not count as damage.
-        let by_jump = self.reader.skipped - skipped;
-        self.skipped_before = self.skipped_before.saturating_sub(by_jump);
         Ok(self.pending.is_empty() || self.position == target)
     }
 

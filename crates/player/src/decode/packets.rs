@@ -75,7 +75,6 @@ pub(super) struct PacketReader {
     demuxer_failures: u32,
     links: u32,
     link_begins: bool,
-    pub(super) skipped: u64,
 }
 
 /// The track being decoded. Each link of a chained file has its own stream.
@@ -119,7 +118,6 @@ impl PacketReader {
             demuxer_failures: 0,
             links: 0,
             link_begins: false,
-            skipped: 0,
         })
     }
 
@@ -205,7 +203,6 @@ impl PacketReader {
                 Err(Error::IoError(e)) if is_disk_error(&e) => return Err(self.input.read_error(e)),
                 Err(_) => {
                     self.demuxer_failures += 1;
-                    self.skipped += 1;
                     if self.demuxer_failures > DEMUXER_FAILURES_MAX {
                         return Ok(None);
                     }
@@ -246,10 +243,7 @@ impl PacketReader {
                 Ok(Some(rate))
             }
             Err(Error::IoError(e)) if is_disk_error(&e) => Err(self.input.read_error(e)),
-            Err(_) => {
-                self.skipped += 1;
-                Ok(None)
-            }
+            Err(_) => Ok(None),
         }
     }
 

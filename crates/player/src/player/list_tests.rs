@@ -134,17 +134,6 @@ fn a_removed_next_track_is_not_heard() {
 }
 
 #[test]
-fn a_source_without_a_list_is_a_list_of_one() {
-    let list = super::tests::silent(true);
-    let mut player = Player::start_alone(Track::silence(0, 1).source, list).expect("a player");
-    assert_eq!(player.playlist().entries.len(), 1);
-    player.edit(Edit::Remove(0));
-    player.edit(Edit::Append(vec!["x.wav".into()]));
-    wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
-    assert_eq!(player.playlist().entries.len(), 1);
-}
-
-#[test]
 fn edits_are_taken_back_one_after_another() {
     let (mut player, folder) = playing(4, 60.0, Repeat::All);
     let undo = |player: &Player| player.playlist().undo.as_deref().map(str::to_owned);

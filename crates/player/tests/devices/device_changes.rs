@@ -16,12 +16,12 @@ use mariana_player::{Player, PlayerOptions, PlayerStatus, Target};
 use mariana_testing::process::{LOOK_PERIOD, WAIT_LIMIT};
 use mariana_testing::sound_session::Session;
 
-use crate::tone::Tone;
+use crate::tone::start_tone;
 
 fn play(device: Option<&str>) -> Player {
     let options =
         PlayerOptions { output: Some(device.map_or(Target::Default, named)), ..PlayerOptions::default() };
-    Player::start_alone(Box::new(Tone(0)), options).expect("a player")
+    start_tone(options).expect("a player")
 }
 
 fn listen(target: Target) -> Live {
@@ -140,7 +140,7 @@ fn a_preferred_output_is_used_while_it_is_connected() {
     session.server().unplug(&plugged);
     // The device is missing at the start, so the default plays, without an error.
     let options = PlayerOptions { output, ..PlayerOptions::default() };
-    let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("a player");
+    let mut player = start_tone(options).expect("a player");
     wait_for(&mut player, "the default", plays_on("viz"));
     let plugged = session.server().plug("usb", &[]);
     wait_for(&mut player, "the preferred output", plays_on("usb"));

@@ -112,12 +112,6 @@ fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + 
     (ab / (aa * bb).sqrt(), 10.0 * (aa / bb).log10())
 }
 
-fn play(song: Song, looping: bool) -> Player {
-    let repeat = if looping { Repeat::All } else { Repeat::Off };
-    let options = PlayerOptions { repeat, ..PlayerOptions::default() };
-    Player::start_alone(Box::new(song), options).expect("a player")
-}
-
 fn play_parts(parts: Vec<Song>) -> Player {
     let list = Songs(parts);
     let first = list.track(0).expect("a part");
@@ -220,7 +214,7 @@ fn another_rate_is_converted() {
 #[test]
 fn the_clock_follows_the_sound() {
     let _session = Session::with_server();
-    let mut player = play(Song::new(60.0, RATE), true);
+    let mut player = play_parts(vec![Song::new(60.0, RATE)]);
     wait_for(&mut player, "the sound", |status| status.position > 1.0);
     let begin = Instant::now();
     let mut last = 0.0;
@@ -250,7 +244,7 @@ fn the_clock_follows_the_sound() {
 #[test]
 fn without_a_server_the_song_runs_on_the_silent_clock() {
     let _session = Session::without_server();
-    let mut player = play(Song::new(60.0, RATE), true);
+    let mut player = play_parts(vec![Song::new(60.0, RATE)]);
     let status = wait_for(&mut player, "the silent clock", |status| status.position > 0.05);
     assert!(status.silent.is_some(), "{status:?}");
     let (begin, from) = (Instant::now(), player.status().position);
@@ -262,7 +256,7 @@ fn without_a_server_the_song_runs_on_the_silent_clock() {
 #[test]
 fn a_server_that_dies_leaves_the_song_running() {
     let mut session = Session::with_server();
-    let mut player = play(Song::new(60.0, RATE), true);
+    let mut player = play_parts(vec![Song::new(60.0, RATE)]);
     let before = wait_for(&mut player, "the sound", |status| status.position > 1.0);
     assert_eq!(before.silent, None);
     session.kill_server();

@@ -1,9 +1,18 @@
 //! A song for tests and benchmarks of devices.
 
 use mariana_music::StereoFrame;
+use mariana_player::playlist::Playlist;
 use mariana_player::source::{FrameSource, SourceError};
+use mariana_player::track::Track;
+use mariana_player::{Player, PlayerError, PlayerOptions};
 
-pub(crate) struct Tone(pub(crate) u64);
+struct Tone(u64);
+
+/// Plays an endless tone, which belongs to no list.
+pub(crate) fn start_tone(options: PlayerOptions) -> Result<Player, PlayerError> {
+    let list = Box::new(Playlist::default());
+    Player::start(Track::alone(Box::new(Tone(0))), list, options)
+}
 
 impl FrameSource for Tone {
     fn sample_rate(&self) -> u32 {
