@@ -22,7 +22,7 @@ const KNOWN_MAX: usize = 8;
 /// Starts the thread that finds the cover of tracks. It calls `wake` after each track.
 pub fn start_reader(wake: impl Fn() + Send + 'static) -> SongReader<RgbaImage> {
     let find = |track: &TrackInfo, _: &(dyn Fn() -> bool + Sync), _: &dyn Fn(RgbaImage)| {
-        Some(track.reopen.content().and_then(|content| picture_of(&content.song)))
+        Some(track.content.as_ref().and_then(|content| picture_of(&content.song)))
     };
     SongReader::of("covers", "show the covers of songs", KNOWN_MAX, find, wake)
 }

@@ -317,7 +317,7 @@ impl Listening {
     /// The state of the song, if it is the current source. Requests the analysis of this track and the next.
     pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.sound.song_status()?;
-        let content = status.track.reopen.content();
+        let content = status.track.content.as_ref();
         let is_demo = content.is_some_and(|content| is_demo(&content.song));
         self.playing = if is_demo { Playing::Demo } else { Playing::Song };
         let tracks = || [&status.track].into_iter().chain(&status.next);

@@ -219,7 +219,7 @@ impl VideoDesk<'_> {
             return Err("a video needs a song: open a file, because the list of tracks is empty".to_owned());
         }
         let unreadable = "this song cannot be read a second time: save it to a file and open the file";
-        let content = status.track.reopen.content().ok_or(unreadable)?;
+        let content = status.track.content.as_ref().ok_or(unreadable)?;
         let song = match &content.song {
             song if is_demo(song) => None,
             Song::File(path) => Some(path_text(path)?),

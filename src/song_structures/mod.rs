@@ -14,7 +14,7 @@ use crate::limits;
 use mariana_music::{STRUCTURE_VERSION, SongListener, SongMoment, SongStructure};
 use mariana_player::lyrics::{Lyrics, LyricsError};
 use mariana_player::song::Song;
-use mariana_player::source::{FrameSource, SourceError};
+use mariana_player::source::FrameSource;
 use mariana_player::track::Content;
 
 pub use reader::SongReader;
@@ -34,10 +34,8 @@ fn key_of(content: &Content, cache: &CachedFiles, go_on: &dyn Fn() -> bool) -> O
 
 /// Returns the structure of a song, from the cache or by decoding the song now.
 pub fn structure_of(song: &Song, cache: &CachedFiles) -> SongStructure {
-    let open =
-        || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
     let content = Content { song: song.clone(), cut: None };
-    find(Some(&content), open, cache, &|| true).flatten().unwrap_or_default()
+    find(&content, cache, &|| true).flatten().unwrap_or_default()
 }
 
 /// What is known of a whole song.
@@ -68,28 +66,22 @@ pub fn lyrics_of(song: &Song) -> Lyrics {
     })
 }
 
-/// Returns the structure of `content` from the cache, or of the source that `open` returns. The inner `None` means
-/// that the source cannot be opened; the outer `None` means that `go_on` returned false.
-fn find(
-    content: Option<&Content>,
-    open: impl FnOnce() -> Option<Result<Box<dyn FrameSource>, SourceError>>,
-    cache: &CachedFiles,
-    go_on: &dyn Fn() -> bool,
-) -> Option<Option<SongStructure>> {
-    let key = content.and_then(|content| key_of(content, cache, go_on));
+/// Returns the structure of `content`, from the cache if it is there. The inner `None` means that the content cannot be
+/// opened; the outer `None` means that `go_on` returned false.
+fn find(content: &Content, cache: &CachedFiles, go_on: &dyn Fn() -> bool) -> Option<Option<SongStructure>> {
+    let key = key_of(content, cache, go_on);
     if let Some(kept) = key.and_then(|key| cache.load(key, |text| serde_json::from_slice(text).ok())) {
         return Some(Some(kept));
     }
     if !go_on() {
         return None;
     }
-    let mut source = match open() {
-        Some(Ok(source)) => source,
-        Some(Err(error)) => {
+    let mut source = match content.open() {
+        Ok(source) => source,
+        Err(error) => {
             tracing::info!("a song cannot be analysed: {error}");
             return Some(None);
         }
-        None => return Some(None),
     };
     let structure = listen(&mut *source, go_on)?;
     // After an error, the next run analyses the song again.

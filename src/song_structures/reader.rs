@@ -59,10 +59,10 @@ impl SongReader {
     /// Starts a thread that analyses tracks and reads their lyrics. It calls `wake` after each track.
     pub fn start(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> Self {
         let read = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
-            let reopen = &track.reopen;
-            let structure = find(reopen.content(), || reopen.open(), &cache, go_on)?;
+            let Some(content) = &track.content else { return Some(None) };
+            let structure = find(content, &cache, go_on)?;
             // The times of lyrics are those of the whole file.
-            let whole = reopen.content().filter(|content| content.cut.is_none());
+            let whole = Some(content).filter(|content| content.cut.is_none());
             let lyrics = Arc::new(whole.map(|content| lyrics_of(&content.song)).unwrap_or_default());
             Some(structure.map(|structure| ReadSong { structure: Arc::new(structure), lyrics }))
         };
@@ -109,7 +109,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         let mut state = shared.lock();
         state.wanted.clear();
         for track in tracks {
-            if track.reopen.is_possible() {
+            if track.content.is_some() {
                 state.wanted.push(track.clone());
             } else {
                 // Silence has replaced a removed track under the same id: forget the result of that track.

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::*;
 use mariana_player::playlist::{Cut, Playlist};
+use mariana_player::source::SourceError;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_testing::wave::write_wav;
 
@@ -230,19 +231,20 @@ fn a_track_that_is_wanted_no_more_is_left() {
     let path = folder.path().join("a.wav");
     write_song(&path, 4, 2);
     let (wake, woken) = channel();
-    let cache = cache_in(folder.path().join("kept"));
-    let reader = SongReader::start(cache, move || wake.send(()).unwrap_or_default());
     let (asked, asks) = channel();
-    let mut endless = (*numbered(&track_of(&path), 1)).clone();
-    endless.reopen = mariana_player::track::Reopen::by(move || Ok(Box::new(Endless(asked.clone()))));
-    let (endless, song) = (Arc::new(endless), numbered(&track_of(&path), 2));
+    let find = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(u64)| match track.id {
+        1 => listen(&mut Endless(asked.clone()), go_on).map(|_| None),
+        other => Some(Some(other)),
+    };
+    let reader = SongReader::of("test", "test", 2, find, move || wake.send(()).unwrap_or_default());
+    let [endless, song] = [1, 2].map(|id| numbered(&track_of(&path), id));
     reader.request([&endless, &song]);
     asks.recv_timeout(PATIENCE).unwrap();
     // The current track comes first.
     reader.request([&song, &endless]);
     woken.recv_timeout(PATIENCE).unwrap();
     assert!(reader.get(2).is_some() && reader.get(1).is_none());
-    drop((reader, endless));
+    drop(reader);
     let end = std::iter::repeat_with(|| asks.recv_timeout(PATIENCE)).find(Result::is_err);
     assert_eq!(end, Some(Err(RecvTimeoutError::Disconnected)), "the thread ends");
 }

@@ -215,7 +215,7 @@ fn kept_numbers() -> Vec<KeptNumber> {
 /// Starts a thread that reads the parts of tracks during a show. It calls `wake` after each track.
 pub fn start_reader(cache: CachedFiles, wake: impl Fn() + Send + 'static) -> SongReader<Parts> {
     let find = move |track: &TrackInfo, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)| {
-        let Some(content) = track.reopen.content() else { return Some(None) };
+        let Some(content) = &track.content else { return Some(None) };
         let (cut, duration) = (content.cut, track.duration);
         let song = SongOfParts { song: &content.song, cut, duration, scene_gain: track.scene_gain };
         Some(Some(song.read(&cache, go_on, publish)?))

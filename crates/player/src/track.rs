@@ -1,6 +1,5 @@
 //! Tracks, and the interface between a player and its list of tracks.
 
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,7 +7,7 @@ use mariana_music::StereoFrame;
 
 use super::decode::Decoder;
 use super::listed::{Edit, Edited, SharedListing};
-use super::playlist::Cut;
+use super::playlist::{Cut, Excerpt};
 use super::song::{Song, display_name};
 use super::source::{FrameSource, SourceError};
 
@@ -34,11 +33,9 @@ pub struct TrackInfo {
     pub duration: Option<f64>,
     /// A factor for the samples before analysis, so that quiet and loud tracks drive a scene in the same way.
     pub scene_gain: f32,
-    /// Opens the track again from its start, so that it can be analysed before it is heard.
-    pub reopen: Reopen,
+    /// The location of the frames, by which the track can be opened again; `None` for silence.
+    pub content: Option<Content>,
 }
-
-type Opening = dyn Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync;
 
 /// The location of a track's frames: a song, or a part of a song. Tracks with equal contents have equal frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,51 +46,17 @@ pub struct Content {
     pub cut: Option<Cut>,
 }
 
-/// A function that opens a track again, if the track can be opened twice.
-#[derive(Clone, Default)]
-pub struct Reopen {
-    open: Option<Arc<Opening>>,
-    content: Option<Arc<Content>>,
-}
-
-impl Reopen {
-    /// Wraps a function that opens the track.
-    pub fn by(open: impl Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync + 'static) -> Self {
-        Self { open: Some(Arc::new(open)), content: None }
-    }
-
-    pub(super) fn of(self, content: Content) -> Self {
-        Self { content: Some(Arc::new(content)), ..self }
-    }
-
-    /// Opens the track; `None` if it cannot be opened again. This may block.
-    pub fn open(&self) -> Option<Result<Box<dyn FrameSource>, SourceError>> {
-        self.open.as_ref().map(|open| open())
-    }
-
-    /// True if the track can be opened again.
-    pub fn is_possible(&self) -> bool {
-        self.open.is_some()
-    }
-
-    /// The location of the frames, if known.
-    pub fn content(&self) -> Option<&Content> {
-        self.content.as_deref()
-    }
-}
-
-impl PartialEq for Reopen {
-    fn eq(&self, other: &Self) -> bool {
-        match (&self.open, &other.open) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        }
-    }
-}
-
-impl fmt::Debug for Reopen {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.is_possible() { "Reopen(by a function)" } else { "Reopen(not at all)" })
+impl Content {
+    /// Opens the frames from their start. This may block.
+    ///
+    /// # Errors
+    /// Fails if the song cannot be opened, or cannot be decoded at the start of its part.
+    pub fn open(&self) -> Result<Box<dyn FrameSource>, SourceError> {
+        let source = Box::new(self.song.open()?);
+        Ok(match self.cut {
+            Some(cut) => Box::new(Excerpt::new(source, cut)?),
+            None => source,
+        })
     }
 }
 
@@ -118,7 +81,7 @@ impl Track {
             artist: about.artist.clone(),
             duration: about.duration,
             scene_gain: about.scene_gain,
-            reopen: Reopen::default(),
+            content: None,
         };
         Self { source: Box::new(decoder), info: Arc::new(info) }
     }
@@ -134,7 +97,7 @@ impl Track {
             artist: None,
             duration: source.duration(),
             scene_gain: 1.0,
-            reopen: Reopen::default(),
+            content: None,
         };
         Self { source, info: Arc::new(info) }
     }

@@ -83,7 +83,7 @@ fn the_next_track_is_reported_once_it_is_open() {
     expect_next(&mut player, Some("c.wav"));
     assert_eq!(player.now(0.0).track, player.status().track.id);
     let next = player.status().next.expect("a next track");
-    let content = next.reopen.content().expect("a file").clone();
+    let content = next.content.clone().expect("a file");
     assert!(matches!(content.song, crate::song::Song::File(path) if path.ends_with("c.wav")));
     player.set_order(Repeat::One, false);
     expect_next(&mut player, None);

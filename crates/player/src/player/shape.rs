@@ -2,12 +2,13 @@
 //! again and decodes it as fast as possible, from the first request until another track is requested.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
+use std::io;
+use std::sync::{Arc, OnceLock};
 
 use crate::source::FrameSource;
-use crate::track::TrackInfo;
+use crate::track::{Content, TrackInfo};
 use crate::{limits, lower_priority};
-use mariana_work::{Latest, Shared, latest, lock};
+use mariana_work::{Latest, Shared, latest};
 
 const PARTS: usize = 600;
 
@@ -21,105 +22,76 @@ const SHAPES_KEPT: usize = 16;
 /// The loudness of the parts of a track that are measured already.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LoudnessShape {
-    /// A number that grows while more of the track is measured.
-    pub revision: u64,
     /// The number of parts of equal length.
     pub parts: usize,
     /// The loudness of the measured parts from the start: 0 is silence, 1 the loudest part so far.
     pub levels: Vec<f32>,
 }
 
+/// The thread that measures shapes, which the first request starts; `None` if it cannot be started.
 #[derive(Default)]
-pub(super) struct Shapes {
-    shared: SharedShapes,
-    thread: Mutex<Option<ShapeThread>>,
+pub(super) struct Shapes(OnceLock<Option<Latest<State>>>);
+
+#[derive(Default)]
+struct State {
+    /// The track to measure next.
+    wanted: Option<Arc<TrackInfo>>,
+    /// The last requested track.
+    last: Option<u64>,
+    known: VecDeque<(u64, Arc<LoudnessShape>)>,
 }
 
-struct ShapeThread {
-    wanted: Latest<Wanted>,
-    last: u64,
-}
-
-/// The track to measure next.
-type Wanted = Option<Arc<TrackInfo>>;
-
-type KnownShapes = VecDeque<(u64, Arc<LoudnessShape>)>;
-
-#[derive(Clone, Default)]
-struct SharedShapes(Arc<Mutex<KnownShapes>>);
-
-impl SharedShapes {
+impl State {
     fn of(&self, id: u64) -> Option<Arc<LoudnessShape>> {
-        lock(&self.0).iter().find(|(known, _)| *known == id).map(|(_, shape)| shape.clone())
+        self.known.iter().find(|(known, _)| *known == id).map(|(_, shape)| shape.clone())
     }
 
-    fn publish(&self, id: u64, shape: LoudnessShape) {
-        let mut known = lock(&self.0);
-        known.retain(|(other, _)| *other != id);
-        if known.len() == SHAPES_KEPT {
-            known.pop_front();
+    fn publish(&mut self, id: u64, shape: LoudnessShape) {
+        self.known.retain(|(other, _)| *other != id);
+        if self.known.len() == SHAPES_KEPT {
+            self.known.pop_front();
         }
-        known.push_back((id, Arc::new(shape)));
+        self.known.push_back((id, Arc::new(shape)));
     }
 }
 
 impl Shapes {
     /// Returns the measured part of the shape of `track`. The rest is measured in the background.
     pub(super) fn of(&self, track: &Arc<TrackInfo>) -> Option<Arc<LoudnessShape>> {
-        let mut thread = lock(&self.thread);
-        let known = self.shared.of(track.id);
+        let start = || latest("shape", State::default(), |state| state.wanted.take(), open_and_measure);
+        let refused = |error: &io::Error| tracing::debug!("no thread for shapes: {error}");
+        let thread = self.0.get_or_init(|| start().inspect_err(refused).ok()).as_ref()?;
+        let mut state = thread.lock();
+        let known = state.of(track.id);
         let whole = known.as_ref().is_some_and(|shape| shape.levels.len() == shape.parts);
-        if whole || thread.as_ref().is_some_and(|thread| thread.last == track.id) {
-            return known;
-        }
-        if thread.is_none() {
-            let shared = self.shared.clone();
-            let measure = move |track: Arc<TrackInfo>, wanted: &_| open_and_measure(&track, wanted, &shared);
-            match latest("shape", None, Wanted::take, measure) {
-                Ok(wanted) => *thread = Some(ShapeThread { wanted, last: track.id }),
-                Err(error) => tracing::debug!("no thread for shapes: {error}"),
-            }
-        }
-        if let Some(thread) = &mut *thread {
-            thread.last = track.id;
-            thread.wanted.change(|wanted| *wanted = Some(track.clone()));
+        if !whole && state.last.replace(track.id) != Some(track.id) {
+            state.wanted = Some(track.clone());
+            drop(state);
+            thread.change(|_| ());
         }
         known
     }
-
-    #[cfg(test)]
-    pub(super) fn is_idle(&self) -> bool {
-        lock(&self.thread).is_none()
-    }
 }
 
-fn open_and_measure(track: &TrackInfo, wanted: &Shared<Wanted>, shared: &SharedShapes) {
+fn open_and_measure(track: Arc<TrackInfo>, shared: &Shared<State>) {
     lower_priority(19);
-    match track.reopen.open().transpose() {
-        Ok(Some(mut source)) => drop(measure(track, &mut *source, wanted, shared)),
-        Ok(None) => {}
+    match track.content.as_ref().map(Content::open) {
+        Some(Ok(mut source)) => drop(measure(track.id, &mut *source, shared)),
         // Errors of the track are only logged here, because the player also reports them.
-        Err(error) => tracing::debug!("no shape: {error}"),
+        Some(Err(error)) => tracing::debug!("no shape: {error}"),
+        None => {}
     }
 }
 
 /// Decodes the track and publishes its shape. Stops with `None` when another track is requested, or if the
 /// track is too long or its duration is unknown.
-fn measure(
-    track: &TrackInfo,
-    source: &mut dyn FrameSource,
-    wanted: &Shared<Wanted>,
-    shared: &SharedShapes,
-) -> Option<()> {
+fn measure(track: u64, source: &mut dyn FrameSource, shared: &Shared<State>) -> Option<()> {
     let duration = source.duration().filter(|duration| *duration <= limits::SHAPE_SECONDS_MAX)?;
     let mut sums = Sums::new(duration * f64::from(source.sample_rate()))?;
-    let (mut block, mut reported, mut revision) = (Vec::new(), 0, 0);
-    let mut tell = |sums: &Sums| {
-        revision += 1;
-        shared.publish(track.id, LoudnessShape { revision, ..sums.shape() });
-    };
+    let (mut block, mut reported) = (Vec::new(), 0);
+    let publish = |sums: &Sums| shared.lock().publish(track, sums.shape());
     loop {
-        if wanted.is_over() || wanted.lock().is_some() {
+        if shared.is_over() || shared.lock().wanted.is_some() {
             return None;
         }
         block.clear();
@@ -133,11 +105,11 @@ fn measure(
         }
         if sums.squares.len() >= reported + PARTS_A_TIME {
             reported = sums.squares.len();
-            tell(&sums);
+            publish(&sums);
         }
     }
     sums.squares.resize(sums.parts, 0.0);
-    tell(&sums);
+    publish(&sums);
     Some(())
 }
 
@@ -183,7 +155,7 @@ impl Sums {
         // The exponent is halved for the square of the amplitude.
         let level =
             |square: &f32| if loudest > 0.0 { (square / loudest).powf(LOUDNESS_POWER / 2.0) } else { 0.0 };
-        LoudnessShape { revision: 0, parts: self.parts, levels: self.squares.iter().map(level).collect() }
+        LoudnessShape { parts: self.parts, levels: self.squares.iter().map(level).collect() }
     }
 }
 

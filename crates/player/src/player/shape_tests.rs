@@ -6,7 +6,7 @@ use super::*;
 use crate::player::tests::silent;
 use crate::player::{Player, PlayerOptions};
 use crate::playlist::Playlist;
-use crate::track::{Reopen, Repeat, Track};
+use crate::track::{Repeat, Track};
 use mariana_testing::wave::write_wav;
 
 fn whole(player: &mut Player) -> Arc<LoudnessShape> {
@@ -44,7 +44,7 @@ fn ten_decibels_more_are_twice_as_loud() {
     write_steps(&path);
     let mut player = played(&path);
     player.status();
-    assert!(player.shapes.is_idle(), "the thread starts without a request");
+    assert!(player.shapes.0.get().is_none(), "the thread starts without a request");
     let shape = whole(&mut player);
     assert_eq!(shape.levels.len(), PARTS);
     for (part, wanted) in [(75, 0.0), (225, 0.25), (375, 1.0), (525, 0.5)] {
@@ -95,27 +95,23 @@ impl FrameSource for Endless {
     }
 }
 
-fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
-    let mut info = Track::silence(0, 1).info.as_ref().clone();
-    info.reopen = Reopen::by(move || Ok(Box::new(Endless { duration })));
-    Arc::new(TrackInfo { id, ..info })
+#[test]
+fn unmeasurable_tracks_have_no_shape() {
+    let shared = Latest::<State>::default();
+    let limit = limits::SHAPE_SECONDS_MAX;
+    for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
+        assert_eq!(measure(id as u64, &mut Endless { duration }, &shared), None);
+        assert_eq!(shared.lock().of(id as u64), None);
+    }
 }
 
 #[test]
-fn unmeasurable_tracks_have_no_shape_and_a_new_request_is_served_at_once() {
-    let shapes = Shapes::default();
-    let limit = limits::SHAPE_SECONDS_MAX;
-    for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
-        assert_eq!(shapes.of(&endless(id as u64, duration)), None);
-    }
-    // The measurement of this long track is dropped for the next track, which claims an end but is endless.
-    shapes.of(&endless(10, Some(limit)));
-    let last = endless(11, Some(1.0));
-    let start = Instant::now();
-    let known = || shapes.of(&last).filter(|shape| shape.levels.len() == shape.parts);
-    while known().is_none() {
-        assert!(start.elapsed() < Duration::from_secs(20), "no shape");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    assert!((0..4).all(|id| shapes.shared.of(id).is_none()));
+fn a_track_that_claims_an_end_is_measured_to_this_end_unless_another_is_requested() {
+    let shared = Latest::<State>::default();
+    measure(1, &mut Endless { duration: Some(1.0) }, &shared).expect("a shape");
+    let shape = shared.lock().of(1).expect("a shape");
+    assert_eq!(shape.levels.len(), shape.parts);
+    shared.lock().wanted = Some(Track::silence(0, 1).info);
+    assert_eq!(measure(2, &mut Endless { duration: Some(limits::SHAPE_SECONDS_MAX) }, &shared), None);
+    assert_eq!(shared.lock().of(2), None);
 }

@@ -6,7 +6,7 @@ use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
 /// A range of a source's frames. If two parts are adjacent in the file, their excerpts join without a gap.
-pub(super) struct Excerpt {
+pub(crate) struct Excerpt {
     source: Box<dyn FrameSource>,
     start: u64,
     /// The end of the range (exclusive). `u64::MAX` means the source's end.
@@ -15,7 +15,7 @@ pub(super) struct Excerpt {
 }
 
 impl Excerpt {
-    pub(super) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
+    pub(crate) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
         let rate = u64::from(source.sample_rate());
         let frame = |disc: u64| disc.saturating_mul(rate) / DISC_FRAMES;
         let (start, end) = (frame(cut.start), cut.end.map_or(u64::MAX, frame));

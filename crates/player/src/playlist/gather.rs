@@ -20,6 +20,7 @@ use crate::listed::ListedTrack;
 use crate::one_line::one_line;
 use crate::song::{Song, track_name};
 use crate::stems::is_folder_of_stems;
+use crate::track::Content;
 
 /// Extensions of the files that are taken from a folder, in lower case.
 pub const AUDIO_EXTENSIONS: &[&str] = &[
@@ -32,22 +33,20 @@ const TRACK_ERRORS_KEPT: usize = 20;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlaylistEntry {
-    pub song: Song,
-    /// The part of the song that is played; `None` for the whole song.
-    pub cut: Option<Cut>,
+    pub content: Content,
     /// What a list says about the song.
     pub tags: TrackTags,
 }
 
 impl From<Song> for PlaylistEntry {
     fn from(song: Song) -> Self {
-        Self { song, cut: None, tags: TrackTags::default() }
+        Self { content: Content { song, cut: None }, tags: TrackTags::default() }
     }
 }
 
 impl PlaylistEntry {
     pub(super) fn listed(&self) -> ListedTrack {
-        let (name, file) = match &self.song {
+        let (name, file) = match &self.content.song {
             Song::Embedded { name, .. } => ((*name).to_owned(), None),
             Song::File(path) => (name_of(path), Some(path.clone())),
         };
@@ -61,9 +60,9 @@ impl PlaylistEntry {
             name: track_name(artist.as_deref(), title.as_deref(), &name),
             title: tag(title),
             artist: tag(artist),
-            duration: duration.or_else(|| self.cut.and_then(length)),
+            duration: duration.or_else(|| self.content.cut.and_then(length)),
             file,
-            start: self.cut.map(|cut| cut.seconds().0),
+            start: self.content.cut.map(|cut| cut.seconds().0),
         }
     }
 }
@@ -132,7 +131,7 @@ impl Gathered {
         // Problems with the file are reported when it is played.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
-            Some(item) => PlaylistEntry { song, cut: item.cut, tags: item.tags.clone() },
+            Some(item) => PlaylistEntry { content: Content { song, cut: item.cut }, tags: item.tags.clone() },
             None => song.into(),
         });
     }

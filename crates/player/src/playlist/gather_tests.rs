@@ -15,7 +15,7 @@ fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
 fn gathered(folder: &Path, names: &[&str]) -> (Vec<String>, Vec<String>) {
     let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
     let found = gather(&paths);
-    let name = |entry: &PlaylistEntry| match &entry.song {
+    let name = |entry: &PlaylistEntry| match &entry.content.song {
         Song::File(path) => path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
         Song::Embedded { name, .. } => (*name).into(),
     };

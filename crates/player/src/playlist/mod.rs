@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 use editing::History;
 pub use error::PlaylistError;
-use excerpt::Excerpt;
+pub(crate) use excerpt::Excerpt;
 pub(crate) use gather::is_audio;
 pub use gather::{AUDIO_EXTENSIONS, compare as compare_names};
 use gather::{PlaylistEntry, gather, is_many};
@@ -39,7 +39,7 @@ use super::listed::{Edit, Edited, ListedTrack, SharedListing};
 use super::one_line::one_line;
 use super::song::{Song, track_name};
 use super::source::SourceError;
-use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
+use super::track::{Found, Repeat, Track, TrackList, Wanted};
 
 const TRACK_ERRORS_KEPT: usize = 20;
 
@@ -260,10 +260,10 @@ impl Playlist {
 
 impl PlaylistEntry {
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
-        let decoder = self.song.open()?;
+        let decoder = self.content.song.open()?;
         let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);
         let about = Arc::make_mut(&mut info);
-        if let Some(cut) = self.cut {
+        if let Some(cut) = self.content.cut {
             source = Box::new(Excerpt::new(source, cut)?);
             let title = self.tags.title.as_deref().map(one_line).or_else(|| about.title.clone());
             let artist = self.tags.artist.as_deref().map(one_line).or_else(|| about.artist.clone());
@@ -271,8 +271,7 @@ impl PlaylistEntry {
             about.name = track_name(artist.as_deref(), title.as_deref(), &about.name);
             (about.title, about.artist) = (title, artist);
         }
-        let (entry, content) = (self.clone(), Content { song: self.song.clone(), cut: self.cut });
-        about.reopen = Reopen::by(move || Ok(entry.open(0, 1)?.source)).of(content);
+        about.content = Some(self.content.clone());
         Ok(Track { source, info })
     }
 }

@@ -88,7 +88,7 @@ impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let lit = (self.panels, self.fullscreen, self.follows, self.decks);
         (self.now, self.cover, self.scene, lit, self.seen).hash(state);
-        self.shape.map(|shape| shape.revision).hash(state);
+        self.shape.map(|shape| shape.levels.len()).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
         self.marks.map(|marks| marks.map(f64::to_bits)).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
