@@ -3,7 +3,7 @@
 //! Receivers derive the time from the number of frames, so an unchanged frame is sent again.
 
 use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,19 +14,20 @@ use crate::y4m::{self, Chroma};
 
 /// A receiver of frames at a constant rate. Each target has a thread, so each call may block for any time.
 pub(super) trait Receiver: Send + 'static {
+    type Stream: Write;
+
+    /// True if another reader can connect after one has disconnected.
+    const COMES_AGAIN: bool = true;
+
     /// Waits for a reader.
     ///
     /// # Errors
     /// Fails if no reader can connect any more.
-    fn open(&mut self) -> std::io::Result<()>;
+    fn open(&mut self) -> std::io::Result<Self::Stream>;
 
-    /// Writes a frame.
-    ///
-    /// # Errors
-    /// Fails if the reader has disconnected, or if the frame cannot be written.
-    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()>;
-
-    fn can_come_again(&self) -> bool;
+    fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
+        y4m::frame_of_quarter(&picture.rgba, picture.size)
+    }
 }
 
 const PAUSE: Duration = Duration::from_millis(500);
@@ -40,22 +41,23 @@ pub(super) fn start(
     std::thread::Builder::new().name("sending".into()).spawn(send).map(drop).map_err(SendError::Thread)
 }
 
-fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
+fn send<R: Receiver>(mut receiver: R, fps: f64, latest_frame: &LatestFrame) {
     let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
     // Wait for a frame before opening, because opening sends the stream's header.
     while latest_frame.first().is_some() {
-        match receiver.open() {
-            Ok(()) => latest_frame.has_receiver(),
+        let stream = match receiver.open() {
+            Ok(stream) => stream,
             Err(error) => {
                 latest_frame.report(format!("no more frames can be sent to {}: {error}", &latest_frame.to));
                 return;
             }
-        }
+        };
+        latest_frame.has_receiver();
         tracing::info!("{} has a receiver", &latest_frame.to);
-        let ended = feed(&mut receiver, period, latest_frame);
+        let ended = feed(&receiver, stream, period, latest_frame);
         latest_frame.has_lost_receiver();
         let Some(error) = ended else { return };
-        if !receiver.can_come_again() {
+        if !R::COMES_AGAIN {
             latest_frame.report(format!(
                 "the reader of {} has disconnected: no more frames are sent there",
                 &latest_frame.to
@@ -75,7 +77,8 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
 
 /// Writes frames. Returns the error if the reader disconnects, `None` at the end.
 fn feed(
-    receiver: &mut impl Receiver,
+    receiver: &impl Receiver,
+    mut stream: impl Write,
     period: Duration,
     latest_frame: &LatestFrame,
 ) -> Option<std::io::Error> {
@@ -84,7 +87,7 @@ fn feed(
         let picture = latest_frame.first()?;
         let begun = Instant::now();
         latest_frame.set_writing(true);
-        let written = receiver.write(&picture);
+        let written = stream.write_all(&receiver.bytes(&picture)).and_then(|()| stream.flush());
         latest_frame.set_writing(false);
         if let Err(error) = written {
             return Some(error);
@@ -107,7 +110,6 @@ fn feed(
 pub(super) struct Fifo {
     path: PathBuf,
     header: Vec<u8>,
-    file: Option<File>,
 }
 
 impl Fifo {
@@ -128,7 +130,7 @@ impl Fifo {
             }
             Err(error) => return Err(refused(&format!("{error}: check the path"))),
         }
-        Ok(Self { path: path.to_owned(), header: y4m::header(size, fps, Chroma::Quarter), file: None })
+        Ok(Self { path: path.to_owned(), header: y4m::header(size, fps, Chroma::Quarter) })
     }
 }
 
@@ -143,31 +145,16 @@ fn is_fifo(_: &std::fs::Metadata) -> bool {
 }
 
 impl Receiver for Fifo {
-    fn open(&mut self) -> std::io::Result<()> {
-        self.file = None;
+    type Stream = File;
+
+    fn open(&mut self) -> std::io::Result<File> {
         // Blocks until the FIFO has a reader.
         let mut file = OpenOptions::new().write(true).open(&self.path)?;
         // A reader that has disconnected already is noticed at the first frame.
         match file.write_all(&self.header) {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(error),
-            _ => {}
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            _ => Ok(file),
         }
-        self.file = Some(file);
-        Ok(())
-    }
-
-    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
-        let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
-        let written = file.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size));
-        if written.is_err() {
-            // Close the FIFO at once, so that the next reader does not get the rest of this stream.
-            self.file = None;
-        }
-        written
-    }
-
-    fn can_come_again(&self) -> bool {
-        true
     }
 }
 
@@ -180,20 +167,15 @@ impl Standard {
 }
 
 impl Receiver for Standard {
-    fn open(&mut self) -> std::io::Result<()> {
+    type Stream = Stdout;
+
+    const COMES_AGAIN: bool = false;
+
+    fn open(&mut self) -> std::io::Result<Stdout> {
+        let mut out = std::io::stdout();
         // A missing reader is noticed at the first frame.
-        let _ = std::io::stdout().write_all(&self.0);
-        Ok(())
-    }
-
-    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
-        let mut out = std::io::stdout().lock();
-        out.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size))?;
-        out.flush()
-    }
-
-    fn can_come_again(&self) -> bool {
-        false
+        let _ = out.write_all(&self.0);
+        Ok(out)
     }
 }
 
@@ -206,24 +188,36 @@ mod tests {
     struct Short {
         taken: Sender<u8>,
         pictures: usize,
-        left: usize,
         times: usize,
     }
 
+    struct ShortStream {
+        taken: Sender<u8>,
+        left: usize,
+    }
+
     impl Receiver for Short {
-        fn open(&mut self) -> std::io::Result<()> {
+        type Stream = ShortStream;
+
+        fn open(&mut self) -> std::io::Result<ShortStream> {
             self.times = self.times.checked_sub(1).ok_or(ErrorKind::NotFound)?;
-            self.left = self.pictures;
-            Ok(())
+            Ok(ShortStream { taken: self.taken.clone(), left: self.pictures })
         }
 
-        fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
+        fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
+            picture.rgba.to_vec()
+        }
+    }
+
+    impl Write for ShortStream {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
             self.left = self.left.checked_sub(1).ok_or(ErrorKind::BrokenPipe)?;
-            self.taken.send(picture.rgba[0]).map_err(|_| ErrorKind::BrokenPipe.into())
+            self.taken.send(bytes[0]).map_err(|_| ErrorKind::BrokenPipe)?;
+            Ok(bytes.len())
         }
 
-        fn can_come_again(&self) -> bool {
-            true
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
         }
     }
 
@@ -231,7 +225,7 @@ mod tests {
     fn an_unchanged_frame_is_sent_again_and_receivers_come_and_go() {
         let (taken, pictures) = channel();
         let latest_frame = Arc::new(LatestFrame::new("a place".into()));
-        start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, latest_frame.clone()).unwrap();
+        start(Short { taken, pictures: 3, times: 2 }, 500.0, latest_frame.clone()).unwrap();
         let feeder = latest_frame.clone();
         let feeds = std::thread::spawn(move || {
             while !feeder.rest(Duration::from_millis(1)) {

@@ -3,7 +3,7 @@
 #![expect(unsafe_code, reason = "the device's format is set by an ioctl of the kernel")]
 
 use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +82,8 @@ fn format_of(size: (u32, u32)) -> Format {
 pub(super) struct VirtualCamera {
     path: PathBuf,
     size: (u32, u32),
-    file: Option<File>,
+    /// The device, from the check at the start until a frame is sent.
+    checked: Option<File>,
 }
 
 impl VirtualCamera {
@@ -91,7 +92,7 @@ impl VirtualCamera {
     /// # Errors
     /// Fails if the device does not exist, cannot be written, or has another format.
     pub(super) fn open(path: &Path, size: (u32, u32)) -> Result<Self, SendError> {
-        let mut camera = Self { path: path.to_owned(), size, file: None };
+        let mut camera = Self { path: path.to_owned(), size, checked: None };
         let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
         match std::fs::metadata(path) {
             Ok(found) if found.file_type().is_char_device() => {}
@@ -103,19 +104,14 @@ impl VirtualCamera {
             }
             Err(error) => return Err(refused(format!("{error}: check the path"))),
         }
-        let opened = Receiver::open(&mut camera);
-        opened.map_err(|error| {
+        let opened = camera.open_device().map_err(|error| {
             refused(format!("{error}: give a device of v4l2loopback that you can write to"))
         })?;
+        camera.checked = Some(opened);
         Ok(camera)
     }
-}
 
-impl Receiver for VirtualCamera {
-    fn open(&mut self) -> std::io::Result<()> {
-        if self.file.is_some() {
-            return Ok(());
-        }
+    fn open_device(&self) -> std::io::Result<File> {
         let file = OpenOptions::new().read(true).write(true).open(&self.path)?;
         let mut format = format_of(self.size);
         // SAFETY: the opcode contains the size of `Format`, whose layout is the kernel's (see the test), and `format`
@@ -126,21 +122,19 @@ impl Receiver for VirtualCamera {
             let reason = format!("the device has another format ({}x{})", taken.width, taken.height);
             return Err(std::io::Error::other(reason));
         }
-        self.file = Some(file);
-        Ok(())
+        Ok(file)
+    }
+}
+
+impl Receiver for VirtualCamera {
+    type Stream = File;
+
+    fn open(&mut self) -> std::io::Result<File> {
+        self.checked.take().map_or_else(|| self.open_device(), Ok)
     }
 
-    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
-        let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
-        let written = file.write_all(&quarter_planes(&picture.rgba, picture.size));
-        if written.is_err() {
-            self.file = None;
-        }
-        written
-    }
-
-    fn can_come_again(&self) -> bool {
-        true
+    fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
+        quarter_planes(&picture.rgba, picture.size)
     }
 }
 
