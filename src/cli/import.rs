@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::common::colors;
 use super::files::{is_standard, scene_of};
-use crate::atomic_file::AtomicFile;
+use crate::atomic_file::{AtomicFile, folder_of};
 use crate::export::output::refuse_to_replace;
 use crate::export::print::{print_line, print_message};
 use crate::scenes::{ShaderError, is_copy, is_shader_file, read_shader, scene_of_shader};
@@ -82,12 +82,8 @@ fn underlined(shader: &Path, text: &str, problem: &Diagnostic) -> anyhow::Error 
 
 /// Copies the GLSL into the folder of the scene, which reads nothing outside of its folder.
 fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::Result<()> {
-    let folder = |path: &Path| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    let to = folder(scene);
-    if folder(shader).canonicalize().ok() == to.canonicalize().ok() {
+    let to = folder_of(scene);
+    if folder_of(shader).canonicalize().ok() == to.canonicalize().ok() {
         return Ok(());
     }
     let copy = to.join(name);
