@@ -44,8 +44,7 @@ pub(super) enum Frames<'a> {
 
 pub(super) struct Encoder {
     process: EncoderProcess,
-    /// `None` once the finished video has replaced the output.
-    output: Option<AtomicFile>,
+    output: AtomicFile,
     path: PathBuf,
     keeps_others: bool,
     /// The projection that the file's metadata must name.
@@ -96,7 +95,7 @@ impl Encoder {
             .map_err(no_encoder)?;
         let keeps_others = request.keeps_others;
         let marked = (needs_mark && is_quicktime(&made)).then_some(projection);
-        let (output, path) = (Some(output), path.to_owned());
+        let path = path.to_owned();
         Ok(Self { process, output, path, keeps_others, marked, next, _inputs: inputs })
     }
 
@@ -111,21 +110,20 @@ impl Encoder {
         if !has_ended || NOT_WRITTEN.iter().any(|words| self.process.complaint().contains(words)) {
             return Err(self.last_words());
         }
-        if let Some((projection, output)) = self.marked.as_ref().zip(self.output.as_ref()) {
-            spherical::mark(output.temporary(), projection).map_err(|error| {
+        if let Some(projection) = &self.marked {
+            spherical::mark(self.output.temporary(), projection).map_err(|error| {
                 let error = without_path(error);
                 failed(&self.path, &format!("the projection cannot be noted in the file: {error}"))
             })?;
         }
-        let output = self.output.take();
-        if let Some(((request, path), output)) = self.next.take().map(|next| *next).zip(output.as_ref()) {
-            return Self::start(&request, &path, Frames::File(output.temporary()), None)?.finish();
+        if let Some((request, path)) = self.next.as_deref() {
+            return Self::start(request, path, Frames::File(self.output.temporary()), None)?.finish();
         }
-        Ok(match output {
-            Some(output) if self.keeps_others => output.commit_beside()?,
-            Some(output) => output.commit().map(|()| self.path.clone())?,
-            None => self.path.clone(),
-        })
+        if self.keeps_others {
+            return Ok(self.output.commit_beside()?);
+        }
+        self.output.commit()?;
+        Ok(self.path)
     }
 
     fn last_words(&mut self) -> ExportError {
@@ -138,12 +136,9 @@ impl Encoder {
                 self.path.display()
             ));
         }
-        let mut tail = self.process.complaint();
-        if let Some(output) = &self.output {
-            // Remove the name of the temporary output from the message.
-            let url = file_address(output.temporary());
-            tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
-        }
+        // Remove the name of the temporary output from the message.
+        let url = file_address(self.output.temporary());
+        let tail = self.process.complaint().replace(&format!("{}: ", url.to_string_lossy()), "");
         let said = tail.lines().map(str::trim).rfind(|line| !line.is_empty());
         failed(&self.path, said.unwrap_or("it ended without a message"))
     }
