@@ -403,8 +403,7 @@ impl Interface {
         let awake = self.pointer_rest.is_awake(busy, now) || needs_bar;
         let shows_bar = awake && !self.ui_state.is_quiet();
         // Measure the loudness of the track only if the bar, which shows it, is visible.
-        let shape = playback.listening.with_song(|player| if shows_bar { player.shape() } else { None });
-        let shape = shape.flatten();
+        let shape = if shows_bar { playback.listening.shape() } else { None };
         let cover = playback.listening.cover();
         let song = playback.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.assisted, playback.follows());

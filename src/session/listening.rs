@@ -21,7 +21,7 @@ use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::track::{Repeat, TrackInfo};
-use mariana_player::{Edit, Moment, Player, PlayerStatus};
+use mariana_player::{Edit, LoudnessShape, Moment, Player, PlayerStatus};
 
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
 
@@ -33,6 +33,8 @@ pub(crate) struct Listening {
     pub(crate) parts: HeardParts,
     /// Finds the covers of tracks.
     covers: SongReader<RgbaImage>,
+    /// Measures tracks for the seek bar.
+    shapes: SongReader<LoudnessShape>,
     energy: LiveEnergy,
     taps: TapTempo,
     /// The last reading of a device's clock, which has priority over tapped beats.
@@ -72,6 +74,7 @@ impl Listening {
         songs: SongReader,
         stems: SongReader<Parts>,
         covers: SongReader<RgbaImage>,
+        shapes: SongReader<LoudnessShape>,
     ) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
@@ -80,6 +83,7 @@ impl Listening {
             songs,
             parts: HeardParts::new(stems),
             covers,
+            shapes,
             energy,
             taps,
             clock,
@@ -339,6 +343,13 @@ impl Listening {
     /// The cover of the track that plays, at most 256 pixels wide and high, once it is decoded.
     pub(crate) fn cover(&self) -> Option<Arc<RgbaImage>> {
         if self.sound.plays_song() { self.covers.get(self.track) } else { None }
+    }
+
+    /// The loudness of the track that plays, as far as it is measured. The first call starts the measurement.
+    pub(crate) fn shape(&self) -> Option<Arc<LoudnessShape>> {
+        let track = self.painted.track.as_ref().filter(|_| self.sound.plays_song())?;
+        self.shapes.request([track]);
+        self.shapes.get(track.id)
     }
 
     /// The cover of the track that plays, or a painted one.

@@ -126,6 +126,7 @@ impl Opening {
                 songs,
                 start_reader(parts_cache(&folders), waker.waking()),
                 covers::start_reader(waker.waking()),
+                SongReader::of_loudness(waker.waking()),
             ),
             scene,
             direction,

@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use super::{ReadSong, find, lyrics_of};
 use crate::cached_files::CachedFiles;
-use mariana_player::lower_priority;
-use mariana_player::track::TrackInfo;
+use mariana_player::track::{Content, TrackInfo};
+use mariana_player::{LoudnessShape, lower_priority};
 use mariana_work::{Latest, Shared, contained, latest};
 
-/// Maximum number of structures of earlier tracks in memory.
+/// Maximum number of results for earlier tracks in memory.
 const KNOWN_MAX: usize = 16;
 
 /// Niceness of the thread after the first song: the lowest priority.
@@ -67,6 +67,19 @@ impl SongReader {
             Some(structure.map(|structure| ReadSong { structure: Arc::new(structure), lyrics }))
         };
         Self::of("songs", "analyse whole songs", KNOWN_MAX, read, wake)
+    }
+}
+
+impl SongReader<LoudnessShape> {
+    /// Starts a thread of the lowest priority that measures the loudness of tracks. It calls `wake` after each track.
+    pub fn of_loudness(wake: impl Fn() + Send + 'static) -> Self {
+        let measure = |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), publish: &dyn Fn(_)| {
+            lower_priority(NICENESS);
+            // Errors of the track are reported by the player.
+            let Some(Ok(mut source)) = track.content.as_ref().map(Content::open) else { return Some(None) };
+            LoudnessShape::measure(&mut *source, go_on, publish)
+        };
+        Self::of("loudness", "measure the loudness of songs", KNOWN_MAX, measure, wake)
     }
 }
 

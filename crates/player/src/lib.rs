@@ -61,6 +61,7 @@ mod server_connection;
 #[cfg(not(target_os = "linux"))]
 #[path = "no_server_connection.rs"]
 mod server_connection;
+mod shape;
 pub mod song;
 pub mod source;
 pub mod stems;
@@ -73,7 +74,7 @@ pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{Edit, ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, MissedAudio, Moment, Player, PlayerOptions, PlayerStatus, Position, SilenceEnd,
-    TrackErrors,
+    MissedAudio, Moment, Player, PlayerOptions, PlayerStatus, Position, SilenceEnd, TrackErrors,
 };
 pub use priority::lower_priority;
+pub use shape::LoudnessShape;

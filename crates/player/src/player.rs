@@ -28,7 +28,6 @@ use audible::AudibleMoment;
 use decoding::{Command, Decoding};
 use listing::{Request, SharedTrackErrors};
 use mariana_work::Background;
-use shape::Shapes;
 
 mod analysis;
 mod audible;
@@ -37,13 +36,11 @@ mod filling;
 mod listing;
 mod missed_audio;
 mod position;
-mod shape;
 
 pub use audible::Moment;
 pub use listing::TrackErrors;
 pub use missed_audio::{MissedAudio, SilenceEnd};
 pub use position::Position;
-pub use shape::LoudnessShape;
 
 const ANALYSIS_QUEUE: usize = 32;
 
@@ -126,7 +123,6 @@ pub struct Player {
     /// The track that was audible last, with the track's current index in the list.
     track: Arc<TrackInfo>,
     listing: SharedListing,
-    shapes: Shapes,
     repeat: Repeat,
     shuffled: bool,
     track_errors: SharedTrackErrors,
@@ -186,7 +182,6 @@ impl Player {
             gain,
             track,
             listing,
-            shapes: Shapes::default(),
             repeat: options.repeat,
             shuffled: options.shuffled,
             track_errors,
@@ -229,13 +224,6 @@ impl Player {
     /// Returns the current list. The call is fast enough for each frame, even for long lists.
     pub fn playlist(&self) -> Arc<ListedTracks> {
         self.listing.tracks()
-    }
-
-    /// Returns the loudness shape of the track that [`Player::status`] reported last, as far as it is measured. The
-    /// first call starts the measurement. Returns `None` before the first part is measured, and for tracks that have an
-    /// unknown length, are longer than the limits' `shape_seconds_max`, or cannot be opened twice.
-    pub fn shape(&self) -> Option<Arc<LoudnessShape>> {
-        self.shapes.of(&self.track)
     }
 
     /// Plays the track at this index, or the next playable track. Indices beyond the list are ignored.
