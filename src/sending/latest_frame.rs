@@ -1,9 +1,9 @@
 //! A mailbox with the latest frame for a receiver, and messages about the receiver. Putting a frame never blocks.
 
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use mariana_work::lock;
+use mariana_work::Shared;
 
 /// A frame to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,8 +19,7 @@ const BLOCKS_AFTER: Duration = Duration::from_secs(2);
 
 /// The mailbox of a receiver.
 pub struct LatestFrame {
-    state: Mutex<State>,
-    changed: Condvar,
+    shared: Shared<State>,
     pub(super) to: String,
 }
 
@@ -29,7 +28,6 @@ struct State {
     /// The frame with its number, counted from 1.
     picture: Option<(u64, OutgoingFrame)>,
     count: u64,
-    over: bool,
     receivers: usize,
     news: Vec<String>,
     writing: Option<Instant>,
@@ -39,24 +37,23 @@ struct State {
 
 impl LatestFrame {
     pub(super) fn new(to: String) -> Self {
-        Self { state: Mutex::default(), changed: Condvar::new(), to }
+        Self { shared: Shared::default(), to }
     }
 
     /// Replaces the frame that is sent.
     pub fn put(&self, picture: OutgoingFrame) {
-        let mut state = lock(&self.state);
-        state.count += 1;
-        state.picture = Some((state.count, picture));
-        self.changed.notify_all();
+        self.shared.change(|state| {
+            state.count += 1;
+            state.picture = Some((state.count, picture));
+        });
     }
 
     pub(super) fn end(&self) {
-        lock(&self.state).over = true;
-        self.changed.notify_all();
+        self.shared.end();
     }
 
     pub(super) fn is_over(&self) -> bool {
-        lock(&self.state).over
+        self.shared.is_over()
     }
 
     /// Waits for a frame; `None` at the end.
@@ -67,26 +64,25 @@ impl LatestFrame {
     /// Waits for a frame with a higher number; `None` at the end.
     pub(super) fn after(&self, number: u64) -> Option<(u64, OutgoingFrame)> {
         let is_old = |state: &mut State| {
-            !state.over && state.picture.as_ref().is_none_or(|(latest_frame, _)| *latest_frame <= number)
+            state.picture.as_ref().is_none_or(|(latest_frame, _)| *latest_frame <= number)
         };
-        let state =
-            self.changed.wait_while(lock(&self.state), is_old).unwrap_or_else(PoisonError::into_inner);
-        state.picture.clone().filter(|_| !state.over)
+        let state = self.shared.wait_while(Duration::MAX, is_old);
+        state.picture.clone().filter(|_| !self.is_over())
     }
 
     /// Waits for `time`, or until the end. Returns true at the end.
     pub(super) fn rest(&self, time: Duration) -> bool {
-        let waited = self.changed.wait_timeout_while(lock(&self.state), time, |state| !state.over);
-        waited.unwrap_or_else(PoisonError::into_inner).0.over
+        self.shared.rest(time);
+        self.is_over()
     }
 
     pub(super) fn report(&self, sentence: String) {
-        lock(&self.state).news.push(sentence);
+        self.shared.lock().news.push(sentence);
     }
 
     /// Counts a new receiver. The first receiver gets no frame that is older than its connection.
     pub(super) fn has_receiver(&self) {
-        let mut state = lock(&self.state);
+        let mut state = self.shared.lock();
         (state.reported_slow, state.reported_blocked) = (false, false);
         state.receivers += 1;
         if state.receivers == 1 {
@@ -95,23 +91,23 @@ impl LatestFrame {
     }
 
     pub(super) fn has_lost_receiver(&self) {
-        let mut state = lock(&self.state);
+        let mut state = self.shared.lock();
         state.receivers = state.receivers.saturating_sub(1);
     }
 
     /// True if a receiver is connected, or no frame has been put yet.
     pub fn is_wanted(&self) -> bool {
-        let state = lock(&self.state);
+        let state = self.shared.lock();
         state.receivers > 0 || state.count == 0
     }
 
     pub(super) fn set_writing(&self, writes: bool) {
-        lock(&self.state).writing = writes.then(Instant::now);
+        self.shared.lock().writing = writes.then(Instant::now);
     }
 
     /// Reports once that the receiver is too slow to get every frame.
     pub(super) fn report_slow(&self) {
-        let mut state = lock(&self.state);
+        let mut state = self.shared.lock();
         if !std::mem::replace(&mut state.reported_slow, true) {
             let sentence = format!("{} is too slow: some frames are dropped", self.reader());
             state.news.push(sentence);
@@ -120,7 +116,7 @@ impl LatestFrame {
 
     /// Returns the messages about receivers since the last call.
     pub fn news(&self) -> Vec<String> {
-        let mut state = lock(&self.state);
+        let mut state = self.shared.lock();
         let blocks = state.writing.is_some_and(|since| since.elapsed() > BLOCKS_AFTER);
         if blocks && !std::mem::replace(&mut state.reported_blocked, true) {
             let sentence = format!("{} has stopped reading: the show continues without it", self.reader());
@@ -173,7 +169,7 @@ mod tests {
         assert!(!latest_frame.is_wanted());
         latest_frame.has_receiver();
         assert!(
-            latest_frame.is_wanted() && lock(&latest_frame.state).picture.is_none(),
+            latest_frame.is_wanted() && latest_frame.shared.lock().picture.is_none(),
             "an old frame was kept"
         );
         latest_frame.put(picture(2));
@@ -191,7 +187,7 @@ mod tests {
     fn a_slow_receiver_that_stops_reading_is_reported_too() {
         let latest_frame = LatestFrame::new("a place".into());
         latest_frame.report_slow();
-        lock(&latest_frame.state).writing = Instant::now().checked_sub(2 * BLOCKS_AFTER);
+        latest_frame.shared.lock().writing = Instant::now().checked_sub(2 * BLOCKS_AFTER);
         let reported = latest_frame.news();
         assert!(matches!(&reported[..], [_, one] if one.contains("has stopped reading")), "{reported:?}");
         assert!(latest_frame.news().is_empty());

@@ -96,7 +96,12 @@ impl<State> Shared<State> {
         waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
-    /// True once the owner has gone.
+    /// Ends the thread and all waits.
+    pub fn end(&self) {
+        self.change(|_| self.is_over.store(true, Ordering::Relaxed));
+    }
+
+    /// True once the owner has gone, or has called [`Shared::end`].
     pub fn is_over(&self) -> bool {
         self.is_over.load(Ordering::Relaxed)
     }
@@ -126,7 +131,7 @@ impl<State> Deref for Latest<State> {
 
 impl<State> Drop for Latest<State> {
     fn drop(&mut self) {
-        self.change(|_| self.is_over.store(true, Ordering::Relaxed));
+        self.end();
         self.thread().map(Thread::unpark);
     }
 }
