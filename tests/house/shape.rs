@@ -37,7 +37,6 @@ const RECORDS: &[(&str, &str)] = &[
     ("OverlayContent", "the contents of the overlay in one frame"),
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),
-    ("PlayerStatus", "the player's state, for display"),
     ("Scene", "a checked scene"),
     ("ShowState", "the state of the show, for controllers"),
     ("SongMoment", "the place of a moment in a song"),

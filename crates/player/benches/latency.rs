@@ -252,10 +252,9 @@ fn xruns(seconds: u64) {
     busy.into_iter().for_each(|thread| thread.join().expect("a busy thread"));
     let status = player.status();
     println!(
-        "xruns: {seconds} s, {count} busy threads: {} underruns, {} input frames lost, {} callbacks",
+        "xruns: {seconds} s, {count} busy threads: {} underruns, {} input frames lost",
         status.underruns - before,
-        live.status().lost - lost_before,
-        status.callbacks
+        live.status().lost - lost_before
     );
 }
 

@@ -43,7 +43,6 @@ pub(crate) trait Port: Sized + Send + 'static {
     type Note: Clone + Default + Send + 'static;
 
     const DIRECTION: Direction;
-    const STAND_IN: &'static str;
 
     /// Returns a function that opens and starts a device on another thread. The function may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;

@@ -6,19 +6,14 @@ use thiserror::Error;
 /// The errors that prevent playback altogether.
 #[derive(Debug, Error)]
 pub enum PlayerError {
-    /// The source's sample rate is out of range.
+    /// The source's sample rate, in hertz, is out of range.
     #[error(
-        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert the \
-         file, for example to 48000 samples per second"
+        "the sound has {0} samples per second, but only {min} to {max} are supported; convert the \
+         file, for example to 48000 samples per second",
+        min = music_limits::SAMPLE_RATE_MIN,
+        max = music_limits::SAMPLE_RATE_MAX
     )]
-    SampleRate {
-        /// The source's rate, in hertz.
-        rate: u32,
-        /// Lowest accepted rate, in hertz.
-        min: u32,
-        /// Highest accepted rate, in hertz.
-        max: u32,
-    },
+    SampleRate(u32),
     /// A thread could not be started.
     #[error("playback could not start a thread ({0}); close other programs and try again")]
     Thread(std::io::Error),

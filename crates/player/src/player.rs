@@ -95,8 +95,6 @@ pub struct PlayerStatus {
     pub muted: bool,
     /// True if the last frame was heard (and shown, if the image is delayed) and no track follows.
     pub ended: bool,
-    /// A description of the output.
-    pub output: String,
     /// The output device, if one is open.
     pub device: Option<ListedDevice>,
     /// The reason for the silence, if the song runs on the silent clock.
@@ -105,8 +103,6 @@ pub struct PlayerStatus {
     pub refused: Option<String>,
     /// Number of gaps in the sound because samples were too late.
     pub underruns: u64,
-    /// The number of callback calls.
-    pub callbacks: u64,
     /// Errors of tracks.
     pub track_errors: TrackErrors,
     /// Parts of the song that were not heard because of device changes.
@@ -142,9 +138,8 @@ impl Player {
         options: PlayerOptions,
     ) -> Result<Self, PlayerError> {
         let rate = first.source.sample_rate();
-        let (min, max) = (music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX);
-        if !(min..=max).contains(&rate) {
-            return Err(PlayerError::SampleRate { rate, min, max });
+        if !(music_limits::SAMPLE_RATE_MIN..=music_limits::SAMPLE_RATE_MAX).contains(&rate) {
+            return Err(PlayerError::SampleRate(rate));
         }
         let track = first.info.clone();
         let listing = SharedListing::default();
@@ -280,12 +275,10 @@ impl Player {
             volume: self.controls.volume(),
             muted: self.controls.muted(),
             ended,
-            output: output.description,
             device: output.device,
             silent: output.silent,
             refused: output.refused,
             underruns: self.counters.underruns.load(Ordering::Relaxed),
-            callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             track_errors: self.track_errors.get(),
             missed_audio: place.missed_audio,
         }

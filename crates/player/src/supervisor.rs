@@ -35,7 +35,6 @@ const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
-    pub(crate) description: String,
     pub(crate) device: Option<ListedDevice>,
     pub(crate) silent: Option<String>,
     /// The reason why the chosen device could not be opened, while the previous device continues.
@@ -62,8 +61,7 @@ pub(crate) struct Supervisor<P: Port> {
 impl<P: Port> Supervisor<P> {
     pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
         let (events, inbox) = channel();
-        let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
-        let status = Arc::new(Mutex::new(status));
+        let status = Arc::<Mutex<StreamStatus<P::Note>>>::default();
         let device_list = if target.is_some() { Some(DeviceWatch::shared()?) } else { None };
         let mut watch = Watch {
             port,
@@ -292,8 +290,7 @@ impl<P: Port> Watch<P> {
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
         let note = P::describe(&link);
-        *lock(&self.status) =
-            StreamStatus { description, device: Some(entry), silent: None, refused: None, note };
+        *lock(&self.status) = StreamStatus { device: Some(entry), silent: None, refused: None, note };
         self.port.ready(Some(link));
         close(before);
     }
@@ -423,7 +420,6 @@ impl<P: Port> Watch<P> {
         let (stand_in, link) = stand_in.unzip();
         {
             let mut status = lock(&self.status);
-            status.description = P::STAND_IN.into();
             status.device = None;
             status.note = link.as_ref().map(P::describe).unwrap_or_default();
         }

@@ -42,12 +42,8 @@ pub use tags::{Cover, CoverKind, TrackTags, tags_of};
 pub struct StreamInfo {
     /// The file's name without its folders.
     pub name: String,
-    /// The container's name.
-    pub container: String,
     /// ffmpeg's demuxer for the container.
     pub demuxer: Demuxer,
-    /// The codec's name.
-    pub codec: String,
     /// Frames per second.
     pub sample_rate: u32,
     /// Channels before the down-mix.

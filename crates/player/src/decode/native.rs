@@ -71,14 +71,11 @@ impl NativeDecoder {
         let rate = block.rate;
         sniff::check(&input.name(), reader.channels(), rate)?;
         let (length, duration) = reader.length(rate);
-        let (container, codec) = reader.describe();
         let tags = reader.tags();
         let mut decoder = Self {
             info: StreamInfo {
                 name: input.name(),
-                container,
                 demuxer: reader.demuxer()?,
-                codec,
                 sample_rate: rate,
                 source_channels: reader.channels(),
                 duration,
@@ -106,7 +103,7 @@ impl NativeDecoder {
     }
 
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
-        while self.pending.is_empty() && self.advance()? {}
+        self.fill()?;
         let frames = self.pending.len();
         out.append(&mut self.pending);
         self.position += frames as i64;

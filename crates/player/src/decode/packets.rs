@@ -425,11 +425,6 @@ impl PacketReader {
         Ok(true)
     }
 
-    pub(super) fn describe(&self) -> (String, String) {
-        let container = self.format.format_info().long_name;
-        (container.into(), self.stream.codec.codec_info().long_name.into())
-    }
-
     /// ffmpeg's demuxer for the container. Fails if ffmpeg has no song demuxer that reads the container.
     pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
         let format = self.format.format_info();

@@ -37,7 +37,6 @@ impl Port for InputPort {
     type Note = Option<Arc<InputCounters>>;
 
     const DIRECTION: Direction = Direction::Input;
-    const STAND_IN: &'static str = "silence";
 
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<InputCallbackLink> + Send + 'static {
         let listener = self.listener.clone();

@@ -54,7 +54,6 @@ impl Port for OutputPort {
     type Note = Option<Arc<SpanHistory>>;
 
     const DIRECTION: Direction = Direction::Output;
-    const STAND_IN: &'static str = "silent clock";
 
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<OutputCallbackLink> + Send + 'static {
         let (controls, counters) = (self.controls.clone(), self.counters.clone());

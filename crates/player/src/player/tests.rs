@@ -399,7 +399,9 @@ fn play(song: Ramp, options: PlayerOptions) -> Player {
 
 fn start(frames: usize, options: PlayerOptions) -> Player {
     let mut player = play(Ramp::new(frames), options);
-    wait_for(&mut player, "the first callback", |player| player.status().callbacks > 2);
+    wait_for(&mut player, "the first callback", |player| {
+        player.counters.callbacks.load(Ordering::Relaxed) > 2
+    });
     player
 }
 
@@ -418,7 +420,7 @@ fn the_silent_clock_runs_in_real_time_and_says_so() {
     let drift = (last - from) - begin.elapsed().as_secs_f64();
     assert!(drift.abs() < 0.06, "off by {drift} s");
     let status = player.status();
-    assert!(status.silent.is_some() && status.output == "silent clock" && !status.ended);
+    assert!(status.silent.is_some() && !status.ended);
 }
 
 #[test]

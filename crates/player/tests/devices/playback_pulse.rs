@@ -237,7 +237,6 @@ fn the_clock_follows_the_sound() {
     assert!(worst < 0.03, "{worst} s from an even pace");
     let status = player.status();
     assert_eq!((status.silent, status.underruns), (None, 0));
-    assert!(status.output.contains("48000 Hz"), "{}", status.output);
     assert!(player.now(0.0).features.volume[0] > 0.0);
 }
 

@@ -22,8 +22,8 @@ use crate::limits;
 const NEAR_SECONDS: u64 = 1;
 
 /// The entries of a file that ffprobe reports.
-const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
-    stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
+const ENTRIES: &str = "format=format_name,duration:format_tags:\
+    stream=index,codec_type,codec_name,sample_rate,channels,channel_layout,duration:stream_tags";
 
 #[derive(Debug, Clone)]
 pub(super) struct Programs {
@@ -86,9 +86,7 @@ impl FfmpegDecoder {
         })?;
         let info = StreamInfo {
             name: name.to_owned(),
-            container: answer.format.name().to_owned(),
             demuxer,
-            codec: stream.codec().to_owned(),
             sample_rate: stream.rate(),
             source_channels: stream.channels,
             duration: answer.duration(stream),
