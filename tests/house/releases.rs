@@ -236,7 +236,7 @@ fn packages_contain_all_files_that_they_embed() {
         .collect();
     assert_eq!(
         names,
-        ["mariana-browser", "mariana-testing", "xtask"],
+        ["mariana-page", "mariana-testing", "xtask"],
         "only crates for developers stay unpublished"
     );
     let text = "const A: &str = include_str!(\"../../x/a\");";

@@ -348,7 +348,6 @@ pub(super) const IMPURE: &[&str] = &[
 pub(super) const UNSAFE: &[&str] = &[
     "crates/render/examples/",
     "crates/render/src/gpu/",
-    "crates/browser/src/",
     "crates/files/src/attempt.rs",
     "crates/testing/",
     "src/shell/",

@@ -18,10 +18,12 @@
 //! of the user's folders.
 
 pub mod atomic_file;
+#[cfg(not(target_family = "wasm"))]
 pub mod attempt;
 pub mod caches;
 pub mod child;
 pub mod documents;
+#[cfg_attr(target_family = "wasm", expect(dead_code, reason = "a page receives no signals"))]
 pub mod ending;
 pub mod file_names;
 mod folders;

@@ -5,10 +5,11 @@
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Deserialize;
 use serde::de::value::{Error, StrDeserializer};
+use web_time::Instant;
 
 /// A fault that a test can inject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

@@ -64,6 +64,7 @@ pub mod view;
 pub use frame::Frame;
 pub use gpu::error::GpuError;
 pub use gpu::gl::Gl;
+#[cfg(not(target_family = "wasm"))]
 pub use gpu::headless::Headless;
 pub use gpu::renderer::Renderer;
 pub use scene_renderer::SceneRenderer;

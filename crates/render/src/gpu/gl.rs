@@ -3,6 +3,7 @@
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
 use std::cell::Cell;
+#[cfg(not(target_family = "wasm"))]
 use std::ffi::{CStr, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ pub struct Gl {
 struct ContextState {
     info: GlInfo,
     /// The framebuffer that replaces the window's framebuffer; `None` without a replacement.
-    window: Cell<Option<glow::NativeFramebuffer>>,
+    window: Cell<Option<glow::Framebuffer>>,
     /// Returns the status of the GPU; `None` if the driver does not report resets.
     reset_status: Option<ResetStatus>,
     /// The time for which the computer had been suspended when this context was created.
@@ -41,6 +42,7 @@ struct ContextState {
 type ResetStatus = unsafe extern "system" fn() -> u32;
 
 /// The functions that return the status of the GPU: true for OpenGL ES, the extension, and the function's name.
+#[cfg(not(target_family = "wasm"))]
 const RESET_STATUS: [(bool, &str, &CStr); 4] = [
     (false, "GL_KHR_robustness", c"glGetGraphicsResetStatus"),
     (false, "GL_ARB_robustness", c"glGetGraphicsResetStatusARB"),
@@ -107,23 +109,10 @@ impl Gl {
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for older versions, and for OpenGL ES without this extension.
+    #[cfg(not(target_family = "wasm"))]
     pub fn load(mut loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self> {
         // SAFETY: the caller has made a context current on this thread, and `loader` returns its functions.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(&mut loader) };
-        let version = functions.version();
-        let least = if version.is_embedded { (3, 0) } else { (3, 3) };
-        let is_new = (version.major, version.minor) >= least;
-        let lacks_floats =
-            version.is_embedded && !functions.supported_extensions().contains("GL_EXT_color_buffer_float");
-        if !is_new || lacks_floats {
-            // SAFETY: the same context is current.
-            let found = unsafe { functions.get_parameter_string(glow::VERSION) };
-            let mut found = found.trim_start_matches("OpenGL ").to_owned();
-            if is_new {
-                found.push_str(" without EXT_color_buffer_float");
-            }
-            return Err(GpuError::TooOld(found));
-        }
         if log_debug && functions.supports_debug() {
             // SAFETY: the callback only formats its arguments, and the wrapper of the context owns the callback.
             unsafe {
@@ -138,8 +127,34 @@ impl Gl {
                 });
             }
         }
-        let (info, window) = (read_info(&functions), Cell::new(None));
         let reset_status = reset_status_of(&functions, loader);
+        Self::new(functions, reset_status)
+    }
+
+    /// Takes the functions of a page's WebGL 2 context, which count as OpenGL ES 3.0.
+    ///
+    /// # Errors
+    /// [`GpuError::TooOld`] without 32-bit floats as targets (EXT_color_buffer_float).
+    #[cfg(target_family = "wasm")]
+    pub fn in_page(functions: glow::Context) -> Result<Self> {
+        Self::new(functions, None)
+    }
+
+    fn new(functions: glow::Context, reset_status: Option<ResetStatus>) -> Result<Self> {
+        let version = functions.version();
+        let least = if version.is_embedded { (3, 0) } else { (3, 3) };
+        let is_new = (version.major, version.minor) >= least;
+        let lacks_floats = version.is_embedded && !has_extension(&functions, "EXT_color_buffer_float");
+        if !is_new || lacks_floats {
+            // SAFETY: the context is current on this thread.
+            let found = unsafe { functions.get_parameter_string(glow::VERSION) };
+            let mut found = found.trim_start_matches("OpenGL ").to_owned();
+            if is_new {
+                found.push_str(" without EXT_color_buffer_float");
+            }
+            return Err(GpuError::TooOld(found));
+        }
+        let (info, window) = (read_info(&functions), Cell::new(None));
         let context = ContextState { info, window, reset_status, suspended: suspended() };
         Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
@@ -155,7 +170,7 @@ impl Gl {
         self.context.window.set(target.map(Target::native));
     }
 
-    pub(super) fn window(&self) -> Option<glow::NativeFramebuffer> {
+    pub(super) fn window(&self) -> Option<glow::Framebuffer> {
         self.context.window.get()
     }
 
@@ -165,7 +180,7 @@ impl Gl {
     }
 
     /// Binds a texture to a texture unit.
-    pub(super) fn bind_unit(&self, unit: u32, target: u32, texture: Option<glow::NativeTexture>) {
+    pub(super) fn bind_unit(&self, unit: u32, target: u32, texture: Option<glow::Texture>) {
         // SAFETY: for a name that is invalid, the driver reports an error.
         unsafe {
             self.functions.active_texture(glow::TEXTURE0 + unit);
@@ -174,7 +189,7 @@ impl Gl {
     }
 
     /// Directs the following draws to the whole framebuffer of `size` pixels.
-    pub(super) fn bind_output(&self, framebuffer: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
+    pub(super) fn bind_output(&self, framebuffer: Option<glow::Framebuffer>, size: (u32, u32)) {
         // SAFETY: for a name that is invalid, the driver reports an error.
         unsafe {
             self.functions.bind_framebuffer(glow::FRAMEBUFFER, framebuffer);
@@ -319,6 +334,14 @@ impl Gl {
     pub fn finish(&self) {
         // SAFETY: the context is current on this thread.
         unsafe { self.functions.finish() }
+        // Browsers do not wait there, but they wait for pixels.
+        #[cfg(target_family = "wasm")]
+        // SAFETY: the slice holds the four bytes of a pixel. All readers bind their framebuffer themselves.
+        unsafe {
+            self.functions.bind_framebuffer(glow::READ_FRAMEBUFFER, None);
+            let pixel = glow::PixelPackData::Slice(Some(&mut [0; 4]));
+            self.functions.read_pixels(0, 0, 1, 1, glow::RGBA, glow::UNSIGNED_BYTE, pixel);
+        }
     }
 }
 
@@ -330,8 +353,15 @@ impl std::ops::Deref for Gl {
     }
 }
 
+/// True if the context has an extension. WebGL's names lack the prefix.
+fn has_extension(gl: &glow::Context, name: &str) -> bool {
+    let all = gl.supported_extensions();
+    all.contains(name) || all.contains(&format!("GL_{name}"))
+}
+
 /// Returns the function that returns the status of the GPU. Loaders return pointers even for functions that the driver
 /// lacks, so the extension decides.
+#[cfg(not(target_family = "wasm"))]
 fn reset_status_of(
     gl: &glow::Context,
     mut loader: impl FnMut(&CStr) -> *const c_void,
@@ -370,12 +400,13 @@ fn read_info(gl: &glow::Context) -> GlInfo {
         let lower = renderer.to_lowercase();
         let version = gl.version();
         let api = if version.is_embedded { Api::Embedded } else { Api::Desktop };
-        let gives_binaries = version.is_embedded
-            || (version.major, version.minor) >= (4, 1)
-            || gl.supported_extensions().contains("GL_ARB_get_program_binary");
-        let anisotropic = ["GL_EXT_texture_filter_anisotropic", "GL_ARB_texture_filter_anisotropic"]
+        let gives_binaries = !cfg!(target_family = "wasm")
+            && (version.is_embedded
+                || (version.major, version.minor) >= (4, 1)
+                || has_extension(gl, "ARB_get_program_binary"));
+        let anisotropic = ["EXT_texture_filter_anisotropic", "ARB_texture_filter_anisotropic"]
             .iter()
-            .any(|name| gl.supported_extensions().contains(*name));
+            .any(|name| has_extension(gl, name));
         let texture_side_max = gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE).max(0).cast_unsigned();
         GlInfo {
             api,

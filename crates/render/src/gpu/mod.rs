@@ -1,6 +1,7 @@
 //! The GPU side: context, programs, targets, passes and readback. Only this module uses glow.
 
 pub mod api;
+#[cfg(not(target_family = "wasm"))]
 pub mod background;
 #[cfg(target_os = "linux")]
 pub mod driver_cache;
@@ -12,6 +13,7 @@ mod feedback;
 pub mod flash_pass;
 pub mod gl;
 mod guest;
+#[cfg(not(target_family = "wasm"))]
 pub mod headless;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub mod heaps;
@@ -30,6 +32,7 @@ pub mod samplers;
 pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;
+#[cfg(not(target_family = "wasm"))]
 pub mod stand_ins;
 mod swarm;
 pub mod target;

@@ -44,29 +44,29 @@ macro_rules! owned_object {
 
 owned_object!(
     /// A texture.
-    Texture, glow::NativeTexture, "a texture", create_texture, delete_texture
+    Texture, glow::Texture, "a texture", create_texture, delete_texture
 );
 owned_object!(
     /// A framebuffer.
-    Framebuffer, glow::NativeFramebuffer, "a framebuffer", create_framebuffer, delete_framebuffer
+    Framebuffer, glow::Framebuffer, "a framebuffer", create_framebuffer, delete_framebuffer
 );
 owned_object!(
     /// A renderbuffer.
-    Renderbuffer, glow::NativeRenderbuffer, "a renderbuffer", create_renderbuffer, delete_renderbuffer
+    Renderbuffer, glow::Renderbuffer, "a renderbuffer", create_renderbuffer, delete_renderbuffer
 );
 owned_object!(
     /// A buffer.
-    Buffer, glow::NativeBuffer, "a buffer", create_buffer, delete_buffer
+    Buffer, glow::Buffer, "a buffer", create_buffer, delete_buffer
 );
 owned_object!(
     /// A vertex array. Core profiles require one for every draw.
-    VertexArray, glow::NativeVertexArray, "a vertex array", create_vertex_array, delete_vertex_array
+    VertexArray, glow::VertexArray, "a vertex array", create_vertex_array, delete_vertex_array
 );
 owned_object!(
     /// A program, linked or not.
-    ProgramObject, glow::NativeProgram, "a program", create_program, delete_program
+    ProgramObject, glow::Program, "a program", create_program, delete_program
 );
 owned_object!(
     /// A query.
-    Query, glow::NativeQuery, "a query", create_query, delete_query
+    Query, glow::Query, "a query", create_query, delete_query
 );

@@ -18,7 +18,7 @@ pub struct PictureReader {
     gl: Gl,
     pub(super) target: Target,
     free: Vec<Buffer>,
-    on_their_way: VecDeque<(Buffer, glow::NativeFence)>,
+    on_their_way: VecDeque<(Buffer, glow::Fence)>,
 }
 
 impl PictureReader {

@@ -172,6 +172,7 @@ pub struct ReadyProgram {
 }
 
 impl ReadyProgram {
+    #[cfg(not(target_family = "wasm"))]
     pub(super) fn new(texts: ProgramTexts, binary: Option<ProgramBinary>) -> Self {
         Self { texts, binary }
     }
@@ -278,8 +279,8 @@ impl Program {
         Ok(None)
     }
 
-    pub(super) fn number(&self) -> u32 {
-        self.object.native().0.get()
+    pub(super) fn native(&self) -> glow::Program {
+        self.object.native()
     }
 
     /// Unbinds the current program, so that the context does not keep a deleted program.

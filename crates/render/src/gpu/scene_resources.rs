@@ -3,9 +3,10 @@
 use std::cell::{Cell, RefCell, RefMut};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use image::RgbaImage;
+use web_time::Instant;
 
 use super::error::Result;
 use super::feedback::SceneFeedback;
@@ -527,7 +528,7 @@ impl SceneLists {
         *self.shapes.borrow_mut() = (first, inputs.shapes.clone());
     }
 
-    pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {
+    pub(super) fn names(&self, pictures: Vec<glow::Texture>) -> SceneNames {
         SceneNames {
             pictures,
             tape: self.tape.texture(),
@@ -541,10 +542,10 @@ impl SceneLists {
 /// names refer to different objects, or the driver reports an error.
 #[derive(Debug, Clone)]
 pub struct SceneNames {
-    pictures: Vec<glow::NativeTexture>,
-    tape: glow::NativeTexture,
-    regions: glow::NativeTexture,
-    sound_tables: glow::NativeTexture,
+    pictures: Vec<glow::Texture>,
+    tape: glow::Texture,
+    regions: glow::Texture,
+    sound_tables: glow::Texture,
 }
 
 impl SceneNames {

@@ -192,11 +192,11 @@ impl Target {
     }
 
     /// The name of colour texture 0.
-    pub(super) fn texture(&self) -> Option<glow::NativeTexture> {
+    pub(super) fn texture(&self) -> Option<glow::Texture> {
         self.colors.first().map(Texture::native)
     }
 
-    pub(super) fn native(&self) -> glow::NativeFramebuffer {
+    pub(super) fn native(&self) -> glow::Framebuffer {
         self.framebuffer.native()
     }
 
@@ -210,7 +210,7 @@ impl Target {
         self.blit(Some(other.framebuffer.native()), other.size);
     }
 
-    fn blit(&self, other: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
+    fn blit(&self, other: Option<glow::Framebuffer>, size: (u32, u32)) {
         let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
         self.gl.store_colors_unchanged();

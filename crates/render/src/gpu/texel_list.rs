@@ -78,7 +78,7 @@ impl TexelList {
         Ok(list)
     }
 
-    pub(super) fn texture(&self) -> glow::NativeTexture {
+    pub(super) fn texture(&self) -> glow::Texture {
         self.texture.native()
     }
 
@@ -136,7 +136,7 @@ pub(super) fn texels_in_rows(side_max: u32) -> u32 {
 }
 
 /// Binds a list's texture to a texture unit.
-pub(super) fn bind(gl: &Gl, unit: u32, list: glow::NativeTexture) {
+pub(super) fn bind(gl: &Gl, unit: u32, list: glow::Texture) {
     gl.bind_unit(unit, target_of(gl.info().api), Some(list));
 }
 

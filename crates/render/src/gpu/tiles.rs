@@ -10,9 +10,13 @@
 //! programs are busy.
 
 use std::cell::Cell;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+#[cfg(not(target_family = "wasm"))]
 use cpu_time::ProcessTime;
+use web_time::Instant;
+#[cfg(target_family = "wasm")]
+use web_time::Instant as ProcessTime;
 
 use super::program::Program;
 use crate::faults::{self, Fault};
@@ -141,13 +145,13 @@ impl PixelCost {
 
 /// The cost of a scene's pixels with the program that drew the scene last.
 #[derive(Debug, Default)]
-pub(super) struct Costs(Cell<Option<(u32, PixelCost)>>);
+pub(super) struct Costs(Cell<Option<(glow::Program, PixelCost)>>);
 
 impl Costs {
     pub(super) fn of(&self, program: &Program) -> PixelCost {
         self.0
             .get()
-            .filter(|(of, _)| *of == program.number())
+            .filter(|(of, _)| *of == program.native())
             .map_or_else(PixelCost::default, |(_, cost)| cost)
     }
 
@@ -161,7 +165,7 @@ impl Costs {
     }
 
     pub(super) fn keep(&self, program: &Program, cost: PixelCost) {
-        self.0.set(Some((program.number(), cost)));
+        self.0.set(Some((program.native(), cost)));
     }
 }
 

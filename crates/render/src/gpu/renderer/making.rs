@@ -4,9 +4,10 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glow::HasContext;
+use web_time::Instant;
 
 use super::presenter::Fade;
 use super::sampling::{Sample, Sampling};

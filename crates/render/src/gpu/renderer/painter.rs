@@ -1,6 +1,8 @@
 //! Draws frames of any scene on a canvas.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use web_time::Instant;
 
 use super::canvas::Canvas;
 use super::making::{Making, Product, Progress, Tools, rehearse_passes};

@@ -1,7 +1,9 @@
 //! Images by paths of light: drawn in one call for stills and videos, or in several calls for a window, which shows the
 //! image while it gets better.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use web_time::Instant;
 
 use super::Renderer;
 use super::making::{Making, Product, Tools};

@@ -3,9 +3,10 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glow::HasContext;
+use web_time::Instant;
 
 use super::sampling::Sampling;
 use crate::frame::Frame;
