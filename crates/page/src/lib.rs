@@ -82,8 +82,8 @@ impl Studio {
         Ok(Self { gl, library, renderer, shown: None, hearing: Hearing::default() })
     }
 
-    /// Shows the scene with this text from the next frame on. Includes and textures are those of the shipped scene
-    /// `name`. The values of sliders with the same names stay.
+    /// Shows the scene with this text from the next frame on. The scene has the includes and textures of the
+    /// shipped scene `name`. The values of sliders with the same names stay.
     ///
     /// # Errors
     /// Fails if the text has mistakes, with all of them, or if the browser refuses the program. The last scene stays.

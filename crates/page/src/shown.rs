@@ -42,7 +42,7 @@ impl Shown {
         &self.params
     }
 
-    /// The index of each parameter with a slider. Numbers of the text that are inputs while it is edited have none.
+    /// The index of each parameter with a slider: all but numbers of the text that are inputs while it is edited.
     fn sliders(&self) -> impl Iterator<Item = usize> {
         let params = self.world().scene.params.iter().enumerate();
         params.filter(|(_, param)| !param.is_number).map(|(place, _)| place)
@@ -70,7 +70,7 @@ impl Shown {
         }
     }
 
-    /// Sets the sliders that a former version of the scene had, too, where they were turned there.
+    /// Takes over turned sliders from the last version of the scene.
     pub(crate) fn keep_values_of(&mut self, last: &Self) {
         for (param, value) in last.world().scene.params.iter().zip(&last.params) {
             if *value != param.default {
