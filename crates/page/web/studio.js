@@ -83,14 +83,20 @@ class Song {
         const plays = Boolean(this.source);
         this.pause();
         this.place = Math.min(Math.max(seconds, 0), this.seconds);
-        this.heard = Math.max(0, Math.floor((this.place - BEFORE) * this.rate));
-        studio.seek(this.heard);
+        this.skipTo(this.place);
         if (plays) this.play();
+    }
+
+    skipTo(seconds) {
+        this.heard = Math.max(0, Math.floor((seconds - BEFORE) * this.rate));
+        studio.seek(this.heard);
     }
 
     /// Lets the studio hear all that it needs for the picture of this moment.
     hear(time) {
         const until = Math.min(this.left.length, Math.ceil((time + AHEAD) * this.rate));
+        // A hidden page draws nothing while its song plays on.
+        if (until - this.heard > 2 * BEFORE * this.rate) this.skipTo(time);
         if (until > this.heard) {
             studio.hear(this.left.subarray(this.heard, until), this.right.subarray(this.heard, until));
             this.heard = until;
