@@ -14,6 +14,7 @@ mod headings;
 mod import;
 mod light;
 mod lsp;
+mod page;
 mod parse;
 mod play;
 mod progress;
@@ -153,6 +154,10 @@ enum Command {
                             mariana video song.flac --show song.show -o song.mp4\n  \
                             mariana show song.flac --scene orb --scene city    only with these scenes")]
     Show(show::ShowArguments),
+    /// Write a web page that plays a song in a scene, in one file
+    #[command(after_help = "Examples:\n  mariana page song.mp3 -o song.html\n  \
+                            mariana page song.flac --scene metaballs -o song.html")]
+    Page(page::PageArguments),
     /// List the shipped scenes with their descriptions
     #[command(after_help = "Examples:\n  mariana scenes\n  mariana --scene orb    show one of them")]
     Scenes,
@@ -246,6 +251,7 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Import(arguments)) => import::run_import(&arguments),
         Some(Command::Export(arguments)) => import::run_export(&arguments),
         Some(Command::Show(arguments)) => show::run(arguments),
+        Some(Command::Page(arguments)) => page::run(arguments),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Devices { json }) => run_devices(json),
     }

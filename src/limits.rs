@@ -63,5 +63,7 @@ pub const SEND_REQUEST_BYTES_MAX: usize = 8_192;
 pub const SEND_REQUEST_FIELDS_MAX: usize = 64;
 /// Maximum number of programs to which frames are sent.
 pub const SENDS_MAX: usize = 8;
+/// Maximum size of a song in a web page, in bytes.
+pub const PAGE_SONG_BYTES_MAX: usize = 100_000_000;
 /// Longest time for a scene's first frame in a window, in seconds. A slower scene is refused.
 pub const PICTURE_SECONDS_MAX: f64 = 10.0;

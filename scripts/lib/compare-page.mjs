@@ -18,8 +18,12 @@ const KINDS = { html: "text/html", css: "text/css", js: "text/javascript", wasm:
 
 /// Draws the frames of all moments in the page, and returns the fraction of differing pixels of each.
 const COMPARE = async (scene, moments, [width, height], difference) => {
-    const page = await import("/mariana_page.js");
-    await page.default({ module_or_path: "/mariana_page_bg.wasm" });
+    if (!document.querySelector("script")) {
+        const script = Object.assign(document.createElement("script"), { src: "/mariana_page.js" });
+        await new Promise((resolve) => { script.onload = resolve; document.head.append(script); });
+        await wasm_bindgen({ module_or_path: "/mariana_page_bg.wasm" });
+    }
+    const page = wasm_bindgen;
     const canvas = Object.assign(document.createElement("canvas"), { width, height });
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
     const studio = new page.Studio(gl);
@@ -29,13 +33,13 @@ const COMPARE = async (scene, moments, [width, height], difference) => {
     const sound = await new OfflineAudioContext(2, 1, 48000).decodeAudioData(bytes);
     const [left, right] = [sound.getChannelData(0), sound.getChannelData(1)];
     studio.begin_sound(48000, false);
-    studio.hear_whole(left, right);
-    studio.finish_whole();
+    studio.push_song(left, right);
+    studio.finish_song();
     let heard = 0;
     const found = [];
     for (const moment of moments) {
         const until = Math.ceil((moment + 1) * 48000);
-        studio.hear(left.subarray(heard, until), right.subarray(heard, until));
+        studio.push_samples(left.subarray(heard, until), right.subarray(heard, until));
         heard = until;
         studio.draw(moment, width, height);
         const own = new Uint8Array(4 * width * height);
@@ -69,8 +73,9 @@ const still = (scene, moment) => {
 const server = createServer((request, answer) => {
     const path = request.url.split(/[?#]/)[0];
     const [, kind, scene, moment] = path.split("/");
-    const file = kind === "song" ? song : kind === "still" ? still(scene, parseFloat(moment)) : join(folder, path === "/" ? "index.html" : path);
     try {
+        const asked = join(folder, path === "/" ? "index.html" : path);
+        const file = kind === "song" ? song : kind === "still" ? still(scene, parseFloat(moment)) : asked;
         const bytes = readFileSync(file);
         answer.writeHead(200, { "content-type": KINDS[file.split(".").pop()] ?? "application/octet-stream" }).end(bytes);
     } catch {
@@ -87,6 +92,7 @@ if (!browser) throw new Error("Chromium not found: install the package chromium"
 const flags = ["--no-sandbox", "--no-first-run", "--use-angle=gl", "--ignore-gpu-blocklist", "--disable-gpu-sandbox", "--disable-gpu-watchdog",
     "--disable-dev-shm-usage", "--autoplay-policy=no-user-gesture-required", "--window-size=320,240", "--remote-debugging-pipe", `--user-data-dir=${join(stills, "profile")}`];
 const process_ = spawn(browser, [...flags, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+const ended = new Promise((resolve) => process_.once("exit", resolve));
 const answers = new Map();
 let rest = "";
 process_.stdio[4].setEncoding("utf8").on("data", (text) => {
@@ -99,10 +105,11 @@ process_.stdio[4].setEncoding("utf8").on("data", (text) => {
 });
 let count = 0;
 let session;
-const ask = (method, params = {}) => new Promise((resolve) => {
-    answers.set(++count, resolve);
+const ask = (method, params = {}) => {
+    const answer = new Promise((resolve) => answers.set(++count, resolve));
     process_.stdio[3].write(`${JSON.stringify({ id: count, method, params, sessionId: session })}\0`);
-});
+    return Promise.race([answer, ended.then(() => Promise.reject(new Error("Chromium has ended")))]);
+};
 const evaluate = async (expression) => {
     const { result, exceptionDetails } = await ask("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.exception?.value ?? exceptionDetails.text);
@@ -146,10 +153,17 @@ try {
     await ask("Page.navigate", { url: "about:blank" });
     await ask("Page.navigate", { url: link });
     await until("the linked text", `(document.getElementById("text")?.value ?? "").includes("sphere(p, size)")`);
+    const alone = join(stills, "alone.html");
+    execFileSync(program, ["page", song, "--scene", "metaballs", "-o", alone]);
+    await ask("Page.navigate", { url: `file://${alone}` });
+    await until("the page of a song", `document.getElementById("scene")?.value === "metaballs" && ${shown("demo")} === "Play"`);
+    await evaluate(`document.getElementById("demo").click()`);
+    await until("its song", `document.getElementById("welcome").hidden && !${shown("time")}.startsWith("0:00 /")`);
+    console.log("a page of a song plays without a server");
     console.log("the demo plays, the key N shows the next scene, mistakes are shown, and a link brings the text back");
 } finally {
     process_.kill();
     server.close();
-    await new Promise((resolve) => process_.once("exit", resolve));
+    await ended;
     rmSync(stills, { recursive: true, force: true, maxRetries: 5 });
 }

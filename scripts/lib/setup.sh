@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Installs the system packages and the Rust toolchain that Mariana needs. Source it. All output goes to stderr.
 #
-#   mariana_setup build [run] [package] [test] [targets]    installs missing packages of these groups; exits with 1 if
+#   mariana_setup build [run] [package] [test] [targets] [page] [check-page]    installs missing packages of these groups; exits with 1 if
 #                                                          it cannot
 #
 # MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing;
@@ -60,7 +60,10 @@ test    browser:chromium          chromium-headless-shell chromium        chromi
 test    cmd:zbarimg               zbar-tools         zbar                 zbar              zbar                 zbar
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
 targets cmd:x86_64-w64-mingw32-dlltool binutils-mingw-w64-x86-64 mingw64-binutils mingw-w64-binutils - mingw-w64
-targets cmd:node                  nodejs             nodejs               nodejs            nodejs               node
+page    cmd:node                  nodejs             nodejs               nodejs            nodejs               node
+check-page window-browser:chromium chromium          chromium             chromium          chromium             chromium
+check-page cmd:xvfb-run           xvfb               xorg-x11-server-Xvfb xorg-server-xvfb  xorg-x11-server-Xvfb -
+check-page cmd:xauth              xauth              xorg-x11-xauth       xorg-xauth        xauth                -
 TABLE
 }
 # ALSA's development package includes its run-time library. Opus is linked statically and built with cmake.
@@ -92,6 +95,7 @@ is_met() {
     local name=${1#*:}
     case $1 in
         cmd:*) have "$name" ;;
+        window-browser:*) have "$name" || have "$name-browser" || have google-chrome ;;
         browser:*) have "$name-headless-shell" || have "$name" || have "$name-browser" || have google-chrome ;;
         header:*) [[ -e /usr/include/$name ]] ;;
         pc:*) have pkg-config && pkg-config --exists "$name" ;;

@@ -52,7 +52,6 @@ impl Feed {
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
         let state = FeedState { time, ..FeedState::default() };
-        // The only job ends with the feed.
         let work = move |shared: &Shared<_>| FeedThread { shared, wake: &wake }.run(&source);
         looping("moving texture", state, work).map(Self)
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::{ReadSong, find, lyrics_of};
 use crate::cached_files::CachedFiles;
-use mariana_player::track::{Content, TrackInfo};
+use mariana_player::track::TrackInfo;
 use mariana_player::{LoudnessShape, lower_priority};
 use mariana_work::{Latest, Shared, contained, latest};
 
@@ -75,8 +75,15 @@ impl SongReader<LoudnessShape> {
     pub fn of_loudness(wake: impl Fn() + Send + 'static) -> Self {
         let measure = |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), publish: &dyn Fn(_)| {
             lower_priority(NICENESS);
-            // Errors of the track are reported by the player.
-            let Some(Ok(mut source)) = track.content.as_ref().map(Content::open) else { return Some(None) };
+            let Some(content) = &track.content else { return Some(None) };
+            let mut source = match content.open() {
+                Ok(source) => source,
+                // The player reports it.
+                Err(error) => {
+                    tracing::debug!("no loudness: {error}");
+                    return Some(None);
+                }
+            };
             LoudnessShape::measure(&mut *source, go_on, publish)
         };
         Self::of("loudness", "measure the loudness of songs", KNOWN_MAX, measure, wake)

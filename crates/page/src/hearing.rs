@@ -16,8 +16,8 @@ pub(crate) struct Hearing {
 struct Stream {
     analyzer: Analyzer,
     track: FeatureTrack,
-    /// The energy of live input; `None` for a song.
-    live: Option<LiveEnergy>,
+    /// `None` for a song.
+    live: Option<Live>,
     /// Hears the whole song; `None` for live input, and once the song is known.
     listener: Option<SongListener>,
     song: Option<SongStructure>,
@@ -30,7 +30,7 @@ impl Hearing {
             stream: Some(Stream {
                 analyzer: Analyzer::new(rate, alignment),
                 track: FeatureTrack::new(KEPT_SECONDS),
-                live: live.then(LiveEnergy::default),
+                live: live.then(Live::default),
                 listener: (!live).then(|| SongListener::new(rate)),
                 song: None,
             }),
@@ -50,44 +50,56 @@ impl Hearing {
         }
     }
 
-    pub(crate) fn push_whole(&mut self, left: &[f32], right: &[f32]) {
+    pub(crate) fn push_song(&mut self, left: &[f32], right: &[f32]) {
         if let Some(listener) = self.stream.as_mut().and_then(|stream| stream.listener.as_mut()) {
             listener.push(&frames_of(left, right));
         }
     }
 
-    pub(crate) fn finish_whole(&mut self) {
+    pub(crate) fn finish_song(&mut self) {
         if let Some(stream) = &mut self.stream {
             stream.song = stream.listener.take().map(SongListener::finish);
         }
     }
 
-    /// The sound at `time` seconds; silence before a sound has begun.
-    pub(crate) fn at(&mut self, time: f64) -> Sound {
-        let Some(stream) = &mut self.stream else { return Sound::default() };
-        let sound = stream.track.sound_at(time);
-        if let Some(energy) = &mut stream.live {
-            let energy = energy.at(time, sound.features.level_db);
-            let song = SongMoment::of_live(energy, &sound.features);
-            return Sound { recent: stream.track.recent(time).into(), song, ..sound };
+    /// The sound of the next frame, at `time` seconds; silence before a sound has begun.
+    pub(crate) fn now(&mut self, time: f64) -> Sound {
+        if let Some(Stream { track, live: Some(live), .. }) = &mut self.stream {
+            live.last = live.energy.at(time, track.sound_at(time).features.level_db);
         }
-        let Some(song) = &stream.song else { return sound };
+        self.at(time)
+    }
+
+    /// The sound at `time` seconds, of the last frame or earlier.
+    pub(crate) fn at(&self, time: f64) -> Sound {
+        let Some(Stream { track, live, song, .. }) = &self.stream else { return Sound::default() };
+        let sound = track.sound_at(time);
         let guided = |time: f64, mut features: Features| {
-            features.follow_song(song, time);
+            if let Some(song) = song {
+                features.follow_song(song, time);
+            }
             features
         };
-        let recent = stream.track.recent(time).into_iter().filter(|one| one.age <= time).map(|one| Recent {
-            song: song.moment(time - one.age),
+        let place = |time: f64| match (song, live) {
+            (Some(song), _) => song.moment(time),
+            (None, Some(live)) => SongMoment::of_live(live.last, &sound.features),
+            (None, None) => SongMoment::UNKNOWN,
+        };
+        let recent = track.recent(time).into_iter().filter(|one| one.age <= time).map(|one| Recent {
+            song: place(time - one.age),
             features: guided(time - one.age, one.features),
             ..one
         });
-        Sound {
-            features: guided(time, sound.features),
-            song: song.moment(time),
-            recent: recent.collect(),
-            ..sound
-        }
+        Sound { features: guided(time, sound.features), song: place(time), recent: recent.collect(), ..sound }
     }
+}
+
+/// The energy of live input.
+#[derive(Default)]
+struct Live {
+    energy: LiveEnergy,
+    /// The energy in the last frame.
+    last: f32,
 }
 
 fn frames_of(left: &[f32], right: &[f32]) -> Vec<StereoFrame> {

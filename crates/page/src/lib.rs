@@ -22,6 +22,7 @@ use mariana_render::{Frame, Gl, Renderer};
 use mariana_scenes::{SceneSource, shipped_names};
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::{WebGl2RenderingContext, console};
+use web_time::Instant;
 
 use hearing::Hearing;
 use shown::Shown;
@@ -58,6 +59,8 @@ pub struct Studio {
     renderer: Renderer,
     shown: Option<Shown>,
     hearing: Hearing,
+    /// When the last frame was shown.
+    last: Option<Instant>,
 }
 
 #[wasm_bindgen]
@@ -79,7 +82,7 @@ impl Studio {
             Ok::<_, mariana_render::GpuError>(renderer)
         };
         let renderer = opened().map_err(|error| error.to_string())?;
-        Ok(Self { gl, library, renderer, shown: None, hearing: Hearing::default() })
+        Ok(Self { gl, library, renderer, shown: None, hearing: Hearing::default(), last: None })
     }
 
     /// Shows the scene with this text from the next frame on. The scene has the includes and textures of the
@@ -137,22 +140,22 @@ impl Studio {
     }
 
     /// Hears the next samples of both channels.
-    pub fn hear(&mut self, left: &[f32], right: &[f32]) {
+    pub fn push_samples(&mut self, left: &[f32], right: &[f32]) {
         self.hearing.push(left, right);
     }
 
     /// Hears the next samples of the whole song, from its start, to find its beats and sections.
-    pub fn hear_whole(&mut self, left: &[f32], right: &[f32]) {
-        self.hearing.push_whole(left, right);
+    pub fn push_song(&mut self, left: &[f32], right: &[f32]) {
+        self.hearing.push_song(left, right);
     }
 
     /// Finishes the analysis of the whole song.
-    pub fn finish_whole(&mut self) {
-        self.hearing.finish_whole();
+    pub fn finish_song(&mut self) {
+        self.hearing.finish_song();
     }
 
     /// The beats per minute at a moment; 0 while unknown.
-    pub fn tempo(&mut self, time: f64) -> f32 {
+    pub fn tempo(&self, time: f64) -> f32 {
         self.hearing.at(time).features.tempo
     }
 
@@ -163,9 +166,14 @@ impl Studio {
     pub fn draw(&mut self, time: f64, width: u32, height: u32) -> Result<(), String> {
         let Some(shown) = &self.shown else { return Ok(()) };
         let size = (width.max(1), height.max(1));
+        // Flashes are limited in the time of the viewer, also after a seek.
+        let now = Instant::now();
+        let passed = self.last.replace(now).map_or(0.0, |last| (now - last).as_secs_f64());
+        let sound = self.hearing.now(time);
         let frame = |time, sound| Frame::with_params(shown.world(), time, sound, size, shown.params());
-        let mut draw = || {
-            let picture = (size, frame(time, self.hearing.at(time)).projection.stereo);
+        let draw = || {
+            let shown_frame = frame(time, sound);
+            let picture = (size, shown_frame.projection.stereo);
             while let Some(request) = self.renderer.feedback_before(&shown.resources, 0, time, picture, true)
             {
                 let mut earlier = frame(request.time, self.hearing.at(request.time));
@@ -173,8 +181,8 @@ impl Studio {
                 self.renderer.draw_feedback(&request, &earlier, &shown.resources, &shown.program)?;
             }
             self.renderer.show_feedback(&shown.resources, time)?;
-            self.renderer.draw(&frame(time, self.hearing.at(time)), &shown.resources, &shown.program)?;
-            self.renderer.limit_flashes(time)?;
+            self.renderer.draw(&shown_frame, &shown.resources, &shown.program)?;
+            self.renderer.limit_flashes(passed)?;
             self.renderer.show(size)
         };
         draw().map_err(|error: mariana_render::GpuError| error.to_string())

@@ -1,17 +1,23 @@
 // The page: sound, controls, text and link. WebAssembly draws and listens (`Studio` in src/lib.rs).
-import init, { Studio, demo_track, scene_names, scene_text } from "./mariana_page.js";
+const { Studio, demo_track, scene_names, scene_text } = wasm_bindgen;
 
 const of = (id) => document.getElementById(id);
 const canvas = of("picture");
+/// What `mariana page` wrote into the page: title and scene of its song.
+const own = JSON.parse(of("own").textContent);
 /// Seconds that are heard ahead of what is played: the analysis looks a little ahead.
 const AHEAD = 0.4;
 /// Seconds before a moment from which the sound is heard after a seek: beats need them.
 const BEFORE = 13;
-/// Seconds of the whole song that are heard for each frame, until its structure is known.
-const WHOLE = 2;
 /// The parts of the window's pixels that are drawn, the sharpest first.
 const SCALES = [1, 0.71, 0.5, 0.35, 0.25];
 const SLOW_FRAME = 1 / 28;
+/// Milliseconds of a frame for hearing the whole song, and seconds of it at a time.
+const WHOLE = { budget: 4, seconds: 0.25 };
+/// Decoded songs take 23 MB of memory a minute.
+const SONG_MINUTES_MAX = 40;
+/// A longer text is no scene.
+const LINK_BYTES_MAX = 2_000_000;
 
 let studio;
 let sound = null;
@@ -31,6 +37,8 @@ function tell(words, seconds = 4) {
 function speakers() {
     audio ??= new AudioContext({ latencyHint: "playback" });
     audio.resume();
+    // Some browsers allow sound only from a click on.
+    if (audio.state !== "running") addEventListener("pointerup", () => audio.resume(), { once: true });
     if (!volume) {
         volume = audio.createGain();
         volume.connect(audio.destination);
@@ -47,8 +55,12 @@ class Song {
         this.rate = buffer.sampleRate;
         this.place = 0;
         this.whole = 0;
+    }
+
+    begin() {
         studio.begin_sound(this.rate, false);
         this.seek(0);
+        this.play();
     }
 
     get seconds() {
@@ -58,7 +70,7 @@ class Song {
     get time() {
         if (!this.source) return this.place;
         const late = audio.outputLatency || audio.baseLatency || 0;
-        return Math.min(this.seconds, Math.max(0, this.place + audio.currentTime - this.since - late));
+        return Math.min(this.seconds, this.place + Math.max(0, audio.currentTime - this.since - late));
     }
 
     play() {
@@ -66,7 +78,10 @@ class Song {
         if (this.place >= this.seconds) this.seek(0);
         this.source = new AudioBufferSourceNode(audio, { buffer: this.buffer });
         this.source.connect(volume);
-        this.source.onended = () => this.pause();
+        this.source.onended = () => {
+            this.pause();
+            this.place = this.seconds;
+        };
         this.since = audio.currentTime;
         this.source.start(0, this.place);
     }
@@ -98,14 +113,15 @@ class Song {
         // A hidden page draws nothing while its song plays on.
         if (until - this.heard > 2 * BEFORE * this.rate) this.skipTo(time);
         if (until > this.heard) {
-            studio.hear(this.left.subarray(this.heard, until), this.right.subarray(this.heard, until));
+            studio.push_samples(this.left.subarray(this.heard, until), this.right.subarray(this.heard, until));
             this.heard = until;
         }
-        if (this.whole < this.left.length) {
-            const end = this.whole + Math.floor(WHOLE * this.rate);
-            studio.hear_whole(this.left.subarray(this.whole, end), this.right.subarray(this.whole, end));
+        const until_ms = performance.now() + WHOLE.budget;
+        while (this.whole < this.left.length && performance.now() < until_ms) {
+            const end = this.whole + Math.floor(WHOLE.seconds * this.rate);
+            studio.push_song(this.left.subarray(this.whole, end), this.right.subarray(this.whole, end));
             this.whole = end;
-            if (this.whole >= this.left.length) studio.finish_whole();
+            if (this.whole >= this.left.length) studio.finish_song();
         }
     }
 
@@ -115,9 +131,13 @@ class Song {
 }
 
 const LISTENER = `registerProcessor("mariana-listener", class extends AudioWorkletProcessor {
+    constructor() {
+        super();
+        this.port.onmessage = () => (this.ends = true);
+    }
     process([input]) {
         if (input.length) this.port.postMessage([input[0], input[1] ?? input[0]]);
-        return true;
+        return !this.ends;
     }
 });`;
 
@@ -126,7 +146,14 @@ class Live {
         this.title = title;
         this.stream = stream;
         this.samples = 0;
+    }
+
+    begin() {
         studio.begin_sound(audio.sampleRate, true);
+        this.node.port.onmessage = ({ data: [left, right] }) => {
+            studio.push_samples(left, right);
+            this.samples += left.length;
+        };
     }
 
     async listen() {
@@ -135,11 +162,8 @@ class Live {
         URL.revokeObjectURL(code);
         this.input = audio.createMediaStreamSource(this.stream);
         this.node = new AudioWorkletNode(audio, "mariana-listener", { numberOfOutputs: 0 });
-        this.node.port.onmessage = ({ data: [left, right] }) => {
-            studio.hear(left, right);
-            this.samples += left.length;
-        };
         this.input.connect(this.node);
+        this.stream.getAudioTracks()[0].onended = () => tell(`${this.title} has ended`);
         return this;
     }
 
@@ -150,8 +174,10 @@ class Live {
     hear() {}
 
     end() {
-        this.input?.disconnect();
-        this.node?.disconnect();
+        this.node.port.onmessage = null;
+        this.node.port.postMessage("end");
+        this.input.disconnect();
+        this.node.disconnect();
         this.stream.getTracks().forEach((track) => track.stop());
     }
 }
@@ -163,31 +189,39 @@ function begin(next) {
     const isSong = next instanceof Song;
     for (const id of ["play", "seek"]) of(id).disabled = !isSong;
     document.title = next.title ? `${next.title} - Mariana` : "Mariana";
-    if (isSong) next.play();
+    next.begin();
 }
 
 async function play(title, bytes) {
     speakers();
     tell(`Reading ${title}`, 0);
-    try {
-        begin(new Song(title, await audio.decodeAudioData(bytes)));
-        tell(title);
-    } catch {
-        tell(`${title} is no sound that this browser can play: try MP3, Ogg, FLAC, M4A or WAV`, 8);
-    }
+    const buffer = await audio.decodeAudioData(bytes).catch(() => null);
+    if (!buffer) return tell(`${title} is no sound that this browser can play: try MP3, Ogg, FLAC, M4A or WAV`, 8);
+    if (buffer.duration > 60 * SONG_MINUTES_MAX) return tell(`${title} is longer than ${SONG_MINUTES_MAX} minutes: choose a part`, 8);
+    begin(new Song(title, buffer));
+    tell(title);
 }
 
-const openFile = (file) => file && file.arrayBuffer().then((bytes) => play(file.name.replace(/\.[^.]*$/, ""), bytes));
+async function openFile(file) {
+    if (!file) return tell("Drop a file of sound");
+    // Before anything is awaited, because browsers allow sound only at once after a click.
+    speakers();
+    const bytes = await file.arrayBuffer().catch(() => null);
+    if (bytes) await play(file.name.replace(/\.[^.]*$/, ""), bytes);
+    else tell(`${file.name} cannot be read: choose a file, not a folder`, 8);
+}
 
 async function listen(title, ask, refused) {
     speakers();
+    let stream;
     try {
-        const stream = await ask();
+        stream = await ask();
         if (!stream.getAudioTracks().length) throw new Error("no sound");
         begin(await new Live(title, stream).listen());
         tell(title);
     } catch {
-        tell(refused, 8);
+        stream?.getTracks().forEach((track) => track.stop());
+        tell(isSecureContext ? refused : "Browsers give sound only to pages with https, and on this computer", 8);
     }
 }
 
@@ -202,7 +236,7 @@ const tabSound = () =>
     listen(
         "Sound of a tab",
         () => navigator.mediaDevices.getDisplayMedia({ video: true, audio: CLEAN }),
-        "No sound came: choose a tab, and tick its sound in the browser's question",
+        "No sound came: Chrome and Edge share a tab's sound; choose a tab, and tick its sound in the question",
     );
 
 // Scenes and their text.
@@ -213,24 +247,32 @@ function show(name, text, interpreted = shown.interpreted) {
         studio.load(name, text, interpreted);
         of("mistakes").textContent = "";
         Object.assign(shown, { name, text, interpreted });
+        Object.assign(pace, { late: 0, calm: 0, patience: PATIENCE });
         of("scene").value = name;
         of("mode").textContent = interpreted ? "Interpreted" : "Compiled";
         fillSliders();
         console.info(`${name}: ${Math.round(performance.now() - begun)} ms`);
         return true;
     } catch (mistakes) {
-        of("mistakes").textContent = String(mistakes);
-        if (of("editor").hidden) tell(`${name} cannot be shown: ${String(mistakes).split("\n")[0]}`, 8);
+        // The studio reports what it refuses as a text. Anything else is the end of it.
+        if (typeof mistakes !== "string") return stop(mistakes.message);
+        of("mistakes").textContent = mistakes;
+        if (of("editor").hidden) tell(`${name} cannot be shown: ${mistakes.split("\n")[0]}`, 8);
         return false;
     }
 }
 
+/// Calls `act` once the browser has shown the last message: compiling stops the page for a while.
+const later = (act) => setTimeout(act, 30);
+
 function choose(name) {
     const text = scene_text(name);
-    if (text && show(name, text)) {
+    tell(`Compiling ${name}`);
+    later(() => {
+        if (!show(name, text)) return;
         of("text").value = text;
         tell(name);
-    }
+    });
 }
 
 function step(by) {
@@ -260,8 +302,17 @@ function fillSliders() {
 
 // The link: name, text if it was changed, and turned sliders, compressed.
 
-async function packed(bytes, stream) {
-    return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+/// Packs or unpacks bytes. Fails if the result is longer than `most`.
+async function packed(bytes, stream, most = Infinity) {
+    const pieces = [];
+    let length = 0;
+    for (const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader(); ; ) {
+        const { done, value } = await reader.read();
+        if (done) return new Uint8Array(await new Blob(pieces).arrayBuffer());
+        pieces.push(value);
+        length += value.length;
+        if (length > most) throw new Error("too long");
+    }
 }
 
 async function linkOf() {
@@ -270,25 +321,28 @@ async function linkOf() {
     const state = { name: shown.name, sliders };
     if (shown.text !== scene_text(shown.name)) state.text = shown.text;
     const bytes = await packed(new TextEncoder().encode(JSON.stringify(state)), new CompressionStream("deflate-raw"));
-    const letters = btoa(String.fromCharCode(...bytes));
+    const letters = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
     return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 }
 
+async function stateOf(link) {
+    const letters = atob(link.replaceAll("-", "+").replaceAll("_", "/"));
+    const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+    const unpacked = await packed(bytes, new DecompressionStream("deflate-raw"), LINK_BYTES_MAX);
+    const { name, text, sliders } = JSON.parse(new TextDecoder().decode(unpacked));
+    return { name: String(name), text: String(text ?? scene_text(name)), sliders: sliders ?? {} };
+}
+
 async function showLink(link) {
-    try {
-        const letters = atob(link.replaceAll("-", "+").replaceAll("_", "/"));
-        const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
-        const unpacked = await packed(bytes, new DecompressionStream("deflate-raw"));
-        const state = JSON.parse(new TextDecoder().decode(unpacked));
-        const text = state.text ?? scene_text(state.name);
-        if (typeof text !== "string" || !text || !show(String(state.name), text)) throw new Error("no scene");
-        of("text").value = text;
-        for (const [name, value] of Object.entries(state.sliders ?? {})) studio.turn(name, Number(value));
-        fillSliders();
-    } catch {
-        tell("The address holds no scene that can be shown: it may have been cut off", 8);
+    const state = await stateOf(link).catch(() => ({}));
+    if (!state.text) {
+        tell("The address holds no scene: it may have been cut off", 8);
         return false;
     }
+    of("text").value = state.text;
+    if (!show(state.name, state.text)) return false;
+    for (const [name, value] of Object.entries(state.sliders)) studio.turn(name, Number(value));
+    fillSliders();
     return true;
 }
 
@@ -304,7 +358,9 @@ async function copyLink() {
 
 // Frames.
 
-const pace = { scale: 0, late: 0, calm: 0, last: 0 };
+/// Seconds of fast frames after which more pixels are tried.
+const PATIENCE = 8;
+const pace = { scale: 0, late: 0, calm: 0, last: 0, patience: PATIENCE };
 
 /// Draws fewer pixels while frames are late, and tries more after a while.
 function adapt(now) {
@@ -314,29 +370,39 @@ function adapt(now) {
     pace.late = 0.9 * pace.late + 0.1 * passed;
     pace.calm = pace.late < SLOW_FRAME / 1.6 ? pace.calm + passed : 0;
     if (pace.late > SLOW_FRAME && pace.scale < SCALES.length - 1) {
-        Object.assign(pace, { scale: pace.scale + 1, late: 0.02, patience: 2 * (pace.patience ?? 8) });
-    } else if (pace.calm > (pace.patience ?? 8) && pace.scale > 0) {
+        Object.assign(pace, { scale: pace.scale + 1, late: 0.02, patience: Math.min(60, 2 * pace.patience) });
+    } else if (pace.calm > pace.patience && pace.scale > 0) {
         Object.assign(pace, { scale: pace.scale - 1, calm: 0 });
     }
 }
 
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
 
+/// Ends all frames, because the studio cannot draw any more.
+function stop(reason) {
+    frame.stopped = true;
+    tell(`Mariana cannot go on: load the page again (${reason})`, 0);
+    return false;
+}
+
 function frame(now) {
+    if (frame.stopped) return;
     requestAnimationFrame(frame);
     adapt(now);
     const scale = SCALES[pace.scale] * Math.min(devicePixelRatio, 2);
-    const [width, height] = [innerWidth, innerHeight].map((side) => Math.max(1, Math.round(side * scale)));
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     const time = sound ? sound.time : now / 1000;
     try {
         sound?.hear(time);
         studio.draw(time, width, height);
     } catch (error) {
-        tell(`The picture stands: ${error}`, 8);
+        stop(error.message ?? error);
     }
-    if (sound instanceof Song) {
-        of("time").textContent = `${clock(time)} / ${clock(sound.seconds)}`;
+    const words = sound instanceof Song ? `${clock(time)} / ${clock(sound.seconds)}` : "";
+    if (words && of("time").textContent !== words) {
+        of("time").textContent = words;
+        of("seek").ariaValueText = words;
         if (!frame.drags) of("seek").value = time / sound.seconds;
         of("play").textContent = sound.source ? "Pause" : "Play";
     }
@@ -352,7 +418,7 @@ const full = () => (document.fullscreenElement ? document.exitFullscreen() : doc
 const playOrPause = () => sound instanceof Song && (sound.source ? sound.pause() : (speakers(), sound.play()));
 const otherMode = () => {
     tell(shown.interpreted ? "Compiling" : "Interpreted: the text is a list of clauses, run by one program");
-    setTimeout(() => show(shown.name, shown.text, !shown.interpreted), 30);
+    later(() => show(shown.name, shown.text, !shown.interpreted));
 };
 const leap = (seconds) => sound instanceof Song && sound.seek(sound.time + seconds);
 
@@ -364,7 +430,12 @@ const KEYS = {
 function connect() {
     of("demo").onclick = () => play("Hadal Lanterns", demo_track().buffer);
     of("open").onclick = () => of("file").click();
-    of("file").onchange = ({ target }) => openFile(target.files[0]);
+    of("file").onchange = ({ target }) => {
+        openFile(target.files[0]);
+        target.value = "";
+    };
+    of("full").hidden = !document.fullscreenEnabled;
+    of("tab").hidden = !navigator.mediaDevices?.getDisplayMedia;
     of("microphone").onclick = microphone;
     of("tab").onclick = tabSound;
     of("play").onclick = playOrPause;
@@ -376,9 +447,9 @@ function connect() {
     of("full").onclick = full;
     of("scene").onchange = ({ target }) => choose(target.value);
     of("volume").oninput = () => volume && (volume.gain.value = Number(of("volume").value));
-    of("seek").oninput = () => (frame.drags = true);
+    of("seek").onpointerdown = () => (frame.drags = true);
+    of("seek").onpointerup = of("seek").onblur = () => (frame.drags = false);
     of("seek").onchange = ({ target }) => {
-        frame.drags = false;
         if (sound instanceof Song) sound.seek(target.value * sound.seconds);
     };
     let typed;
@@ -387,7 +458,7 @@ function connect() {
         typed = setTimeout(() => show(shown.name, target.value), 150);
     };
     addEventListener("keydown", (event) => {
-        if (event.ctrlKey || event.metaKey || event.altKey) return;
+        if (event.ctrlKey || event.metaKey || event.altKey || (event.repeat && !event.key.startsWith("Arrow"))) return;
         if (event.key === "Escape") document.activeElement?.blur();
         const typing = ["TEXTAREA", "SELECT"].includes(event.target.tagName);
         const sliding = event.target.tagName === "INPUT" && event.key.startsWith("Arrow");
@@ -413,21 +484,37 @@ function connect() {
     };
     for (const event of ["dragover", "dragleave", "drop"]) addEventListener(event, drop);
     addEventListener("hashchange", () => location.hash.length > 1 && showLink(location.hash.slice(1)));
-    canvas.addEventListener("webglcontextlost", () => tell("The browser has lost the picture: load the page again", 0));
+    canvas.addEventListener("webglcontextlost", () => stop("the browser has lost the picture"));
+}
+
+/// The bytes of an element that holds them in base 64.
+const bytesIn = async (id) => (await fetch(`data:;base64,${of(id).textContent}`)).arrayBuffer();
+
+/// Greets with the page's own song.
+function greetWithSong() {
+    of("title").textContent = own.title;
+    of("demo").textContent = "Play";
+    of("demo").onclick = async () => play(own.title, await bytesIn("song"));
+    for (const id of ["claim", "hint", "open", "microphone", "tab"]) of(id).hidden = true;
+    document.title = own.title;
 }
 
 async function start() {
     tell("Loading", 0);
-    await init({ module_or_path: new URL("mariana_page_bg.wasm", import.meta.url) });
+    const packedModule = of("module").textContent && (await bytesIn("module"));
+    const module_or_path = packedModule ? await packed(packedModule, new DecompressionStream("gzip")) : "mariana_page_bg.wasm";
+    await wasm_bindgen({ module_or_path });
     const context = canvas.getContext("webgl2", { alpha: false, antialias: false, powerPreference: "high-performance" });
     if (!context) throw new Error("this browser has no WebGL 2: try a current Firefox, Chrome or Safari with graphics acceleration");
     studio = new Studio(context);
     names = scene_names();
     of("scene").replaceChildren(...names.map((name) => new Option(name.replaceAll("_", " "), name)));
     connect();
+    if (own.title) greetWithSong();
     const linked = location.hash.length > 1 && (await showLink(location.hash.slice(1)));
-    if (!linked) choose("orb");
-    tell("", 0);
+    const name = own.scene ?? "orb";
+    if (!linked && show(name, own.text ?? scene_text(name))) of("text").value = shown.text;
+    if (of("message").textContent === "Loading") tell("", 0);
     requestAnimationFrame(frame);
 }
 

@@ -28,7 +28,7 @@ pub const COVER_FOLDER_FILES_MAX: usize = 10_000;
 pub const TAGS_KEPT_MAX: usize = 60_000;
 /// Maximum number of files of a folder whose tags are read in advance. Further tags are read when they are shown.
 pub const FOLDER_TAGS_MAX: usize = 2_000;
-/// Maximum size of the cache file of tags, in bytes. The rest of a larger file is ignored.
+/// Maximum size of the cache file of tags, in bytes. A larger file is ignored.
 pub const TAG_CACHE_BYTES_MAX: usize = 1 << 26;
 /// Maximum number of edits of a list that can be undone.
 pub const UNDO_STEPS_MAX: usize = 50;

@@ -167,7 +167,9 @@ impl Player {
         let port = OutputPort::new(controls.clone(), counters.clone(), rate, deliver);
         let supervisor = Supervisor::start(port, options.output)?;
         let outputs = supervisor.notes();
-        let of_song = [decoding, analysis, list_thread].map(|thread| thread.finished_at_drop(END_LIMIT));
+        let decoding = decoding.finished_at_drop(DECODING_END_LIMIT);
+        let [analysis, list] = [analysis, list_thread].map(|thread| thread.finished_at_drop(END_LIMIT));
+        let of_song = [decoding, analysis, list];
         Ok(Self {
             controls,
             counters,
@@ -324,8 +326,10 @@ impl Player {
 
 // The threads of a player, and their shutdown.
 
-/// The time that each of the three threads of the song has to end.
-const END_LIMIT: Duration = Duration::from_millis(350);
+/// The time that the decoding has to end. A decoder may wait for a slow disk.
+const DECODING_END_LIMIT: Duration = Duration::from_secs(1);
+/// The time that the analysis and the list each have to end, once the decoding has ended or is abandoned.
+const END_LIMIT: Duration = Duration::from_millis(100);
 
 /// The threads that [`Player::start`](Player::start) starts. Dropping this value ends them, within a time limit.
 struct Threads {

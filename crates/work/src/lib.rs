@@ -19,7 +19,8 @@ mod latest;
 pub use in_order::{Worker, in_order};
 pub use latest::{Latest, Shared, latest, looping};
 
-/// A thread that runs its own loop. Dropping this leaves the thread alone.
+/// A thread that runs its own loop. Dropping this leaves the thread alone, or waits for its end
+/// ([`Background::finished_at_drop`]).
 #[derive(Debug)]
 pub struct Background {
     handle: Option<JoinHandle<()>>,
@@ -97,7 +98,7 @@ impl Drop for Background {
         if let Some(thread) = thread
             && !self.finish(self.wait)
         {
-            tracing::info!(
+            tracing::warn!(
                 "the thread '{}' does not stop and is abandoned",
                 thread.name().unwrap_or_default()
             );

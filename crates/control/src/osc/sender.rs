@@ -40,7 +40,8 @@ impl OscSender {
     pub fn start(place: Place, rate: f64, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let interval = Duration::try_from_secs_f64(1.0 / rate).unwrap_or(Duration::from_millis(33));
         let work = move |shared: &Shared<Sending>| {
-            while let Err(error) = send(&place, interval, shared) {
+            while !shared.is_over() {
+                let Err(error) = send(&place, interval, shared) else { return };
                 let sentence =
                     format!("audio features cannot be sent to {place} ({error}); Mariana keeps trying");
                 let is_first = shared.lock().problem.is_none();
@@ -114,6 +115,7 @@ fn packets(sample: Sample) -> Vec<Vec<u8>> {
 mod tests {
     use super::super::messages;
     use super::*;
+    use std::sync::mpsc::{RecvTimeoutError, channel};
 
     #[test]
     fn numbers_are_sent_repeatedly() {
@@ -153,8 +155,8 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_host_is_reported() {
-        let (reported, news) = std::sync::mpsc::channel();
+    fn an_unknown_host_is_reported_and_does_not_keep_the_thread() {
+        let (reported, news) = channel();
         let place = "no.such.computer.invalid:9000".parse().unwrap();
         let sender = OscSender::start(place, 30.0, move || {
             let _ = reported.send(());
@@ -163,5 +165,10 @@ mod tests {
         news.recv().unwrap();
         let problem = sender.problem().unwrap_or_default();
         assert!(problem.contains("no.such.computer.invalid:9000"), "{problem}");
+        drop(sender);
+        assert!(
+            news.recv_timeout(Duration::from_secs(60))
+                .is_err_and(|error| error == RecvTimeoutError::Disconnected)
+        );
     }
 }

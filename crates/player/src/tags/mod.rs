@@ -328,7 +328,7 @@ fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
         }
         let is_idle = matches!(next, Next::Idle);
         let publishes = is_idle || published.elapsed() >= PUBLISH_EVERY;
-        if unpublished && publishes || is_idle && shared.lock().has_new_list() {
+        if !is_over && (unpublished && publishes || is_idle && shared.lock().has_new_list()) {
             publish(shared);
             wake();
             (unpublished, published) = (false, Instant::now());

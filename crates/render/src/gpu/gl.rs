@@ -52,6 +52,8 @@ const RESET_STATUS: [(bool, &str, &CStr); 4] = [
 
 /// GL_PURGED_CONTEXT_RESET_NV: the driver has lost the contents of textures and buffers.
 const PURGED_CONTEXT_RESET: u32 = 0x92BB;
+/// The error after which a page has lost its context.
+const CONTEXT_LOST_WEBGL: u32 = 0x9242;
 /// The shortest suspension of the computer that counts. The clocks are not read at exactly the same time.
 const SUSPENSION: Duration = Duration::from_secs(1);
 
@@ -298,7 +300,7 @@ impl Gl {
             glow::INVALID_OPERATION => "an invalid operation".to_owned(),
             glow::INVALID_FRAMEBUFFER_OPERATION => "an incomplete framebuffer".to_owned(),
             glow::OUT_OF_MEMORY => "that its memory is used up".to_owned(),
-            glow::CONTEXT_LOST => return Err(GpuError::ContextLost(doing)),
+            glow::CONTEXT_LOST | CONTEXT_LOST_WEBGL => return Err(GpuError::ContextLost(doing)),
             other => format!("error {other:#06x}"),
         };
         Err(GpuError::Driver { what, doing })

@@ -15,7 +15,6 @@ const ROW: f32 = 21.0;
 /// Height of a group's heading, with the space above the heading.
 const HEADING: f32 = 28.0;
 const COLUMN_GAP: f32 = 26.0;
-/// Room for the scroll bar.
 const CAP_HEIGHT: f32 = 18.0;
 const CAP_PADDING: f32 = 5.0;
 const CAP_GAP: f32 = 5.0;
