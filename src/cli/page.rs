@@ -63,17 +63,21 @@ fn read_template(file: Option<PathBuf>) -> anyhow::Result<String> {
     // Built by `scripts/site`, or installed.
     let mut places = ["site", "share/mariana"].map(|place| folder.join(place).join("page.html")).into_iter();
     let Some(file) = file.or_else(|| places.find(|place| place.is_file())) else {
-        bail!("the web page is not built: run scripts/site, or name its page.html with --template");
+        bail!("the web page is not built: run scripts/site once, or give its page.html with --template");
     };
     let page = std::fs::read_to_string(&file);
-    page.with_context(|| format!("{} cannot be read: build it with scripts/site", file.display()))
+    page.with_context(|| {
+        format!("{} cannot be read: give the page.html that scripts/site builds", file.display())
+    })
 }
 
 /// Replaces the content of an element.
 fn filled(page: &str, [start, empty]: [&str; 2], content: &str) -> anyhow::Result<String> {
     let end = "</script>";
     let Some((before, after)) = page.split_once(&format!("{start}{empty}{end}")) else {
-        bail!("the template already has a song, or is not from this version: build it with scripts/site");
+        bail!(
+            "the template already has a song, or is from another version: give the page.html that scripts/site builds"
+        );
     };
     Ok(format!("{before}{start}{content}{end}{after}"))
 }

@@ -8,6 +8,7 @@ mod interrupted;
 mod moving_textures;
 mod outputs;
 mod packages;
+mod pages;
 mod paths;
 mod playlists;
 mod scene_commands;
