@@ -56,7 +56,7 @@ pub(super) fn run(arguments: PageArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{}: a page of {megabytes:.1} MB", arguments.output.display()))?)
 }
 
-/// Reads the page without a song: in `file`, or beside the program.
+/// Reads the page without a song from `file`, or from a folder near the program.
 fn read_template(file: Option<PathBuf>) -> anyhow::Result<String> {
     let own = std::env::current_exe().unwrap_or_default();
     let folder = own.parent().and_then(Path::parent).unwrap_or(Path::new(""));

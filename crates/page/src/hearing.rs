@@ -1,4 +1,4 @@
-//! What is heard: samples of a song or of live input become the sound of a moment.
+//! The analysis: turns samples of a song or of live input into the sound of a moment.
 
 use mariana_music::{
     Alignment, Analyzer, FeatureTrack, Features, LiveEnergy, Recent, SongListener, SongMoment, SongStructure,

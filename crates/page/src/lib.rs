@@ -45,7 +45,7 @@ pub fn scene_names() -> Vec<String> {
     shipped_names()
 }
 
-/// The text of a shipped scene; empty if there is none of this name.
+/// The text of a shipped scene; empty for an unknown name.
 #[wasm_bindgen]
 pub fn scene_text(name: &str) -> String {
     SceneSource::Shipped(name.to_owned()).text().map_or_else(|_| String::new(), |text| text.into_owned())

@@ -36,7 +36,7 @@ pub struct MidiState {
     pub revision: u64,
 }
 
-/// What the threads of the devices use.
+/// The state that the threads of the devices share.
 struct Receiving {
     input_queue: InputQueue,
     /// The zero point of all clock times.

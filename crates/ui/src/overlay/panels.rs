@@ -54,7 +54,7 @@ struct Kept {
     seen_cue: Option<usize>,
 }
 
-/// What the open panel keeps from layout to layout.
+/// The state of the open panel between two layouts.
 #[derive(Default)]
 struct OfPanel {
     of: Option<Discriminant<OpenPanel>>,

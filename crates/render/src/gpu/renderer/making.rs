@@ -141,9 +141,7 @@ impl Making {
     ) {
         let gl = &sampling.gl;
         // If the GPU measures a pass of a single draw, do not measure it here: measuring would wait for the draw.
-        // A page would wait at each frame, although browsers end long draws themselves.
-        let is_waiting_dear = gl.info().has_timers() || cfg!(target_family = "wasm");
-        let is_measured = !is_waiting_dear || !self.parts.were_one();
+        let is_measured = !gl.info().has_timers() || !self.parts.were_one();
         let timer = DrawTimer::start(gl.info().software);
         self.draw_part(sampling, targets, program, part);
         self.draws = (self.draws.0 + 1, self.draws.1.max(part.pixels()));
