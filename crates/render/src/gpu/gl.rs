@@ -142,6 +142,13 @@ impl Gl {
         Self::new(functions, None)
     }
 
+    #[cfg_attr(
+        target_family = "wasm",
+        expect(
+            clippy::arc_with_non_send_sync,
+            reason = "other libraries ask for this type, and a page has one thread"
+        )
+    )]
     fn new(functions: glow::Context, reset_status: Option<ResetStatus>) -> Result<Self> {
         let version = functions.version();
         let least = if version.is_embedded { (3, 0) } else { (3, 3) };
