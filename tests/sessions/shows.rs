@@ -328,6 +328,9 @@ fn a_show_keeps_the_scene_that_is_edited() {
     pause(&app);
     go_to(&app, 0);
     wait_for_channel(&app, 0);
+    // On a busy computer, the song may have reached the next scene before it was paused.
+    let greens = |app: &App| app.reported().matches("green is shown").count();
+    let before = greens(&app);
     app.press(&["e"]);
     app.wait_until("the editor", |app| channel(app) != Some(0));
     sender.send("/position", &[0.3]);
@@ -338,6 +341,6 @@ fn a_show_keeps_the_scene_that_is_edited() {
     wait_for_channel(&app, 0);
     sender.send("/position", &[0.7]);
     wait_for_channel(&app, 2);
-    assert!(!app.reported().contains("green is shown"), "{}", app.reported());
+    assert_eq!(greens(&app), before, "{}", app.reported());
     app.quit_by_key();
 }
