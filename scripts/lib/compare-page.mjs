@@ -141,6 +141,8 @@ try {
     await until("the first scene", `document.getElementById("scene")?.value === "orb"`);
     await evaluate(`document.getElementById("demo").click()`);
     await until("the demo", plays);
+    await evaluate(`document.getElementById("play").click()`);
+    await until("the pause", `${shown("play")} === "Play"`);
     const key = (name) => evaluate(`dispatchEvent(new KeyboardEvent("keydown", { key: "${name}" }))`);
     await key("n");
     await until("the next scene", `document.getElementById("scene").value === "quadric"`);

@@ -1,8 +1,8 @@
 # shellcheck shell=bash
 # Installs the system packages and the Rust toolchain that Mariana needs. Source it. All output goes to stderr.
 #
-#   mariana_setup build [run] [package] [test] [targets] [page] [check-page]    installs missing packages of these groups; exits with 1 if
-#                                                          it cannot
+#   mariana_setup build [run] [package] [test] [targets] [page] [check-page]
+#       installs missing packages of these groups; exits with 1 if it cannot
 #
 # MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing;
 # MARIANA_SETUP=yes runs rustup's installer without a question.
@@ -12,6 +12,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 # One requirement per row: its group, its check, and its package for each package manager (- if no package is needed).
 #   cmd:NAME a command · header:NAME a C header · pc:NAME a pkg-config file · lib:NAME a shared library
 #   dri:NAME a Mesa driver · libexec:NAME a helper program in libexec · browser:NAME a browser, by any command name
+#   window-browser:NAME the same, with windows
 needs() {
     cat <<'TABLE'
 # group check                     apt                dnf                  pacman            zypper               brew

@@ -80,7 +80,7 @@ fn underlined(shader: &Path, text: &str, problem: &Diagnostic) -> anyhow::Error 
     anyhow::anyhow!("{} cannot become a scene\n{}", shader.display(), text.trim_end())
 }
 
-/// Copies the GLSL into the folder of the scene, which reads nothing outside of its folder.
+/// Copies the GLSL into the folder of the scene, because a scene reads only its own folder.
 fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::Result<()> {
     let to = folder_of(scene);
     if folder_of(shader).canonicalize().ok() == to.canonicalize().ok() {

@@ -345,7 +345,7 @@ impl Listening {
         if self.sound.plays_song() { self.covers.get(self.track) } else { None }
     }
 
-    /// The loudness of the track that plays, as far as it is measured. The first call starts the measurement.
+    /// The loudness of the current track, or of its measured part. The first call starts the measurement.
     pub(crate) fn shape(&self) -> Option<Arc<LoudnessShape>> {
         let track = self.painted.track.as_ref().filter(|_| self.sound.plays_song())?;
         self.shapes.request([track]);

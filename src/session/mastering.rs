@@ -133,8 +133,8 @@ impl Interface {
         }
     }
 
-    /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
-    /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
+    /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible. While an output
+    /// shows the frame, it is small and leaves room for the panels, unless corners are moved or panels are hidden.
     pub(super) fn update_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output()
             && !self.ui_state.hidden.is_bare()

@@ -456,7 +456,7 @@ commands! {
             "Tab or Backspace", "the scene's sliders; Shift+Tab, with a screen reader Tab: the bar"
         )],
     }
-    /// Moves the slider at this place to this value.
+    /// Moves the slider with this index to this value.
     MoveSlider((usize, f32)) {}
     /// Binds a parameter of the current scene to a sound, or ends the binding.
     Bind(Bind) {}

@@ -11,7 +11,7 @@ use crate::navigation::{at, places};
 use crate::positions::Position;
 use crate::protocol::{Failure, TextEdit, code};
 
-/// Returns the place of the name at a position, if it can be renamed.
+/// Returns the range of the name under the cursor, if it can be renamed.
 pub(crate) fn prepare(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let (contexts, byte) = at(documents, uri, position);
     let (context, span) = contexts.iter().find_map(|context| {

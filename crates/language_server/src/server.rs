@@ -279,7 +279,7 @@ impl Server {
     fn close(&mut self, params: &Value) -> Vec<Value> {
         let Ok(uri) = uri_in(params) else { return Vec::new() };
         self.documents.close(uri);
-        // Scenes that include the document now read the file. Documents that it includes stand alone.
+        // Scenes that include the document now read the file. Documents that it includes are checked alone.
         self.changed(uri);
         let included = self.diagnosing.results.remove(uri).map(|result| result.included).unwrap_or_default();
         let alone: Vec<String> =

@@ -8,12 +8,7 @@ use mariana_music::{
 /// The span of the sound that is kept, in seconds: frames of feedback ask for earlier moments.
 const KEPT_SECONDS: f64 = 20.0;
 
-#[derive(Default)]
 pub(crate) struct Hearing {
-    stream: Option<Stream>,
-}
-
-struct Stream {
     analyzer: Analyzer,
     track: FeatureTrack,
     /// `None` for a song.
@@ -27,52 +22,44 @@ impl Hearing {
     pub(crate) fn new(rate: u32, live: bool) -> Self {
         let alignment = if live { Alignment::Trailing } else { Alignment::Centred };
         Self {
-            stream: Some(Stream {
-                analyzer: Analyzer::new(rate, alignment),
-                track: FeatureTrack::new(KEPT_SECONDS),
-                live: live.then(Live::default),
-                listener: (!live).then(|| SongListener::new(rate)),
-                song: None,
-            }),
+            analyzer: Analyzer::new(rate, alignment),
+            track: FeatureTrack::new(KEPT_SECONDS),
+            live: live.then(Live::default),
+            listener: (!live).then(|| SongListener::new(rate)),
+            song: None,
         }
     }
 
     pub(crate) fn seek(&mut self, sample: u64) {
-        if let Some(stream) = &mut self.stream {
-            stream.analyzer.restart(sample);
-            stream.track.clear();
-        }
+        self.analyzer.restart(sample);
+        self.track.clear();
     }
 
     pub(crate) fn push(&mut self, left: &[f32], right: &[f32]) {
-        if let Some(Stream { analyzer, track, .. }) = &mut self.stream {
-            analyzer.push(&frames_of(left, right), &mut |moment| track.push(moment));
-        }
+        self.analyzer.push(&frames_of(left, right), &mut |moment| self.track.push(moment));
     }
 
     pub(crate) fn push_song(&mut self, left: &[f32], right: &[f32]) {
-        if let Some(listener) = self.stream.as_mut().and_then(|stream| stream.listener.as_mut()) {
+        if let Some(listener) = &mut self.listener {
             listener.push(&frames_of(left, right));
         }
     }
 
     pub(crate) fn finish_song(&mut self) {
-        if let Some(stream) = &mut self.stream {
-            stream.song = stream.listener.take().map(SongListener::finish);
-        }
+        self.song = self.listener.take().map(SongListener::finish);
     }
 
     /// The sound of the next frame, at `time` seconds; silence before a sound has begun.
     pub(crate) fn now(&mut self, time: f64) -> Sound {
-        if let Some(Stream { track, live: Some(live), .. }) = &mut self.stream {
-            live.last = live.energy.at(time, track.sound_at(time).features.level_db);
+        if let Some(live) = &mut self.live {
+            live.last = live.energy.at(time, self.track.at(time).level_db);
         }
         self.at(time)
     }
 
     /// The sound at `time` seconds, of the last frame or earlier.
     pub(crate) fn at(&self, time: f64) -> Sound {
-        let Some(Stream { track, live, song, .. }) = &self.stream else { return Sound::default() };
+        let Self { track, live, song, .. } = self;
         let sound = track.sound_at(time);
         let guided = |time: f64, mut features: Features| {
             if let Some(song) = song {

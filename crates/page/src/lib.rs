@@ -27,6 +27,9 @@ use web_time::Instant;
 use hearing::Hearing;
 use shown::Shown;
 
+/// The sample rate of the silence before the first sound.
+const SILENT_RATE: u32 = 48_000;
+
 /// Sends panics to the browser's console.
 #[wasm_bindgen(start)]
 pub fn start() {
@@ -82,7 +85,7 @@ impl Studio {
             Ok::<_, mariana_render::GpuError>(renderer)
         };
         let renderer = opened().map_err(|error| error.to_string())?;
-        Ok(Self { gl, library, renderer, shown: None, hearing: Hearing::default(), last: None })
+        Ok(Self { gl, library, renderer, shown: None, hearing: Hearing::new(SILENT_RATE, false), last: None })
     }
 
     /// Shows the scene with this text from the next frame on. The scene has the includes and textures of the
@@ -152,11 +155,6 @@ impl Studio {
     /// Finishes the analysis of the whole song.
     pub fn finish_song(&mut self) {
         self.hearing.finish_song();
-    }
-
-    /// The beats per minute at a moment; 0 while unknown.
-    pub fn tempo(&self, time: f64) -> f32 {
-        self.hearing.at(time).features.tempo
     }
 
     /// Draws the frame at `time` seconds of the sound into the canvas of `width` and `height` pixels.

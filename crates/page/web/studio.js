@@ -399,12 +399,13 @@ function frame(now) {
     } catch (error) {
         stop(error.message ?? error);
     }
-    const words = sound instanceof Song ? `${clock(time)} / ${clock(sound.seconds)}` : "";
-    if (words && of("time").textContent !== words) {
+    if (!(sound instanceof Song)) return;
+    of("play").textContent = sound.source ? "Pause" : "Play";
+    const words = `${clock(time)} / ${clock(sound.seconds)}`;
+    if (of("time").textContent !== words) {
         of("time").textContent = words;
         of("seek").ariaValueText = words;
         if (!frame.drags) of("seek").value = time / sound.seconds;
-        of("play").textContent = sound.source ? "Pause" : "Play";
     }
 }
 

@@ -74,7 +74,7 @@ impl<T: Send + 'static> Loader<T> {
         let results = Arc::downgrade(&newest);
         Background::start("scene loader", move || {
             let publish = move |loaded| {
-                // Without a loader, nobody polls the result.
+                // The loader is gone: the result is not wanted.
                 let Some(newest) = results.upgrade() else { return };
                 // Drop the old value outside the lock, because it may be large.
                 let old = lock(&newest).replace(loaded);

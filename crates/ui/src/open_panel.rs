@@ -1,4 +1,4 @@
-//! The open panel, if it keeps a state of its own.
+//! The open panel, for panels that have a state.
 
 use std::hash::{Hash, Hasher};
 

@@ -91,8 +91,8 @@ fn span(base: u32, place: Span) -> Span {
     Span::new(base + place.start, base + place.end)
 }
 
-/// Returns a mistake in a GLSL text at its place in the sources, where the text begins at `base`. A mistake without a
-/// place is reported at `otherwise`.
+/// Returns a mistake in a GLSL text with its span in the sources, where the text begins at `base`. A mistake without a
+/// span gets the span `otherwise`.
 pub(super) fn diagnostic(base: u32, whole: &Whole, problem: &Diagnostic, otherwise: Span) -> Diagnostic {
     let span = if problem.span.is_empty() { otherwise } else { span(base, whole.place(problem.span)) };
     Diagnostic { span, ..problem.clone() }

@@ -220,7 +220,7 @@ pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
     (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
 }
 
-/// Shows rows beside the lane of a scroll bar, in at most `height` points; with `to_top`, from their upper end.
+/// Shows rows with a scroll bar, in at most `height` points; with `to_top`, scrolled to the first row.
 pub(super) fn scrolled<R>(ui: &mut Ui, height: f32, to_top: bool, rows: impl FnOnce(&mut Ui) -> R) -> R {
     let mut area = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).animated(false);
     if to_top {
