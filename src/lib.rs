@@ -10,6 +10,7 @@ pub use mariana_render::{
     faults, flash, frame, placement, ray_diagram, reading_order, srgb, system_fonts, view,
 };
 pub use mariana_scenes::{self as scenes, probing, thumbnails};
+pub use mariana_stage as show;
 pub use mariana_ui::{self as ui, clock, monitor};
 
 /// The GPU side: [`mariana_render::gpu`], with the types that most modules need.
@@ -48,7 +49,6 @@ pub mod program_cache;
 pub mod sending;
 pub mod session;
 pub mod shell;
-pub mod show;
 pub mod song_shapes;
 pub mod song_structures;
 pub mod stems;

@@ -4,10 +4,8 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use mariana::frame::held_inputs::HeldInputs;
-use mariana::frame::orbit_controls::OrbitControls;
-use mariana::frame::{Frame, FrameOptions};
-use mariana::scenes::{ReadyScene, SceneSource, camera_number};
-use mariana::show::{Clip, Moment, PreparedShow, Timeline};
+use mariana::scenes::{ReadyScene, SceneSource};
+use mariana::show::{Moment, PreparedShow, Step, Timeline, source_of};
 use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
@@ -62,7 +60,8 @@ pub(crate) fn shows(data: &[u8]) {
     let song = song(bytes.below(2));
     let text = String::from_utf8_lossy(bytes.0);
     let (folder, _) = &*SCENES;
-    let prepared_show = match PreparedShow::of_text("fuzz.show", &text, folder.path(), &song) {
+    let find = |name: &str| source_of(name, folder.path());
+    let prepared_show = match PreparedShow::of_text("fuzz.show", &text, &song, find) {
         Ok((prepared_show, reported)) => {
             assert!(reported.is_none_or(|reported| reported.contains("fuzz.show:")));
             prepared_show
@@ -78,7 +77,7 @@ pub(crate) fn shows(data: &[u8]) {
     let with_cues = prepared_show.with_cues(&song, &pressed);
     check(&with_cues, with_cues.timeline().unwrap());
     // The printed show must be valid.
-    let again = PreparedShow::of_text("again.show", &prepared_show.text(&[]), folder.path(), &song);
+    let again = PreparedShow::of_text("again.show", &prepared_show.text(&[]), &song, find);
     assert!(again.is_ok(), "{:?}", again.err());
 }
 
@@ -88,42 +87,29 @@ fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
     let starts = timeline.clips().iter().take(CLIPS_MAX).map(|clip| clip.start);
     let around = starts.flat_map(|start| [start - 0.01, start, start + 0.01, start + 1.7]);
     for time in around.chain([f64::NEG_INFINITY, 0.0, 64.5, 1e12, f64::NAN]) {
-        let Moment { index, clip, leaving } = timeline.at(time);
+        let Moment { index, clip, .. } = timeline.at(time);
         assert_eq!(timeline.clips().get(index), Some(clip));
         if time.is_nan() {
             continue;
         }
-        draw(prepared_show, clip, time);
-        if let Some((from, fraction)) = leaving {
-            assert!(fraction > 0.0 && fraction < 1.0, "{fraction}");
-            draw(prepared_show, from, time);
-            let blend = clip.transition.kind.blend().map(|kind| prepared_show.blend(from, clip, kind));
-            assert!(blend.is_none_or(|blend| blend.is_some()));
+        for can_blend in [false, true] {
+            let recipe = prepared_show.recipe(time, time, |_| can_blend).unwrap();
+            assert!((0.0..=1.0).contains(&recipe.brightness), "{recipe:?}");
+            assert!(recipe.steps.first().is_some_and(|step| step.below.is_none()), "{recipe:?}");
+            recipe.steps.iter().for_each(draw);
         }
-        let picture = timeline.picture_at(time);
-        assert!((0.0..=1.0).contains(&picture.brightness), "{picture:?}");
-        assert!(timeline.held_at(time).iter().all(|held| held.fraction > 0.0 && held.fraction <= 1.0));
     }
 }
 
-/// Computes everything about a frame that needs no driver.
-fn draw(prepared_show: &PreparedShow, clip: &Clip, time: f64) {
+/// Computes everything about a scene's frame that needs no driver.
+fn draw(step: &Step<'_>) {
+    assert!(step.below.is_none_or(|weight| weight > 0.0 && weight <= 1.0), "{step:?}");
     let (folder, ready) = &*SCENES;
-    let source = prepared_show.source(&clip.scene).unwrap();
-    let turns = clip.turns_at(time);
-    assert!(turns.iter().all(|turn| turn.is_finite()), "{turns:?}");
-    if *source != SceneSource::File(PathBuf::from(folder.path()).join(SCENE)) {
+    if step.source != SceneSource::File(PathBuf::from(folder.path()).join(SCENE)) {
         return;
     }
-    let world = &ready.world;
-    let params = clip.numbers_at(&world.scene, time, |param| param.default);
-    assert!(params.iter().all(|value| value.is_finite()), "{params:?}");
-    let camera = camera_number(world, clip.camera.as_deref());
-    assert_eq!(camera.is_some(), clip.camera.is_some());
-    let held = HeldInputs::default();
-    let frame_options = FrameOptions { params: &params, held: &held, camera };
-    let time = if time.is_finite() { time } else { 0.0 };
-    let frame = Frame::staged(world, time, Sound::default(), (32, 18), &frame_options);
-    let frame = frame.by_hand(world, OrbitControls::of_turns(turns));
-    assert!(frame.camera.position.is_finite(), "{turns:?}: {:?}", frame.camera);
+    let time = if step.time.is_finite() { step.time } else { 0.0 };
+    let frame = step.frame(&ready.world, time, Sound::default(), (32, 18), &HeldInputs::default());
+    assert!(frame.inputs.params.iter().all(|value| value.is_finite()), "{step:?}");
+    assert!(frame.camera.position.is_finite(), "{step:?}: {:?}", frame.camera);
 }

@@ -7,26 +7,16 @@ use std::sync::Arc;
 use super::error::ExportError;
 use super::painter::{HeadlessRenderer, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
-use crate::frame::orbit_controls::OrbitControls;
-use crate::frame::{Frame, FrameOptions};
-use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
-use crate::show::{Clip, Held, PreparedShow, ShowError, Timeline};
+use crate::scenes::{ReadyScene, SceneError, SceneSource};
+use crate::show::{Held, PreparedShow, Recipe, ShowError, Step, Timeline};
 use mariana_field::graph::Graph;
-use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
 /// Maximum number of scenes and blends on the GPU; the least recently drawn ones are removed first.
 const MODELS_MAX: usize = 8;
 
-/// The key of a model: a scene, or a blend of two scenes, each with its own camera.
-#[derive(Debug, Clone, PartialEq)]
-enum Drawn {
-    Scene(String),
-    Blend(SceneBlend),
-}
-
 struct Read {
-    name: String,
+    source: SceneSource,
     ready: ReadyScene,
     held: HeldInputs,
 }
@@ -35,12 +25,11 @@ pub(super) struct ShowPainter {
     pub(super) headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
     prepared_show: Arc<PreparedShow>,
-    timeline: Arc<Timeline>,
     scenes: Vec<Read>,
     /// Scenes and blends on the GPU, the most recently drawn last.
-    models: VecDeque<(Drawn, Rc<Model>)>,
+    models: VecDeque<(SceneSource, Rc<Model>)>,
     /// Blends that failed. A fade replaces each of them.
-    refused: Vec<Drawn>,
+    refused: Vec<SceneSource>,
     /// Moment and size of the last frame; `None` if that frame was not frozen.
     held: Option<(f64, (u32, u32))>,
 }
@@ -59,29 +48,23 @@ impl ShowPainter {
         prepared_show: Arc<PreparedShow>,
         set: &[Setting],
     ) -> Result<Self, ExportError> {
-        let timeline = Arc::new(prepared_show.timeline().ok_or(ShowError::WaitsForKeys)?.clone());
-        let mut scenes = Vec::new();
-        let mut names: Vec<&str> = Vec::new();
-        for clip in timeline.clips() {
-            if names.contains(&clip.scene.as_str()) {
-                continue;
-            }
-            names.push(&clip.scene);
-            let Some(source) = prepared_show.source(&clip.scene) else { continue };
-            scenes.push((clip.scene.clone(), source.clone(), source.ready()?));
-        }
-        let known: Vec<_> = scenes.iter().map(|(_, _, ready)| &ready.world.scene).collect();
+        let dims = prepared_show.timeline().ok_or(ShowError::WaitsForKeys)?.dims();
+        let sources = prepared_show.sources().into_iter();
+        let scenes: Vec<(SceneSource, ReadyScene)> = sources
+            .map(|source| Ok((source.clone(), source.ready()?)))
+            .collect::<Result<_, ExportError>>()?;
+        let known: Vec<_> = scenes.iter().map(|(_, ready)| &ready.world.scene).collect();
         require_inputs(&known, set)?;
         let mut headless_renderer = HeadlessRenderer::open(choice)?;
-        if timeline.dims() {
+        if dims {
             headless_renderer.renderer.add_dimming(&choice.shaders)?;
         }
-        let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
+        let read = |(source, ready): (SceneSource, ReadyScene)| {
             if choice.alpha {
                 super::alpha::require_no_sky(&ready, &source.name())?;
             }
             let held = held_of(&ready.world.scene, set)?;
-            Ok(Read { name, ready, held })
+            Ok(Read { source, ready, held })
         };
         let scenes = scenes.into_iter().map(read).collect::<Result<_, ExportError>>()?;
         let (models, refused) = (VecDeque::new(), Vec::new());
@@ -89,7 +72,6 @@ impl ShowPainter {
             headless_renderer,
             choice: choice.clone(),
             prepared_show,
-            timeline,
             scenes,
             models,
             refused,
@@ -103,7 +85,7 @@ impl ShowPainter {
     }
 
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
-        self.timeline.held_at(time)
+        self.prepared_show.timeline().map(|timeline| timeline.held_at(time)).unwrap_or_default()
     }
 
     /// Draws the frame at `time`: the mean of its exposures.
@@ -121,148 +103,111 @@ impl ShowPainter {
             let count = if alone.is_some() { 1 } else { exposures.len() };
             for (number, heard) in exposures.into_iter().take(count).enumerate() {
                 self.headless_renderer.begin_exposure(number, count);
-                self.draw_anew(heard, held.clone(), size)?;
+                self.draw_exposure(time, heard, &held, size)?;
                 self.headless_renderer.expose(number, count)?;
             }
         }
         self.held = alone;
-        Ok(self.headless_renderer.renderer.dim(self.timeline.picture_at(time).brightness)?)
+        let brightness = |timeline: &Timeline| timeline.picture_at(time).brightness;
+        let brightness = self.prepared_show.timeline().map_or(1.0, brightness);
+        Ok(self.headless_renderer.renderer.dim(brightness)?)
     }
 
-    /// Draws the oldest frozen frame, then mixes the later frozen frames and the frame of the moment over it.
-    fn draw_anew(
+    /// Draws an exposure of the frame at `time`: the steps of its recipe. `held` has the sounds of frozen frames.
+    fn draw_exposure(
         &mut self,
+        time: f64,
         heard: Heard,
-        mut held: Vec<(Held, Sound)>,
+        held: &[(Held, Sound)],
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        let (time, sound) = heard;
-        let Some((Held { since, mut fraction }, then)) = held.pop() else {
-            return self.draw_live(time, sound, size);
-        };
-        self.draw_live(since, then, size)?;
-        while let Some((later, then)) = held.pop() {
-            self.draw_over(later.since, then, fraction, size)?;
-            fraction = later.fraction;
-        }
-        if fraction < 1.0 { self.draw_over(time, sound, fraction, size) } else { Ok(()) }
-    }
-
-    /// Mixes the frame of a moment over the last frame. If a scene is fading out at that moment, leaves it out.
-    fn draw_over(
-        &mut self,
-        time: f64,
-        sound: Sound,
-        fraction: f32,
-        size: (u32, u32),
-    ) -> Result<(), ExportError> {
-        let timeline = self.timeline.clone();
-        let moment = timeline.at(time);
-        let (over, frame) = self.frame(moment.clip, time, sound, size)?;
-        self.headless_renderer.draw_over(&over, frame, fraction)
-    }
-
-    fn draw_live(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let timeline = self.timeline.clone();
-        let moment = timeline.at(time);
-        let Some((leaving, fraction)) = moment.leaving else {
-            let (model, frame) = self.frame(moment.clip, time, sound, size)?;
-            return self.headless_renderer.draw(&model, frame);
-        };
-        if let Some(kind) = moment.clip.transition.kind.blend()
-            && let Some(model) = self.blend(leaving, moment.clip, kind)?
-        {
-            let of =
-                |clip: &Clip| self.read(clip).map(|read| (read, params_of(&read.ready.world, clip, time)));
-            let (from, to) = (of(leaving)?, of(moment.clip)?);
-            let scenes = (&from.0.ready.world.scene, &to.0.ready.world.scene);
-            let params = blended_params(scenes.0, &from.1, scenes.1, &to.1, fraction);
-            let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
-            let frame_options = FrameOptions { params: &params, held: &held, camera: None };
-            let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
-            let frame = frame.by_hand(model.world(), OrbitControls::of_turns(moment.clip.turns_at(time)));
-            return self.headless_renderer.draw(&model, frame);
-        }
-        let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
-        let (over, over_frame) = self.frame(moment.clip, time, sound, size)?;
-        // Views are not mixed.
-        if self.headless_renderer.view.is_none() {
-            self.headless_renderer.draw(&under, under_frame)?;
-        }
-        self.headless_renderer.draw_over(&over, over_frame, 1.0 - fraction)
-    }
-
-    fn frame(
-        &mut self,
-        clip: &Clip,
-        time: f64,
-        sound: Sound,
-        size: (u32, u32),
-    ) -> Result<(Rc<Model>, Frame), ExportError> {
-        let read = self.read(clip)?;
-        let (ready, held) = (read.ready.clone(), read.held.clone());
-        let camera = camera_number(&ready.world, clip.camera.as_deref());
-        let model = self.model(Drawn::Scene(clip.scene.clone()), |_| Ok(ready))?;
-        let frame_at = |time: f64, sound: Sound| {
-            let params = params_of(model.world(), clip, time);
-            let frame_options = FrameOptions { params: &params, held: &held, camera };
-            let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
-            frame.by_hand(model.world(), OrbitControls::of_turns(clip.turns_at(time)))
-        };
-        self.headless_renderer.feed_back(&model, time, &sound, size, &frame_at)?;
-        let frame = frame_at(time, sound);
-        Ok((model, frame))
-    }
-
-    fn blend(&mut self, from: &Clip, to: &Clip, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
-        let blend = self.prepared_show.blend(from, to, kind).ok_or_else(|| not_in_show(to))?;
-        let drawn = Drawn::Blend(blend.clone());
-        if self.refused.contains(&drawn) {
-            return Ok(None);
-        }
-        let made = self.model(drawn.clone(), |this| {
-            let ready = |clip: &Clip| this.read(clip).map(|read| read.ready.clone());
-            Ok(blend.of(ready(from)?, ready(to)?)?)
-        });
-        match made {
-            Ok(model) => Ok(Some(model)),
-            Err(ExportError::Scene(SceneError::Blend(refusal))) => {
-                tracing::info!("{refusal}");
-                self.refused.push(drawn);
-                Ok(None)
+        let prepared_show = self.prepared_show.clone();
+        let (exposed, sound) = heard;
+        let (steps, models) = loop {
+            let can_blend = |blend: &SceneSource| !self.refused.contains(blend);
+            let recipe = prepared_show.recipe(time, exposed, can_blend).ok_or_else(not_in_show)?;
+            if let Some(models) = self.models_of(&recipe)? {
+                break (recipe.steps, models);
             }
-            Err(error) => Err(error),
+        };
+        // Views are not mixed.
+        let only = if self.headless_renderer.view.is_some() { steps.len() - 1 } else { 0 };
+        for (step, model) in steps.iter().zip(models).skip(only) {
+            let sound = match held.iter().find(|(held, _)| held.since == step.time) {
+                Some((_, sound)) => sound.clone(),
+                None => sound.clone(),
+            };
+            self.draw_step(step, &model, sound, size)?;
+        }
+        Ok(())
+    }
+
+    fn draw_step(
+        &mut self,
+        step: &Step<'_>,
+        model: &Model,
+        sound: Sound,
+        size: (u32, u32),
+    ) -> Result<(), ExportError> {
+        let held = match &step.source {
+            SceneSource::Blend(blend) => {
+                let [from, to] = [self.read(&blend.from.source)?, self.read(&blend.to.source)?];
+                from.held.followed_by(&to.held, from.ready.world.scene.params.len())
+            }
+            source => self.read(source)?.held.clone(),
+        };
+        let frame_at = |time, sound| step.frame(model.world(), time, sound, size, &held);
+        self.headless_renderer.feed_back(model, step.time, &sound, size, &frame_at)?;
+        let frame = frame_at(step.time, sound);
+        match step.below {
+            None => self.headless_renderer.draw(model, frame),
+            Some(fraction) => self.headless_renderer.draw_over(model, frame, fraction),
         }
     }
 
-    fn model(
-        &mut self,
-        drawn: Drawn,
-        make: impl FnOnce(&Self) -> Result<ReadyScene, ExportError>,
-    ) -> Result<Rc<Model>, ExportError> {
-        let known = self.models.iter().position(|(known, _)| *known == drawn);
+    /// Returns the models of the steps; `None` if a blend has turned out to be impossible.
+    fn models_of(&mut self, recipe: &Recipe<'_>) -> Result<Option<Vec<Rc<Model>>>, ExportError> {
+        let mut models = Vec::new();
+        for step in &recipe.steps {
+            match self.model(&step.source) {
+                Err(ExportError::Scene(SceneError::Blend(refusal))) => {
+                    tracing::info!("{refusal}");
+                    self.refused.push(step.source.clone());
+                    return Ok(None);
+                }
+                model => models.push(model?),
+            }
+        }
+        Ok(Some(models))
+    }
+
+    fn model(&mut self, source: &SceneSource) -> Result<Rc<Model>, ExportError> {
+        let known = self.models.iter().position(|(known, _)| known == source);
         let model = match known.and_then(|at| self.models.remove(at)) {
             Some((_, model)) => model,
-            None => Rc::new(self.headless_renderer.load(&self.choice, make(self)?)?),
+            None => {
+                let ready = |source| Ok::<_, ExportError>(self.read(source)?.ready.clone());
+                let ready = match source {
+                    SceneSource::Blend(blend) => {
+                        blend.of(ready(&blend.from.source)?, ready(&blend.to.source)?)?
+                    }
+                    source => ready(source)?,
+                };
+                Rc::new(self.headless_renderer.load(&self.choice, ready)?)
+            }
         };
         if self.models.len() >= MODELS_MAX {
             self.models.pop_front();
         }
-        self.models.push_back((drawn, model.clone()));
+        self.models.push_back((source.clone(), model.clone()));
         Ok(model)
     }
 
-    fn read(&self, clip: &Clip) -> Result<&Read, ExportError> {
-        let read = self.scenes.iter().find(|read| read.name == clip.scene);
-        read.ok_or_else(|| not_in_show(clip))
+    fn read(&self, source: &SceneSource) -> Result<&Read, ExportError> {
+        self.scenes.iter().find(|read| read.source == *source).ok_or_else(not_in_show)
     }
 }
 
-fn not_in_show(clip: &Clip) -> ExportError {
-    let scene = &clip.scene;
-    ExportError::Refused(format!("the show has no scene {scene}: this is a bug in Mariana; report it"))
-}
-
-fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {
-    clip.numbers_at(&world.scene, time, |param| param.default)
+fn not_in_show() -> ExportError {
+    ExportError::Refused("the show lacks one of its scenes: this is a bug in Mariana; report it".to_owned())
 }

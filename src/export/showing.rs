@@ -47,7 +47,7 @@ impl Showing {
                 }
                 if let cues @ 1.. = prepared_show.cues().len() {
                     tracing::warn!(
-                        "{cues} entries of the show wait for a key (`at cue`) and are left out: only a window has keys"
+                        "the show waits {cues} times for a key (`at cue`); this is left out: only a window has keys"
                     );
                 }
                 prepared_show

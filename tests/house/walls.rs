@@ -128,6 +128,20 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
     ("show", &["mariana-field", "mariana-music", "thiserror"]),
     (
+        "stage",
+        &[
+            "mariana-assets",
+            "mariana-field",
+            "mariana-files",
+            "mariana-music",
+            "mariana-render",
+            "mariana-scenes",
+            "mariana-show",
+            "thiserror",
+            "tracing",
+        ],
+    ),
+    (
         "page",
         &[
             "glow",
@@ -136,6 +150,8 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-music",
             "mariana-render",
             "mariana-scenes",
+            "mariana-stage",
+            "serde_json",
             "wasm-bindgen",
             "web-sys",
             "web-time",
@@ -217,7 +233,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("stems", &["cached_files", "config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
-    ("show", &["reading", "scenes"]),
+    ("show", &[]),
     (
         "session",
         &[
@@ -276,6 +292,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "covers",
             "probing",
             "scenes",
+            "srgb",
             "frame",
             "view",
             "flash",

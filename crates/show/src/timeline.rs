@@ -2,7 +2,7 @@
 
 use super::cue_list::{CAMERA_TURNS, FADER, PICTURE_NUMBERS, TransitionKind, UNTURNED};
 use super::picture::all_moves;
-use mariana_field::lang::{Param, Scene};
+use mariana_field::lang::Param;
 
 /// The clips of a show. Every moment has a clip, because the first clip extends to the start of the song.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,12 +189,12 @@ impl Clip {
         }
     }
 
-    /// Returns the values of all parameters of `scene` at `time` seconds of the song. `other` returns the value of a
-    /// parameter that this clip does not animate.
-    pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
+    /// Returns the values of all `params` of a scene at `time` seconds of the song: their defaults where this clip does not
+    /// animate them.
+    pub fn numbers_at(&self, params: &[Param], time: f64) -> Vec<f32> {
         let moved = self.params_at(time);
         let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
-        scene.params.iter().map(|param| value(&param.name).unwrap_or_else(|| other(param))).collect()
+        params.iter().map(|param| value(&param.name).unwrap_or(param.default)).collect()
     }
 
     /// Returns the values of the parameters that this clip animates, at `time` seconds of the song.

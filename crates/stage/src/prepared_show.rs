@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use crate::reading::{TextError, read_text};
-use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
 use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
+use mariana_files::reading::{TextError, read_text};
 use mariana_music::SongStructure;
+use mariana_scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
 use mariana_show::limits as show_limits;
 use mariana_show::{
     Clip, CueListError, Moment, Refusal, SceneCard, Show, TimedTransition, Timeline, TransitionKind,
@@ -141,12 +141,13 @@ impl PreparedShow {
         match source {
             ShowSource::Auto => Ok((Self::directed(song, scenes, &[])?, None)),
             ShowSource::Demo => {
-                let (prepared_show, reported) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
+                let (prepared_show, reported) =
+                    Self::of_text(DEMO_NAME, DEMO_SHOW, song, |name| source_of(name, Path::new("")))?;
                 Ok((Self { chosen_by: ChosenBy::Demo, ..prepared_show }, reported))
             }
             ShowSource::File(path) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
+                Self::of_text(&path.display().to_string(), &read(path)?, song, |name| source_of(name, folder))
             }
         }
     }
@@ -161,35 +162,44 @@ impl PreparedShow {
         scenes: &[SceneSource],
         recent: &[String],
     ) -> Result<Self, ShowError> {
-        let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
-        for source in scenes {
-            let name = name_of(source);
-            match source.checked() {
-                Ok(scene) => {
-                    known.insert(name.clone(), SceneCard::of(&name, scene));
-                    sources.insert(name, source.clone());
-                }
-                Err(error) => tracing::warn!("not shown: {error}"),
-            }
-        }
-        let show = Show::directed(song, known.into_values().collect(), recent).ok_or(ShowError::NoScenes)?;
-        Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
+        let card = |source: &SceneSource| {
+            let card = card_of(source).inspect_err(|error| tracing::warn!("not shown: {error}")).ok()?;
+            Some((card, source.clone()))
+        };
+        Self::directed_among(song, scenes.iter().filter_map(card), recent)
     }
 
-    /// Returns the show that `text` describes for a song, and a report of the entries that do not fit the song.
-    /// Scenes are files in `folder` or shipped scenes. Messages call the text `name`.
+    /// Returns the director's show as [`Self::directed`] does, from scenes that are read already.
+    ///
+    /// # Errors
+    /// [`ShowError::NoScenes`]
+    pub fn directed_among(
+        song: &SongStructure,
+        scenes: impl IntoIterator<Item = (SceneCard, SceneSource)>,
+        recent: &[String],
+    ) -> Result<Self, ShowError> {
+        let scenes = scenes.into_iter().map(|(card, source)| (name_of(&source), (card, source)));
+        let known: BTreeMap<String, _> = scenes.collect();
+        let cards = known.values().map(|(card, _)| card.clone()).collect();
+        let show = Show::directed(song, cards, recent).ok_or(ShowError::NoScenes)?;
+        let scenes = known.into_iter().map(|(name, (_, source))| (name, source)).collect();
+        Ok(Self { show, scenes, chosen_by: ChosenBy::Director })
+    }
+
+    /// Returns the show that `text` describes for a song, and a report of the entries that do not fit the song. `find`
+    /// returns the scene with a name. Messages call the text `name`.
     ///
     /// # Errors
     /// [`ShowError::CueList`] if the text has mistakes.
     pub fn of_text(
         name: &str,
         text: &str,
-        folder: &Path,
         song: &SongStructure,
+        find: impl Fn(&str) -> Result<SceneSource, SceneError>,
     ) -> Result<(Self, Option<String>), ShowError> {
         let mut scenes = BTreeMap::new();
         let (show, reported) = Show::of_text(name, text, song, |scene| {
-            let source = source_of(scene, folder).map_err(refusal)?;
+            let source = find(scene).map_err(refusal)?;
             let card = SceneCard::of(scene, source.checked().map_err(refusal)?);
             scenes.insert(scene.to_owned(), source);
             Ok(card)
@@ -210,6 +220,11 @@ impl PreparedShow {
     /// Returns the source of a scene in the timeline.
     pub fn source(&self, scene: &str) -> Option<&SceneSource> {
         self.scenes.get(scene)
+    }
+
+    /// Returns the names in the show and the sources of all its scenes, also of those that this song lacks.
+    pub fn scenes(&self) -> impl Iterator<Item = (&str, &SceneSource)> {
+        self.scenes.iter().map(|(name, source)| (name.as_str(), source))
     }
 
     /// Returns the blend of the scene in `from` with the scene in `to`; `None` if either scene is unknown.
@@ -235,6 +250,14 @@ impl PreparedShow {
     }
 }
 
+/// Returns what the director knows about a scene.
+///
+/// # Errors
+/// Fails if the scene cannot be read or has mistakes.
+pub fn card_of(source: &SceneSource) -> Result<SceneCard, SceneError> {
+    Ok(SceneCard::of(&name_of(source), source.checked()?))
+}
+
 /// Returns the name of a scene in shows.
 pub fn name_of(source: &SceneSource) -> String {
     match source {
@@ -255,8 +278,8 @@ fn refusal(error: SceneError) -> Refusal {
     }
 }
 
-/// Returns the scene with this name in a show: a file in its folder, or a shipped scene.
-fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
+/// Returns the scene with this name in a show file: a file in its folder, or a shipped scene.
+pub fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
     let beside = folder.join(name);
     if beside.is_file() {
         return Ok(SceneSource::File(beside));

@@ -1,0 +1,13 @@
+//! Shows with the sources of their scenes. [`mariana_show`] knows only names; [`PreparedShow`] adds the sources, and its
+//! [`Recipe`] says what a moment shows.
+
+mod prepared_show;
+mod recipe;
+
+pub use mariana_show::{
+    BarLines, Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, Moved, OnStage, OtherDeck,
+    Performance, SceneCard, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print,
+    snapshot_cues,
+};
+pub use prepared_show::{PreparedShow, ShowError, ShowSource, card_of, name_of, source_of};
+pub use recipe::{Recipe, Step};
