@@ -45,6 +45,7 @@ pub(crate) fn driver_of(api: Api, software: bool) -> GlInfo {
         list_texels_max: 65_536,
         anisotropy_max: 1.0,
         program_binaries: false,
+        tells_completion: false,
         software,
     }
 }

@@ -78,6 +78,8 @@ pub struct GlInfo {
     pub anisotropy_max: f32,
     /// True if the driver supports program binaries (GL_ARB_get_program_binary with at least one format).
     pub program_binaries: bool,
+    /// True if the driver says whether it has compiled a program (KHR_parallel_shader_compile).
+    pub tells_completion: bool,
     /// True for software renderers (llvmpipe and similar). Their GL timers are meaningless.
     pub software: bool,
 }
@@ -432,6 +434,9 @@ fn read_info(gl: &glow::Context) -> GlInfo {
             software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"]
                 .iter()
                 .any(|s| lower.contains(s)),
+            // Asked in pages only: at home, threads compile.
+            tells_completion: cfg!(target_family = "wasm")
+                && has_extension(gl, "KHR_parallel_shader_compile"),
             renderer,
         }
     }

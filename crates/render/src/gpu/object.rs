@@ -70,3 +70,34 @@ owned_object!(
     /// A query.
     Query, glow::Query, "a query", create_query, delete_query
 );
+
+/// A shader, compiled or not.
+pub struct ShaderObject {
+    gl: Gl,
+    native: glow::Shader,
+}
+
+impl ShaderObject {
+    /// Creates an empty shader for a stage in the current context.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver cannot create another shader.
+    pub fn new(gl: &Gl, stage: u32) -> Result<Self> {
+        // SAFETY: the context of `gl` is current on this thread.
+        let native = unsafe { gl.create_shader(stage) };
+        let native = native.map_err(|reason| GpuError::Object { what: "a shader", reason })?;
+        Ok(Self { gl: gl.clone(), native })
+    }
+
+    /// The OpenGL name of the shader; valid while `self` exists.
+    pub fn native(&self) -> glow::Shader {
+        self.native
+    }
+}
+
+impl Drop for ShaderObject {
+    fn drop(&mut self) {
+        // SAFETY: `self` owns the name and deletes it once. The driver keeps an attached shader with its program.
+        unsafe { self.gl.delete_shader(self.native) }
+    }
+}

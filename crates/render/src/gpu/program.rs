@@ -9,7 +9,7 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 use super::error::{GpuError, Result};
 use super::gl::{Gl, GlInfo};
-use super::object::ProgramObject;
+use super::object::{ProgramObject, ShaderObject};
 use super::program_store::ProgramKey;
 use super::samplers::SLOTS;
 use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
@@ -209,9 +209,7 @@ impl Program {
     /// # Errors
     /// Fails with the driver's log if the driver rejects the texts.
     pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self> {
-        let (vertex, fragment) = (&texts.vertex, &texts.fragment);
-        let object = link_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))?;
-        Ok(Self::with_places(gl, object))
+        PendingProgram::of(gl, texts)?.finish()
     }
 
     fn with_places(gl: &Gl, object: ProgramObject) -> Self {
@@ -319,35 +317,89 @@ impl LazyProgram {
 
 /// Compiles and links two texts with their names. Logs give positions in the files of [`super::shader_source`].
 pub(super) fn link_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<ProgramObject> {
-    let object = ProgramObject::new(gl)?;
-    let program = object.native();
-    // SAFETY: all names are created and used in the current context, and every path frees the shaders.
-    unsafe {
+    PendingProgram::of_texts(gl, vertex, fragment)?.linked()
+}
+
+/// A program that the driver may still be compiling.
+pub struct PendingProgram {
+    gl: Gl,
+    object: ProgramObject,
+    shaders: Vec<NamedShader>,
+}
+
+struct NamedShader {
+    shader: ShaderObject,
+    name: String,
+    text: String,
+}
+
+impl PendingProgram {
+    /// Begins to compile and link two texts.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver cannot create more objects.
+    pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self> {
+        let (vertex, fragment) = (&texts.vertex, &texts.fragment);
+        Self::of_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))
+    }
+
+    fn of_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<Self> {
+        let object = ProgramObject::new(gl)?;
+        let mut shaders = Vec::new();
         for (stage, (name, text)) in [(glow::VERTEX_SHADER, vertex), (glow::FRAGMENT_SHADER, fragment)] {
-            let shader =
-                gl.create_shader(stage).map_err(|reason| GpuError::Object { what: "a shader", reason })?;
-            gl.shader_source(shader, text);
-            gl.compile_shader(shader);
-            let compiled = gl.get_shader_compile_status(shader);
-            let log =
-                if compiled { String::new() } else { name_places(&gl.get_shader_info_log(shader), text) };
-            if compiled {
-                gl.attach_shader(program, shader);
+            let shader = ShaderObject::new(gl, stage)?;
+            // SAFETY: all names belong to the current context.
+            unsafe {
+                gl.shader_source(shader.native(), text);
+                gl.compile_shader(shader.native());
+                gl.attach_shader(object.native(), shader.native());
             }
-            // The driver keeps an attached shader until the program is deleted.
-            gl.delete_shader(shader);
-            if !compiled {
-                return Err(GpuError::Compile { name: name.into(), log });
+            shaders.push(NamedShader { shader, name: name.to_owned(), text: text.to_owned() });
+        }
+        // SAFETY: the program and its shaders belong to the current context. Shaders with mistakes leave it unlinked.
+        unsafe {
+            if gl.info().program_binaries {
+                gl.program_binary_retrievable_hint(object.native(), true);
             }
+            gl.link_program(object.native());
         }
-        if gl.info().program_binaries {
-            gl.program_binary_retrievable_hint(program, true);
+        Ok(Self { gl: gl.clone(), object, shaders })
+    }
+
+    /// True if [`Self::finish`] need not wait. Drivers that cannot tell make it wait.
+    pub fn is_finished(&self) -> bool {
+        if !self.gl.info().tells_completion {
+            return true;
         }
-        gl.link_program(program);
-        if !gl.get_program_link_status(program) {
+        // SAFETY: the program belongs to the current context, whose driver has the extension.
+        unsafe { self.gl.get_program_completion_status(self.object.native()) }
+    }
+
+    /// Waits for the driver, and returns the program.
+    ///
+    /// # Errors
+    /// Fails with the driver's log if the driver rejects the texts.
+    pub fn finish(self) -> Result<Program> {
+        let gl = self.gl.clone();
+        Ok(Program::with_places(&gl, self.linked()?))
+    }
+
+    fn linked(self) -> Result<ProgramObject> {
+        let (gl, program) = (&self.gl, self.object.native());
+        // SAFETY: the program and its shaders belong to the current context.
+        unsafe {
+            if gl.get_program_link_status(program) {
+                return Ok(self.object);
+            }
+            for NamedShader { shader, name, text } in &self.shaders {
+                if !gl.get_shader_compile_status(shader.native()) {
+                    let log = name_places(&gl.get_shader_info_log(shader.native()), text);
+                    return Err(GpuError::Compile { name: name.clone(), log });
+                }
+            }
+            let fragment = self.shaders.last().map_or("", |shader| shader.name.as_str());
             let log = gl.get_program_info_log(program);
-            return Err(GpuError::Compile { name: format!("the program of {}", fragment.0), log });
+            Err(GpuError::Compile { name: format!("the program of {fragment}"), log })
         }
     }
-    Ok(object)
 }

@@ -19,7 +19,7 @@ use super::evaluations::Counting;
 use super::gl::{Gl, GlInfo};
 use super::mode::CellUse;
 pub use super::mode::Mode;
-use super::program::{Program, ProgramTexts};
+use super::program::{PendingProgram, Program, ProgramTexts};
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::{block_defines, light_defines};
 use crate::frame::projection::{Projection, projection_defines};
@@ -289,5 +289,13 @@ pub fn path_texts(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result
 /// # Errors
 /// Fails with the driver's log if the driver rejects the program.
 pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program> {
-    Program::link(gl, library, SCENE_SHADER, variant)
+    begin_scene(gl, library, variant)?.finish()
+}
+
+/// Begins to link the program of a variant.
+///
+/// # Errors
+/// Fails if the driver cannot create more objects.
+pub fn begin_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<PendingProgram> {
+    PendingProgram::of(gl, &ProgramTexts::assemble(library, SCENE_SHADER, variant, gl.info())?)
 }
