@@ -2,13 +2,17 @@
 // node compare-page.mjs PAGE_FOLDER PROGRAM SONG, in an X server. Chromium uses the system's OpenGL driver: its own
 // software renderer crashes while it compiles most scenes.
 import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 const [folder, program, tagged] = process.argv.slice(2);
 const SCENES = ["orb", "metaballs", "speakers"];
+/// A show with a fade and a melt at two of the moments.
+const SHOW = "at start orb\nat 0:15 metaballs fade over 4 s\nat 0:38 orb melt over 4 s\nat 1:00 speakers cut\n";
+/// Seconds before a moment at which the show prepares its scenes.
+const AHEAD = 5;
 const MOMENTS = [3, 9.5, 16.2, 23, 31.7, 40.1, 48.9, 57.3, 66, 75.4];
 const SIZE = [192, 108];
 /// A pixel differs if a channel differs by more than this, of 255.
@@ -17,7 +21,7 @@ const DIFFERING_MAX = 0.005;
 const KINDS = { html: "text/html", css: "text/css", js: "text/javascript", wasm: "application/wasm", png: "image/png" };
 
 /// Draws the frames of all moments in the page, and returns the fraction of differing pixels of each.
-const COMPARE = async (scene, moments, [width, height], difference) => {
+const COMPARE = async (scene, show, moments, [width, height], difference, ahead) => {
     if (!document.querySelector("script")) {
         const script = Object.assign(document.createElement("script"), { src: "/mariana_page.js" });
         await new Promise((resolve) => { script.onload = resolve; document.head.append(script); });
@@ -27,7 +31,7 @@ const COMPARE = async (scene, moments, [width, height], difference) => {
     const canvas = Object.assign(document.createElement("canvas"), { width, height });
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
     const studio = new page.Studio(gl);
-    studio.load(scene, page.scene_text(scene), false);
+    const rest = () => new Promise((resolve) => setTimeout(resolve, 20));
     studio.set_edge_samples(16);
     const bytes = await (await fetch("/song")).arrayBuffer();
     const sound = await new OfflineAudioContext(2, 1, 48000).decodeAudioData(bytes);
@@ -35,12 +39,16 @@ const COMPARE = async (scene, moments, [width, height], difference) => {
     studio.begin_sound(48000, false);
     studio.push_song(left, right);
     studio.finish_song();
+    if (show) studio.follow_show(show, [], []);
+    else studio.load(scene, page.scene_text(scene), false);
+    while (!show && !studio.receive_scene()) await rest();
     let heard = 0;
     const found = [];
     for (const moment of moments) {
         const until = Math.ceil((moment + 1) * 48000);
         studio.push_samples(left.subarray(heard, until), right.subarray(heard, until));
         heard = until;
+        for (; studio.is_loading(moment - ahead); await rest()) studio.draw(moment - ahead, width, height);
         studio.draw(moment, width, height);
         const own = new Uint8Array(4 * width * height);
         gl.bindFramebuffer(gl.READ_FRAMEBUFFER, null);
@@ -65,9 +73,12 @@ const stills = mkdtempSync(join(tmpdir(), "mariana-page-"));
 // A page cannot read the loudness in a song's tags, which the program follows.
 const song = join(stills, "song.ogg");
 execFileSync("ffmpeg", ["-v", "error", "-i", tagged, "-map_metadata", "-1", "-map_metadata:s", "-1", "-c", "copy", song]);
+const show = join(stills, "of.show");
+writeFileSync(show, SHOW);
 const still = (scene, moment) => {
     const file = join(stills, `${scene}-${moment}.png`);
-    execFileSync(program, ["still", song, "--scene", scene, "--at", String(moment), "--size", SIZE.join("x"), "-o", file]);
+    const shows = scene === "show" ? ["--show", show] : ["--scene", scene];
+    execFileSync(program, ["still", song, ...shows, "--at", String(moment), "--size", SIZE.join("x"), "-o", file]);
     return file;
 };
 const server = createServer((request, answer) => {
@@ -128,8 +139,9 @@ try {
     await ask("Page.navigate", { url: `${address}style.css` });
     await until("the server", `location.href === ${JSON.stringify(`${address}style.css`)}`);
     let worst = 0;
-    for (const scene of SCENES) {
-        const found = await evaluate(`(${COMPARE})(${[scene, MOMENTS, SIZE, DIFFERENCE].map((of) => JSON.stringify(of))})`);
+    for (const scene of [...SCENES, "show"]) {
+        const given = [scene, scene === "show" ? SHOW : "", MOMENTS, SIZE, DIFFERENCE, AHEAD];
+        const found = await evaluate(`(${COMPARE})(${given.map((of) => JSON.stringify(of))})`);
         console.log(`${scene}: % of the pixels that differ: ${found.map((part) => (100 * part).toFixed(2)).join(" ")}`);
         worst = Math.max(worst, ...found);
     }
@@ -144,8 +156,12 @@ try {
     await evaluate(`document.getElementById("play").click()`);
     await until("the pause", `${shown("play")} === "Play"`);
     const key = (name) => evaluate(`dispatchEvent(new KeyboardEvent("keydown", { key: "${name}" }))`);
+    const follows = `document.getElementById("follow").ariaPressed === "true"`;
+    await until("the show", follows);
+    const scene = `document.getElementById("scene").value`;
+    const before = await evaluate(scene);
     await key("n");
-    await until("the next scene", `document.getElementById("scene").value === "quadric"`);
+    await until("the next scene", `${scene} !== ${JSON.stringify(before)} && !(${follows})`);
     await evaluate(`{ const text = document.getElementById("text"); text.value = "sphere(p, "; text.dispatchEvent(new Event("input")); }`);
     await until("the mistake", `${shown("mistakes")}.includes("sphere")`);
     await evaluate(`{ const text = document.getElementById("text"); text.value = "param size = 1 in 0 .. 2\\nsphere(p, size)"; text.dispatchEvent(new Event("input")); }`);
@@ -157,13 +173,17 @@ try {
     await ask("Page.navigate", { url: link });
     await until("the linked text", `(document.getElementById("text")?.value ?? "").includes("sphere(p, size)")`);
     const alone = join(stills, "alone.html");
-    execFileSync(program, ["page", song, "--scene", "metaballs", "-o", alone]);
-    await ask("Page.navigate", { url: `file://${alone}` });
-    await until("the page of a song", `document.getElementById("scene")?.value === "metaballs" && ${shown("demo")} === "Play"`);
-    await evaluate(`document.getElementById("demo").click()`);
-    await until("its song", plays);
-    console.log("a page of a song plays without a server");
-    console.log("the demo plays, the key N shows the next scene, mistakes are shown, and a link brings the text back");
+    for (const [flags, state] of [[["--scene", "metaballs"], `${scene} === "metaballs"`], [["--show", show], follows]]) {
+        execFileSync(program, ["page", song, ...flags, "-o", alone]);
+        await ask("Page.navigate", { url: "about:blank" });
+        await ask("Page.navigate", { url: `file://${alone}` });
+        await until("the page of a song", `${shown("demo")} === "Play"`);
+        await evaluate(`document.getElementById("demo").click()`);
+        await until("its song", plays);
+        await until("its scenes", state);
+    }
+    console.log("pages of a song play without a server, with a scene and with a show");
+    console.log("the demo plays with a show, the key N shows the next scene, mistakes are shown, and a link brings the text back");
 } finally {
     session = undefined;
     await ask("Browser.close").catch(() => process_.kill());

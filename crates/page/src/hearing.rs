@@ -46,18 +46,29 @@ impl Hearing {
     }
 
     pub(crate) fn finish_song(&mut self) {
-        self.song = self.listener.take().map(SongListener::finish);
+        if let Some(listener) = self.listener.take() {
+            self.song = Some(listener.finish());
+        }
     }
 
-    /// The sound of the next frame, at `time` seconds; silence before a sound has begun.
-    pub(crate) fn now(&mut self, time: f64) -> Sound {
+    /// Uses the structure of the whole song, which was heard before.
+    pub(crate) fn know_song(&mut self, song: SongStructure) {
+        (self.listener, self.song) = (None, Some(song));
+    }
+
+    /// The structure of the whole song, once it is known.
+    pub(crate) fn song(&self) -> Option<&SongStructure> {
+        self.song.as_ref()
+    }
+
+    /// Begins the next frame, at `time` seconds: live input has an energy of the frame.
+    pub(crate) fn begin_frame(&mut self, time: f64) {
         if let Some(live) = &mut self.live {
             live.last = live.energy.at(time, self.track.at(time).level_db);
         }
-        self.at(time)
     }
 
-    /// The sound at `time` seconds, of the last frame or earlier.
+    /// The sound at `time` seconds, of the begun frame or earlier; silence before a sound has begun.
     pub(crate) fn at(&self, time: f64) -> Sound {
         let Self { track, live, song, .. } = self;
         let sound = track.sound_at(time);

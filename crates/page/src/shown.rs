@@ -1,24 +1,37 @@
 //! A scene with its program and the values of its sliders.
 
 use mariana_field::world::World;
-use mariana_render::Gl;
-use mariana_render::GpuError;
+use mariana_music::Sound;
 use mariana_render::gpu::mode::CellUse;
-use mariana_render::gpu::program::Program;
-use mariana_render::gpu::scene_program::{Mode, drawing_variant_of, link_scene};
+use mariana_render::gpu::program::{PendingProgram, Program};
+use mariana_render::gpu::scene_program::{Mode, begin_scene, drawing_variant_of};
 use mariana_render::gpu::scene_resources::SceneResources;
 use mariana_render::gpu::shader_source::ShaderLibrary;
+use mariana_render::{Frame, Gl, GpuError, Renderer};
 use mariana_scenes::ReadyScene;
 
+use super::hearing::Hearing;
+
+/// A scene on the GPU.
 pub(crate) struct Shown {
-    pub(crate) program: Program,
-    pub(crate) resources: SceneResources,
+    program: Program,
+    resources: SceneResources,
     /// The values of the world's parameters.
     params: Vec<f32>,
 }
 
-impl Shown {
-    pub(crate) fn new(
+/// A scene whose program the browser compiles.
+pub(crate) struct Coming {
+    program: PendingProgram,
+    resources: SceneResources,
+}
+
+impl Coming {
+    /// Uploads a scene, and begins to compile its program.
+    ///
+    /// # Errors
+    /// Fails with the browser's error.
+    pub(crate) fn begin(
         gl: &Gl,
         library: &ShaderLibrary,
         ReadyScene { world, buffers, plan, .. }: ReadyScene,
@@ -27,19 +40,70 @@ impl Shown {
         // A tree that is built on the page's only thread costs more than it saves in a compiled scene.
         let cells = if mode == Mode::Compiled { CellUse::Never } else { CellUse::default() };
         let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
-        let program = link_scene(gl, library, &variant)?;
-        let params = world.scene.params.iter().map(|param| param.default).collect();
+        let program = begin_scene(gl, library, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
-        Ok(Self { program, resources, params })
+        Ok(Self { program, resources })
     }
 
+    pub(crate) fn is_compiled(&self) -> bool {
+        self.program.is_finished()
+    }
+
+    /// Waits for the browser's compiler.
+    ///
+    /// # Errors
+    /// Fails with the browser's error.
+    pub(crate) fn finish(self) -> Result<Shown, GpuError> {
+        let program = self.program.finish()?;
+        let params = self.resources.world().scene.params.iter().map(|param| param.default).collect();
+        Ok(Shown { program, resources: self.resources, params })
+    }
+}
+
+/// A frame of a scene in a picture.
+pub(crate) struct Layer<'a> {
+    pub(crate) shown: &'a Shown,
+    /// The moment of the sound, in seconds.
+    pub(crate) time: f64,
+    /// The weight of the layers below in the mix with this one, 0..1; `None` for the first.
+    pub(crate) below: Option<f32>,
+    /// Returns the frame of an earlier moment, or of this one.
+    pub(crate) frame_at: Box<dyn Fn(f64, Sound) -> Frame + 'a>,
+}
+
+impl Layer<'_> {
+    /// Draws the layer over the last picture, with the frames that its scene remembers.
+    ///
+    /// # Errors
+    /// Fails with the browser's error.
+    pub(crate) fn draw(&self, renderer: &mut Renderer, hearing: &Hearing) -> Result<(), GpuError> {
+        let Shown { program, resources, .. } = self.shown;
+        let frame = (self.frame_at)(self.time, hearing.at(self.time));
+        let picture = (frame.size, frame.projection.stereo);
+        while let Some(request) = renderer.feedback_before(resources, 0, self.time, picture, true) {
+            let mut earlier = (self.frame_at)(request.time, hearing.at(request.time));
+            earlier.size = request.size;
+            renderer.draw_feedback(&request, &earlier, resources, program)?;
+        }
+        renderer.show_feedback(resources, self.time)?;
+        if self.below.is_some() {
+            renderer.keep_light()?;
+            renderer.set_fade(self.below);
+        }
+        renderer.draw(&frame, resources, program)
+    }
+}
+
+impl Shown {
     pub(crate) fn world(&self) -> &World {
         self.resources.world()
     }
 
-    pub(crate) fn params(&self) -> &[f32] {
-        &self.params
+    /// The scene with the values of its sliders, as the only layer of a picture of `size` pixels.
+    pub(crate) fn layer(&self, time: f64, size: (u32, u32)) -> Layer<'_> {
+        let frame_at = move |time, sound| Frame::with_params(self.world(), time, sound, size, &self.params);
+        Layer { shown: self, time, below: None, frame_at: Box::new(frame_at) }
     }
 
     /// The index of each parameter with a slider: all but numbers of the text that are inputs while it is edited.

@@ -3,7 +3,7 @@ const { Studio, demo_track, scene_names, scene_text } = wasm_bindgen;
 
 const of = (id) => document.getElementById(id);
 const canvas = of("picture");
-/// What `mariana page` wrote into the page: title and scene of its song.
+/// What `mariana page` wrote into the page: title, scene or show, and structure of its song.
 const own = JSON.parse(of("own").textContent);
 /// Seconds that are heard ahead of what is played: the analysis looks a little ahead.
 const AHEAD = 0.4;
@@ -19,12 +19,19 @@ const SONG_MINUTES_MAX = 40;
 /// A longer text is no scene.
 const LINK_BYTES_MAX = 2_000_000;
 
+/// Milliseconds between two scenes that the director gets to know.
+const CARD_EVERY = 250;
+
 let studio;
 let sound = null;
 let audio = null;
 let volume = null;
 let names = [];
 const shown = { name: "", text: "", interpreted: false };
+/// The chosen scene while the browser compiles it, with the sliders of its link.
+let coming = null;
+/// What plays the scenes: whether a show may, whether one does, and whether the director knows all scenes.
+const directed = { wanted: true, runs: false, knows: false, last: 0 };
 
 function tell(words, seconds = 4) {
     of("message").textContent = words;
@@ -59,8 +66,13 @@ class Song {
 
     begin() {
         studio.begin_sound(this.rate, false);
+        if (this.structure) {
+            studio.know_song(JSON.stringify(this.structure));
+            this.whole = this.left.length;
+        }
         this.seek(0);
         this.play();
+        if (this.structure) followShow();
     }
 
     get seconds() {
@@ -81,6 +93,7 @@ class Song {
         this.source.onended = () => {
             this.pause();
             this.place = this.seconds;
+            if (own.loop) this.play();
         };
         this.since = audio.currentTime;
         this.source.start(0, this.place);
@@ -116,12 +129,19 @@ class Song {
             studio.push_samples(this.left.subarray(this.heard, until), this.right.subarray(this.heard, until));
             this.heard = until;
         }
+        if (directed.wanted && !directed.knows && performance.now() > directed.last + CARD_EVERY) {
+            directed.knows = !studio.read_next_card();
+            directed.last = performance.now();
+            if (directed.knows && this.whole >= this.left.length) followShow();
+        }
         const until_ms = performance.now() + WHOLE.budget;
         while (this.whole < this.left.length && performance.now() < until_ms) {
             const end = this.whole + Math.floor(WHOLE.seconds * this.rate);
             studio.push_song(this.left.subarray(this.whole, end), this.right.subarray(this.whole, end));
             this.whole = end;
-            if (this.whole >= this.left.length) studio.finish_song();
+            if (this.whole < this.left.length) continue;
+            studio.finish_song();
+            if (directed.knows) followShow();
         }
     }
 
@@ -185,20 +205,21 @@ class Live {
 function begin(next) {
     sound?.end();
     sound = next;
+    directed.runs = false;
     of("welcome").hidden = true;
     const isSong = next instanceof Song;
-    for (const id of ["play", "seek"]) of(id).disabled = !isSong;
+    for (const id of ["play", "seek", "follow"]) of(id).disabled = !isSong;
     document.title = next.title ? `${next.title} - Mariana` : "Mariana";
     next.begin();
 }
 
-async function play(title, bytes) {
+async function play(title, bytes, structure) {
     speakers();
     tell(`Reading ${title}`, 0);
     const buffer = await audio.decodeAudioData(bytes).catch(() => null);
     if (!buffer) return tell(`${title} is no sound that this browser can play: try MP3, Ogg, FLAC, M4A or WAV`, 8);
     if (buffer.duration > 60 * SONG_MINUTES_MAX) return tell(`${title} is longer than ${SONG_MINUTES_MAX} minutes: choose a part`, 8);
-    begin(new Song(title, buffer));
+    begin(Object.assign(new Song(title, buffer), { structure }));
     tell(title);
 }
 
@@ -241,46 +262,91 @@ const tabSound = () =>
 
 // Scenes and their text.
 
-function show(name, text, interpreted = shown.interpreted) {
+/// Shows mistakes of the scene, or ends everything for what is no mistake.
+function report(name, mistakes) {
+    // The studio reports what it refuses as a text. Anything else is the end of it.
+    if (typeof mistakes !== "string") return stop(mistakes.message);
+    of("mistakes").textContent = mistakes;
+    if (of("editor").hidden) tell(`${name} cannot be shown: ${mistakes.split("\n")[0]}`, 8);
+    return false;
+}
+
+/// Chooses a scene, which comes once the browser has compiled it ([`receive`]). Returns false if it has mistakes.
+function show(name, text, interpreted = shown.interpreted, sliders = {}) {
     try {
-        const begun = performance.now();
         studio.load(name, text, interpreted);
         of("mistakes").textContent = "";
-        Object.assign(shown, { name, text, interpreted });
-        Object.assign(pace, { late: 0, calm: 0, patience: PATIENCE });
-        of("scene").value = name;
-        of("mode").textContent = interpreted ? "Interpreted" : "Compiled";
-        fillSliders();
-        console.info(`${name}: ${Math.round(performance.now() - begun)} ms`);
+        coming = { name, text, interpreted, sliders, begun: performance.now() };
         return true;
     } catch (mistakes) {
-        // The studio reports what it refuses as a text. Anything else is the end of it.
-        if (typeof mistakes !== "string") return stop(mistakes.message);
-        of("mistakes").textContent = mistakes;
-        if (of("editor").hidden) tell(`${name} cannot be shown: ${mistakes.split("\n")[0]}`, 8);
-        return false;
+        return report(name, mistakes);
     }
 }
 
-/// Calls `act` once the browser has shown the last message: compiling stops the page for a while.
-const later = (act) => setTimeout(act, 30);
+/// Shows the chosen scene as soon as it is compiled.
+function receive() {
+    try {
+        if (!coming || !studio.receive_scene()) return;
+    } catch (mistakes) {
+        report(coming.name, mistakes);
+        coming = null;
+        return;
+    }
+    const { name, text, interpreted, sliders, begun } = coming;
+    for (const [slider, value] of Object.entries(sliders)) studio.turn(slider, Number(value));
+    coming = null;
+    Object.assign(shown, { name, text, interpreted });
+    Object.assign(pace, { late: 0, calm: 0, patience: PATIENCE });
+    of("scene").value = name;
+    of("mode").textContent = interpreted ? "Interpreted" : "Compiled";
+    if (of("message").textContent.startsWith("Compiling")) tell(name);
+    directs(false);
+    console.info(`${name}: ${Math.round(performance.now() - begun)} ms`);
+}
 
+/// A scene that the user chooses stays: the show ends.
 function choose(name) {
+    directed.wanted = false;
     const text = scene_text(name);
-    tell(`Compiling ${name}`);
-    later(() => {
-        if (!show(name, text)) return;
-        of("text").value = text;
-        tell(name);
-    });
+    tell(`Compiling ${name}`, 0);
+    if (show(name, text)) of("text").value = text;
+}
+
+function directs(runs) {
+    directed.runs = runs;
+    of("follow").setAttribute("aria-pressed", String(runs));
+    fillSliders();
+}
+
+/// Lets the page's own show or the director choose the scenes of the song, if a show is wanted.
+function followShow() {
+    if (!directed.wanted) return;
+    try {
+        if (own.show && sound.structure) studio.follow_show(own.show, Object.keys(own.scenes), Object.values(own.scenes));
+        else if (own.scene || !studio.follow_song()) return;
+        directs(true);
+    } catch (mistakes) {
+        report("The show", mistakes);
+    }
+}
+
+/// Begins to follow the song, or keeps the present scene.
+function toggleShow() {
+    if (!(sound instanceof Song)) return;
+    if (directed.runs) return choose(studio.scene_name(sound.time) || shown.name);
+    directed.wanted = true;
+    delete own.scene;
+    if (directed.knows || own.show) followShow();
+    tell("The scenes follow the song");
 }
 
 function step(by) {
-    const at = names.indexOf(shown.name);
+    const at = names.indexOf(of("scene").value);
     choose(names[(at + by + names.length) % names.length]);
 }
 
 function fillSliders() {
+    if (directed.runs) return of("sliders").replaceChildren("The show moves the scenes: press A to keep one");
     const values = studio.slider_values();
     const rows = studio.slider_names().map((name, at) => {
         const [value, min, max] = values.subarray(3 * at, 3 * at + 3);
@@ -340,10 +406,8 @@ async function showLink(link) {
         return false;
     }
     of("text").value = state.text;
-    if (!show(state.name, state.text)) return false;
-    for (const [name, value] of Object.entries(state.sliders)) studio.turn(name, Number(value));
-    fillSliders();
-    return true;
+    directed.wanted = false;
+    return show(state.name, state.text, shown.interpreted, state.sliders);
 }
 
 async function copyLink() {
@@ -395,7 +459,9 @@ function frame(now) {
     const time = sound ? sound.time : now / 1000;
     try {
         sound?.hear(time);
+        receive();
         studio.draw(time, width, height);
+        if (directed.runs) of("scene").value = studio.scene_name(time);
     } catch (error) {
         stop(error.message ?? error);
     }
@@ -418,14 +484,20 @@ const toggle = (panel, button) => {
 const full = () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
 const playOrPause = () => sound instanceof Song && (sound.source ? sound.pause() : (speakers(), sound.play()));
 const otherMode = () => {
+    if (directed.runs) return tell("The show moves the scenes: press A to keep one");
     tell(shown.interpreted ? "Compiling" : "Interpreted: the text is a list of clauses, run by one program");
-    later(() => show(shown.name, shown.text, !shown.interpreted));
+    show(shown.name, shown.text, !shown.interpreted);
 };
 const leap = (seconds) => sound instanceof Song && sound.seek(sound.time + seconds);
 
+const edit = () => {
+    if (directed.runs && of("editor").hidden) of("text").value = scene_text(of("scene").value);
+    toggle("editor", "edit");
+};
+
 const KEYS = {
     " ": playOrPause, n: () => step(1), p: () => step(-1), c: otherMode, s: () => toggle("sliders", "turn"),
-    e: () => toggle("editor", "edit"), f: full, l: copyLink, ArrowLeft: () => leap(-10), ArrowRight: () => leap(10),
+    e: edit, f: full, l: copyLink, a: toggleShow, ArrowLeft: () => leap(-10), ArrowRight: () => leap(10),
 };
 
 function connect() {
@@ -445,6 +517,7 @@ function connect() {
     of("turn").onclick = KEYS.s;
     of("edit").onclick = KEYS.e;
     of("link").onclick = copyLink;
+    of("follow").onclick = toggleShow;
     of("full").onclick = full;
     of("scene").onchange = ({ target }) => choose(target.value);
     of("volume").oninput = () => volume && (volume.gain.value = Number(of("volume").value));
@@ -456,7 +529,9 @@ function connect() {
     let typed;
     of("text").oninput = ({ target }) => {
         clearTimeout(typed);
-        typed = setTimeout(() => show(shown.name, target.value), 150);
+        const name = of("scene").value || shown.name;
+        directed.wanted = false;
+        typed = setTimeout(() => show(name, target.value), 150);
     };
     addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey || (event.repeat && !event.key.startsWith("Arrow"))) return;
@@ -495,13 +570,15 @@ const bytesIn = async (id) => (await fetch(`data:;base64,${of(id).textContent}`)
 function greetWithSong() {
     of("title").textContent = own.title;
     of("demo").textContent = "Play";
-    of("demo").onclick = async () => play(own.title, await bytesIn("song"));
+    of("demo").onclick = async () => play(own.title, await bytesIn("song"), own.structure);
     for (const id of ["claim", "hint", "open", "microphone", "tab"]) of(id).hidden = true;
     document.title = own.title;
 }
 
 async function start() {
     tell("Loading", 0);
+    if (own.poster) canvas.style.background = `center / cover url(${own.poster})`;
+    document.body.classList.toggle("embed", Boolean(own.embed));
     const packedModule = of("module").textContent && (await bytesIn("module"));
     const module_or_path = packedModule ? await packed(packedModule, new DecompressionStream("gzip")) : "mariana_page_bg.wasm";
     await wasm_bindgen({ module_or_path });
@@ -514,7 +591,8 @@ async function start() {
     if (own.title) greetWithSong();
     const linked = location.hash.length > 1 && (await showLink(location.hash.slice(1)));
     const name = own.scene ?? "orb";
-    if (!linked && show(name, own.text ?? scene_text(name))) of("text").value = shown.text;
+    of("text").value = own.text ?? scene_text(name);
+    if (!linked) show(name, of("text").value);
     if (of("message").textContent === "Loading") tell("", 0);
     requestAnimationFrame(frame);
 }

@@ -1,0 +1,156 @@
+//! Plays a show: prepares the scenes of the next changes, and arranges the scenes of a moment.
+
+use mariana_music::SongStructure;
+use mariana_render::Gl;
+use mariana_render::frame::held_inputs::HeldInputs;
+use mariana_render::gpu::scene_program::Mode;
+use mariana_render::gpu::shader_source::ShaderLibrary;
+use mariana_scenes::{SceneSource, shipped_names};
+use mariana_stage::{PreparedShow, Recipe, SceneCard, card_of};
+
+use super::shown::{Coming, Layer, Shown};
+
+pub(crate) struct ShowPlayer {
+    show: PreparedShow,
+    /// The scenes and blends of the last, the present and the next moments.
+    scenes: Vec<(SceneSource, State)>,
+    /// Blends that were not ready when they began. Fades replace them.
+    late: Vec<SceneSource>,
+    held: HeldInputs,
+}
+
+enum State {
+    Coming(Coming),
+    Ready(Shown),
+    /// It has mistakes, or the browser cannot compile it.
+    Refused,
+}
+
+impl ShowPlayer {
+    pub(crate) fn new(show: PreparedShow) -> Self {
+        Self { show, scenes: Vec::new(), late: Vec::new(), held: HeldInputs::default() }
+    }
+
+    /// Prepares a scene of the moment `time`, in seconds, or of the next change. Call it once a frame, because reading a
+    /// scene takes a part of the page's time.
+    pub(crate) fn prepare(&mut self, gl: &Gl, library: &ShaderLibrary, time: f64) {
+        let coming = self.scenes.iter().position(|(_, state)| matches!(state, State::Coming(_)));
+        if let Some(place) = coming {
+            let is_compiled = |(_, state): &(SceneSource, State)| matches!(state, State::Coming(coming) if coming.is_compiled());
+            if self.scenes.get(place).is_some_and(is_compiled)
+                && let (source, State::Coming(coming)) = self.scenes.swap_remove(place)
+            {
+                self.scenes.push((source, coming.finish().map_or(State::Refused, State::Ready)));
+            }
+            return;
+        }
+        let wanted = self.wanted(time);
+        self.scenes.retain(|(source, state)| matches!(state, State::Refused) || wanted.contains(source));
+        let is_new = |source: &SceneSource| self.scenes.iter().all(|(known, _)| known != source);
+        if let Some(source) = wanted.into_iter().find(is_new) {
+            let ready = source.ready().map_err(|error| error.to_string());
+            let begin =
+                |ready| Coming::begin(gl, library, ready, Mode::Compiled).map_err(|error| error.to_string());
+            let state = ready.and_then(begin).map_or(State::Refused, State::Coming);
+            self.scenes.push((source, state));
+        }
+    }
+
+    /// True until [`Self::prepare`] has nothing to do at `time` seconds.
+    pub(crate) fn is_preparing(&self, time: f64) -> bool {
+        let is_known = |wanted: &SceneSource| {
+            let mut known = self.scenes.iter();
+            known.any(|(source, state)| source == wanted && !matches!(state, State::Coming(_)))
+        };
+        !self.wanted(time).iter().all(is_known)
+    }
+
+    /// The scenes and blends at `time` and in the next transition, the most urgent first.
+    fn wanted(&self, time: f64) -> Vec<SceneSource> {
+        let clips = self.show.clips();
+        let next = clips.iter().find(|clip| clip.start > time);
+        let of_next = next
+            .map(|clip| [clip.start + 0.5 * clip.transition.seconds, clip.start + clip.transition.seconds]);
+        let mut wanted = Vec::new();
+        for moment in std::iter::once(time).chain(of_next.into_iter().flatten()) {
+            let recipe = self.show.recipe(moment, moment, |blend| !self.is_refused(blend));
+            for step in recipe.into_iter().flat_map(|recipe| recipe.steps) {
+                // A fade may have to replace a blend, which needs both scenes.
+                let leaving = step.leaving.and_then(|(clip, _)| self.show.source(&clip.scene));
+                let entering = self.show.source(&step.clip.scene);
+                let all = [Some(&step.source), entering, leaving];
+                wanted.extend(all.into_iter().flatten().cloned());
+            }
+        }
+        wanted
+    }
+
+    fn is_refused(&self, source: &SceneSource) -> bool {
+        self.late.contains(source)
+            || self.scenes.iter().any(|(known, state)| known == source && matches!(state, State::Refused))
+    }
+
+    fn ready(&self, source: &SceneSource) -> Option<&Shown> {
+        self.scenes.iter().find_map(|(known, state)| match state {
+            State::Ready(shown) if known == source => Some(shown),
+            _ => None,
+        })
+    }
+
+    /// Replaces the blend at `time` seconds by a fade if it is not ready when it begins.
+    pub(crate) fn give_late_blends_up(&mut self, time: f64) {
+        let recipe = self.show.recipe(time, time, |blend| !self.is_refused(blend));
+        let mut sources = recipe.into_iter().flat_map(|recipe| recipe.steps).map(|step| step.source);
+        let is_late =
+            |source: &SceneSource| matches!(source, SceneSource::Blend(_)) && self.ready(source).is_none();
+        self.late.extend(sources.find(is_late));
+    }
+
+    /// The ready scenes of the moment `time`, in seconds, for a picture of `size` pixels, and the brightness of the picture,
+    /// 0..1. There are no layers if no scene is ready.
+    pub(crate) fn layers(&self, time: f64, size: (u32, u32)) -> (Vec<Layer<'_>>, f32) {
+        let mut layers: Vec<Layer<'_>> = Vec::new();
+        let Some(Recipe { steps, brightness }) =
+            self.show.recipe(time, time, |blend| !self.is_refused(blend))
+        else {
+            return (layers, 1.0);
+        };
+        for step in steps {
+            let Some(shown) = self.ready(&step.source) else { continue };
+            let (time, below) = (step.time, step.below.filter(|_| !layers.is_empty()));
+            let frame_at = move |time, sound| step.frame(shown.world(), time, sound, size, &self.held);
+            layers.push(Layer { shown, time, below, frame_at: Box::new(frame_at) });
+        }
+        (layers, brightness)
+    }
+
+    /// The scene at `time` seconds; in a transition, the incoming one.
+    pub(crate) fn scene_at(&self, time: f64) -> Option<&SceneSource> {
+        self.show.source(&self.show.at(time)?.clip.scene)
+    }
+}
+
+/// What the director knows about the shipped scenes, which are read one after the other.
+#[derive(Default)]
+pub(crate) struct Cards {
+    read: Vec<(SceneCard, SceneSource)>,
+    count: usize,
+}
+
+impl Cards {
+    /// Reads the next scene. Returns false if none is left.
+    pub(crate) fn read_next(&mut self) -> bool {
+        let Some(name) = shipped_names().into_iter().nth(self.count) else { return false };
+        self.count += 1;
+        let source = SceneSource::Shipped(name);
+        if let Ok(card) = card_of(&source) {
+            self.read.push((card, source));
+        }
+        true
+    }
+
+    /// The director's show for a song; `None` without scenes.
+    pub(crate) fn directed(&self, song: &SongStructure) -> Option<PreparedShow> {
+        PreparedShow::directed_among(song, self.read.iter().cloned(), &[]).ok()
+    }
+}
