@@ -14,6 +14,7 @@ mod headings;
 mod import;
 mod light;
 mod lsp;
+mod mesh;
 mod page;
 mod parse;
 mod play;
@@ -154,8 +155,14 @@ enum Command {
                             mariana video song.flac --show song.show -o song.mp4\n  \
                             mariana show song.flac --scene orb --scene city    only with these scenes")]
     Show(show::ShowArguments),
-    /// Write a web page that plays a song in a scene, in one file
+    /// Write the surfaces of a moment as triangles, for Blender and for printing
+    #[command(after_help = "Examples:\n  mariana mesh my.scene -o my.glb\n  \
+                            mariana mesh --scene heart song.mp3 --at 1:12 -o heart.stl\n  \
+                            mariana mesh --scene \"max(gyroid(p, 1, 0.1), sphere(p, 2))\" --detail 256 -o gyroid.obj")]
+    Mesh(mesh::MeshArguments),
+    /// Write a web page that plays a song with a show or a scene, in one file
     #[command(after_help = "Examples:\n  mariana page song.mp3 -o song.html\n  \
+                            mariana page song.mp3 --show song.show --loop -o song.html\n  \
                             mariana page song.flac --scene metaballs -o song.html")]
     Page(page::PageArguments),
     /// List the shipped scenes with their descriptions
@@ -251,6 +258,7 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Import(arguments)) => import::run_import(&arguments),
         Some(Command::Export(arguments)) => import::run_export(&arguments),
         Some(Command::Show(arguments)) => show::run(arguments),
+        Some(Command::Mesh(arguments)) => mesh::run(arguments),
         Some(Command::Page(arguments)) => page::run(arguments),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Devices { json }) => run_devices(json),

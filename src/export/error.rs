@@ -5,7 +5,7 @@ use crate::frame::held_inputs::OutOfRange;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use crate::show::ShowError;
-use mariana_field::world::{BlendError, WorldError};
+use mariana_field::world::{BlendError, MeshError, WorldError};
 use mariana_player::decode::DecodeError;
 
 /// An error of an export.
@@ -26,6 +26,9 @@ pub enum ExportError {
     /// Two scenes cannot be blended.
     #[error(transparent)]
     Blend(#[from] BlendError),
+    /// The scene has no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// A value outside an input's range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),

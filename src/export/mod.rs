@@ -7,6 +7,7 @@ mod earlier_sound;
 pub mod error;
 mod exact_textures;
 mod fingerprint;
+pub mod mesh;
 pub mod output;
 pub mod painter;
 mod panorama;

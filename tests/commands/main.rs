@@ -5,6 +5,7 @@ mod cli_bad_input;
 mod editors;
 mod installing;
 mod interrupted;
+mod meshes;
 mod moving_textures;
 mod outputs;
 mod packages;

@@ -3,7 +3,7 @@
 //! ```
 //! use mariana_scenes::SceneSource;
 //!
-//! let source = SceneSource::find("smooth_union(0.3, sphere(p, 1), box(p, vec3(2, 0.1, 2)))")?;
+//! let source = SceneSource::find("smooth_union(sphere(p, 1), box(p, vec3(2, 0.1, 2)), 0.3)")?;
 //! assert_eq!(source.ready()?.world.scene.objects.len(), 1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
