@@ -200,7 +200,7 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     let mut points = PointEvaluator::new(tape, frame);
     let mut rows: Vec<Vec<f32>> = Vec::new();
     for point in &head.points {
-        let wanted = graph.evaluate(roots, point, frame).unwrap();
+        let wanted = graph.evaluate(roots, point, frame);
         assert_same(points.at(point), &wanted, "tape");
         let (registers, ends) = words::run(&texels, 3, point, frame);
         let found: Vec<f32> =
@@ -233,7 +233,7 @@ pub(crate) fn differential(data: &[u8]) {
     let last = |built: &[NodeId]| built.iter().rev().take(head.roots.min(4)).copied().collect::<Vec<_>>();
     let (plain, simple) = (last(&plain), last(&simple));
     let mut short = simple.clone();
-    let fused = graph.fused(&mut short).unwrap();
+    let fused = graph.fused(&mut short);
     let options = TapeOptions { registers: head.registers.max(4), ..TapeOptions::default() };
     let frame = &head.frame;
     let [tape, _] = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
@@ -242,13 +242,13 @@ pub(crate) fn differential(data: &[u8]) {
         tape
     });
     for point in &head.points {
-        let wanted = raw.evaluate(&plain, point, frame).unwrap();
-        assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified graph");
-        assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused graph");
+        let wanted = raw.evaluate(&plain, point, frame);
+        assert_same(&graph.evaluate(&simple, point, frame), &wanted, "simplified graph");
+        assert_same(&fused.evaluate(&short, point, frame), &wanted, "fused graph");
         let (mut duals, [x, y, z]) = (Vec::new(), point.position);
         GradientBatch::new(&tape, frame).run(&[point.position], &mut duals);
         let duals: Vec<f32> = duals.iter().map(|dual| dual.value).collect();
-        let first = raw.evaluate(plain.get(..1).unwrap_or_default(), &Point::at(x, y, z), frame).unwrap();
+        let first = raw.evaluate(plain.get(..1).unwrap_or_default(), &Point::at(x, y, z), frame);
         assert_same(&duals, &first, "dual numbers");
         // Widen each input to an interval around its value at the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
@@ -256,7 +256,7 @@ pub(crate) fn differential(data: &[u8]) {
             let around = point.inputs().map(|value| wide(value, by));
             for (graph, roots) in [(&graph, &simple), (&fused, &short)] {
                 for (root, wanted) in roots.iter().zip(&wanted) {
-                    let bounds = graph.bounds(*root, around, frame).unwrap();
+                    let bounds = graph.bounds(*root, around, frame);
                     assert!(
                         bounds.contains(*wanted),
                         "{wanted:?} is not within {bounds:?}, {by} around {point:?}"

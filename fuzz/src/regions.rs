@@ -38,7 +38,7 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
         return;
     }
     let plan = RegionPlan::new(world);
-    if !plan.runs() {
+    if !plan.runs {
         return;
     }
     let room = if random.below(4) == 0 { 17_000 } else { 1 << 16 };

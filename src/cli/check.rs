@@ -138,7 +138,7 @@ fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
         let place = world.scene.objects.first().map_or(Span::default(), |object| object.span);
         let long = Diagnostic::warning(place, message);
         texts.push(long.hint("use fewer parts, or loops with fewer rounds"));
-    } else if plan.runs() {
+    } else if plan.runs {
         texts.extend(ray_faults(world, 0.0, RAYS.0, RAYS.1).warnings(world));
     }
     texts
@@ -197,7 +197,7 @@ fn compile(source: &SceneSource) -> Result<(Scene, FoundMistakes), SceneError> {
 /// and the compiled program is too long.
 fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     let world = World::new(&source.name(), scene, Vec::new())?;
-    if !RegionPlan::new(&world).runs() {
+    if !RegionPlan::new(&world).runs {
         let variant = compiled_variant_of(&world, Counting::Off)?;
         ShaderLibrary::embedded().assemble(SCENE_SHADER, "", &variant).with_context(|| {
             format!(
@@ -231,7 +231,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
         counted(constants, "constant"),
         counted(tape.registers(), "register"),
         parts(scene),
-        inputs(scene, &scene.graph, &expressions(scene))?
+        inputs(scene, &scene.graph, &expressions(scene))
     ))
 }
 
@@ -285,8 +285,8 @@ fn parts(scene: &Scene) -> String {
 }
 
 /// Returns the names, in the scene language, of the time, the sounds and the parameters that `roots` read.
-fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
-    let used = graph.inputs_used(roots)?;
+fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> String {
+    let used = graph.inputs_used(roots);
     let mut names: Vec<String> = used
         .inputs
         .iter()
@@ -294,7 +294,7 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .map(|input| name_of(scene, *input))
         .collect();
     let mut by_index = false;
-    for node in graph.order(roots)?.nodes {
+    for node in graph.order(roots) {
         let Node::Unary(Op::Part, index) = graph.node(node) else { continue };
         let known = graph.as_constant(index).and_then(|index| PartInput::at(PartInput::clamped(index)));
         by_index |= known.is_none();
@@ -311,7 +311,7 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         other => other.name().to_lowercase(),
     }));
     names.dedup();
-    Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
+    if names.is_empty() { "nothing".into() } else { names.join(", ") }
 }
 
 fn name_of(scene: &Scene, input: Input) -> String {

@@ -98,7 +98,7 @@ fn copy_beside(shader: &Path, text: &str, scene: &Path, name: &str) -> anyhow::R
 
 pub(super) fn run_export(arguments: &ExportArguments) -> anyhow::Result<()> {
     let scene = scene_of(&arguments.scene)?.baked()?;
-    let text = shadertoy(&scene, arguments.main_image)?;
+    let text = shadertoy(&scene, arguments.main_image);
     if is_standard(&arguments.output) {
         print_line(text.trim_end())?;
     } else {

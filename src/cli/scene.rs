@@ -59,9 +59,9 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
             &[root],
             "scene_distance",
             mariana_field::tape::glsl::Sampling::None,
-        )?
+        )
     } else if arguments.dot {
-        scene.graph.to_dot(root)?
+        scene.graph.to_dot(root)
     } else {
         Tape::build(&scene.graph, &[root], &TapeOptions::default())?.to_string()
     };

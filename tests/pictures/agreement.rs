@@ -214,7 +214,7 @@ fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
         "void main() {\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n    vec3 p = texelFetch(points, pixel.x).xyz;\n    vec3 n = texelFetch(normals, pixel.y).xyz;\n    float r = 0.0;\n",
     );
     for (place, root) in roots.iter().enumerate() {
-        text += &glsl::function(graph, &[*root], &format!("compiled_{place}"), glsl::Sampling::None).unwrap();
+        text += &glsl::function(graph, &[*root], &format!("compiled_{place}"), glsl::Sampling::None);
         main += &format!("    if (pixel.y == {place}) r = compiled_{place}(p, n);\n");
     }
     text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
@@ -409,7 +409,7 @@ fn random_expressions_agree() {
     let (mut wrong, mut counted) = (Vec::new(), 0);
     let mut occurrences: BTreeMap<&str, usize> = Op::ALL.iter().map(|op| (op.name(), 0)).collect();
     for (row, &root) in roots.iter().enumerate() {
-        let order = graph.order(&[root]).unwrap().nodes;
+        let order = graph.order(&[root]);
         for &id in &order {
             if let Node::Unary(op, _) | Node::Binary(op, _, _) = graph.node(id) {
                 *occurrences.entry(op.name()).or_default() += 1;

@@ -104,7 +104,7 @@ fn included(file: (&str, &str), function: &Function, points: &[[f32; 3]]) -> Vec
         let compiled = compile("test.scene", &text, &mut |_| Ok(file.1.to_owned()));
         let scene = compiled.scene.as_ref().unwrap_or_else(|| panic!("{name}: {}", compiled.render(false)));
         let root = [scene.objects[0].shape];
-        let order = scene.graph.order(&root).unwrap();
+        let order = scene.graph.order(&root);
         for (found, [x, y, z]) in values.iter_mut().zip(points) {
             let point = Point::at(*x, *y, *z);
             found[component] = scene.graph.evaluate_in(&order, &root, &point, &FrameInputs::default())[0];

@@ -247,11 +247,9 @@ fn the_slice_shows_the_sign_and_a_white_line_at_zero() {
             let (origin, direction) = ray(&frame, x, y);
             let t = normal.dot(frame.target() - origin) / normal.dot(direction);
             let p = (origin + t * direction).as_vec3();
-            let value = world
-                .scene
-                .graph
-                .evaluate(&[world.scene.distance], &Point::at(p.x, p.y, p.z), &frame.inputs)
-                .unwrap()[0];
+            let value =
+                world.scene.graph.evaluate(&[world.scene.distance], &Point::at(p.x, p.y, p.z), &frame.inputs)
+                    [0];
             let [red, _, blue, _] = pixel.0;
             let width = (pixel_width * t) as f32;
             if value.abs() < 0.05 * width {

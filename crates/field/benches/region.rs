@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use mariana_field::graph::{FrameInputs, Levels, TableData};
 use mariana_field::lang::{compile, no_includes};
-use mariana_field::region::{RegionOptions, RegionPlan};
+use mariana_field::region::{Part, RegionOptions, RegionPlan};
 use mariana_field::world::World;
 
 const MANY: &str = "
@@ -79,7 +79,9 @@ fn trees(criterion: &mut Criterion) {
         group.bench_function(format!("{name}, next"), |bencher| {
             bencher.iter(|| {
                 frame = (frame + 1) % FRAMES;
-                last = black_box(plan.build_after(Some(&last), &frames[frame], &options));
+                last = black_box(plan.build_in_parts(Some(&last), &frames[frame], &options, 1, |parts| {
+                    parts.iter_mut().for_each(Part::build)
+                }));
             })
         });
         eprintln!("{name}: {:?}", last.stats);

@@ -39,7 +39,7 @@ impl Field {
         let [x, y, z] = [0, 1, 2].map(|axis| Interval::new(low[axis], high[axis]));
         let none = Interval::point(0.0);
         let scene = &self.world.scene;
-        scene.graph.bounds(scene.distance, [x, y, z, none, none, none], frame).unwrap_or(Interval::ANY)
+        scene.graph.bounds(scene.distance, [x, y, z, none, none, none], frame)
     }
 
     /// Returns the tape, the clauses that compute the field. `Display` prints it as a table.

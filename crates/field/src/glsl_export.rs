@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Result};
+use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op};
 use crate::lang::{Material, Scene};
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 use crate::world::Motions;
@@ -70,10 +70,7 @@ pub fn left_out(scene: &Scene) -> Vec<&'static str> {
 
 /// Returns GLSL with `float map(vec3 p)`, the scene's distance, and `vec3 map_color(vec3 p, vec3 n)`, the colour of
 /// the nearest object. With `main_image`, a `mainImage` that draws both follows.
-///
-/// # Errors
-/// [`crate::graph::GraphError::TooManyNodes`] if the graph has reached its limit.
-pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
+pub fn shadertoy(scene: &Scene, main_image: bool) -> String {
     let mut graph = scene.graph.clone();
     let mut color = [graph.constant(0.8); 3];
     let mut nearest: Option<NodeId> = None;
@@ -97,16 +94,16 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
     let camera = &scene.camera;
     let numbers: Vec<NodeId> =
         camera.position.iter().chain(&camera.target).copied().chain([camera.fov]).collect();
-    let mut body = function(&graph, &[distance], "scene_distance", Sampling::None)?;
-    body.push_str(&function(&graph, &color, "scene_color", Sampling::None)?);
+    let mut body = function(&graph, &[distance], "scene_distance", Sampling::None);
+    body.push_str(&function(&graph, &color, "scene_color", Sampling::None));
     let mut used = vec![distance];
     used.extend(color);
     if main_image {
-        body.push_str(&function(&graph, &numbers, "scene_camera", Sampling::None)?);
+        body.push_str(&function(&graph, &numbers, "scene_camera", Sampling::None));
         used.extend(numbers);
     }
 
-    let (body, constants) = with_names(scene, &graph, &used, body)?;
+    let (body, constants) = with_names(scene, &graph, &used, body);
     let mut text = format!("{MADE_BY} map: distance, map_color: colour of the nearest object.\n");
     for sentence in left_out(scene) {
         let _ = writeln!(text, "// Left out: {sentence}.");
@@ -136,18 +133,18 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String> {
         let (head, rest) = MAIN_IMAGE.split_once('\n').unwrap_or((MAIN_IMAGE, ""));
         let _ = write!(text, "{head}\n{camera}{rest}");
     }
-    Ok(text)
+    text
 }
 
 /// Replaces the names of inputs in the body by `iTime`, constants and numbers. Returns the body and the constants.
-fn with_names(scene: &Scene, graph: &Graph, used: &[NodeId], mut body: String) -> Result<(String, String)> {
+fn with_names(scene: &Scene, graph: &Graph, used: &[NodeId], mut body: String) -> (String, String) {
     let mut frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     };
-    Motions::of(&scene.graph)?.begin().step(&mut frame, 0.0);
+    Motions::of(&scene.graph).begin().step(&mut frame, 0.0);
     let mut constants = String::new();
-    for id in graph.order(used)?.nodes {
+    for id in graph.order(used) {
         let Node::Input(input) = graph.node(id) else { continue };
         let name = input_name(input);
         match input {
@@ -165,7 +162,7 @@ fn with_names(scene: &Scene, graph: &Graph, used: &[NodeId], mut body: String) -
             other => body = body.replace(&name, &literal(frame.value(other))),
         }
     }
-    Ok((body, constants))
+    (body, constants)
 }
 
 #[cfg(test)]
@@ -185,7 +182,7 @@ mod tests {
     #[test]
     fn an_exported_scene_comes_back_with_the_same_distance() {
         let scene = compile("s", SCENE, &mut no_includes).scene.unwrap();
-        let text = shadertoy(&scene, true).unwrap();
+        let text = shadertoy(&scene, true);
         let file = GlslFile::parse(&text, &LIMITS).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"));
         assert_eq!(candidate(&file).map(|function| function.name.as_str()), Some("map"));
         let wanted = "param param_size = 0.7 in 0 .. 2\ninclude \"a.glsl\"\nobject a { shape = map(p) }";
@@ -195,8 +192,8 @@ mod tests {
         for at in [[0.0, 0.0, 0.0], [1.0, 2.0, 0.5], [-0.3, -0.9, 0.2], [4.0, 0.1, -2.0]] {
             let point = Point::at(at[0], at[1], at[2]);
             let (a, b) = (
-                scene.graph.evaluate(&[scene.distance], &point, &frame).unwrap()[0],
-                back.graph.evaluate(&[back.distance], &point, &frame).unwrap()[0],
+                scene.graph.evaluate(&[scene.distance], &point, &frame)[0],
+                back.graph.evaluate(&[back.distance], &point, &frame)[0],
             );
             assert!((a - b).abs() < 1e-5, "at {at:?}: {a}, but {b}\n{text}");
         }
@@ -208,7 +205,7 @@ mod tests {
             ["length(p) - 1", "spectrum(x) + history(x, y) + noise(p) + band(x)", "max(x, cell_hash(x, z))"]
         {
             let scene = compile("s", text, &mut no_includes).scene.unwrap();
-            let text = shadertoy(&scene, false).unwrap();
+            let text = shadertoy(&scene, false);
             let file =
                 GlslFile::parse(&text, &LIMITS).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"));
             let broken: Vec<_> =

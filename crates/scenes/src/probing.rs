@@ -234,8 +234,7 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
     let surface = with_ray_probe(scenery, is_wanted, |ray_probe| {
         let hit = ray_probe.trace(&ray).hit?;
         let object = scene.objects.get(hit.object)?;
-        let deciding = Deciding::new(&scene.graph, object.shape).ok();
-        let path = ray_probe.path(&hit, deciding.as_ref());
+        let path = ray_probe.path(&hit, Some(&Deciding::new(&scene.graph, object.shape)));
         let written = path.last().and_then(|node| scene.origins.written_at(*node));
         let declared = || {
             let (file, start) = scene.origins.place(object.span.start)?;

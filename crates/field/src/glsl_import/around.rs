@@ -9,9 +9,7 @@ use super::isf::Slider;
 use super::outside::{candidate, is_distance_for_sure, is_taken};
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use super::samplers::image_sampler;
-use crate::graph::{
-    FrameInputs, Graph, Input, NodeId, Order, Point, Screen, SoundInputs, TableData, TextureReader,
-};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Point, Screen, SoundInputs, TableData, TextureReader};
 use crate::lang::{Diagnostic, Span, formatted};
 use crate::limits::LIMITS;
 
@@ -201,7 +199,7 @@ const FLAT_SAMPLES: usize = 4096;
 /// True for a picture that has one colour in all samples.
 fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     let colour = colour.get(..3).unwrap_or_default();
-    let Ok(order) = graph.order(colour) else { return false };
+    let order = graph.order(colour);
     let mut frame = FrameInputs {
         screen: Screen::of_size((320, 180)),
         sound: SoundInputs::each(|input| 0.4 * input.range().1),
@@ -225,9 +223,10 @@ fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<SceneAroun
     let mut graph = Graph::new();
     let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
     let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
-    let order = graph.order(&nodes).map_err(|error| {
+    graph.check().map_err(|error| {
         Diagnostic::over_limit(function.place, error.to_string()).hint("shorten its loops")
     })?;
+    let order = graph.order(&nodes);
     let sampled = sampled(&Sampler { graph, nodes, order, frame: FrameInputs::default() });
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
@@ -319,7 +318,7 @@ struct Sampled {
 struct Sampler {
     graph: Graph,
     nodes: Vec<NodeId>,
-    order: Order,
+    order: Vec<NodeId>,
     frame: FrameInputs,
 }
 
@@ -362,7 +361,7 @@ fn executed(
 /// Looks for the shape on a grid, and places the camera in free space around it.
 fn sampled(sampler: &Sampler) -> Sampled {
     // An expensive function gets fewer samples, so that an import takes no longer than a second.
-    let samples = if sampler.order.nodes.len() > 4_000 { SAMPLES / 3 } else { SAMPLES };
+    let samples = if sampler.order.len() > 4_000 { SAMPLES / 3 } else { SAMPLES };
     let step = 2.0 * REACH / (samples - 1) as f32;
     let place = |index: usize| index as f32 * step - REACH;
     let mut numbers: Vec<f32> = Vec::new();

@@ -193,21 +193,17 @@ impl Executor<'_, '_> {
 
     /// The difference of each value between this pixel and the next one.
     fn derivative(&mut self, axis: DerivativeAxis, nodes: &[NodeId], place: Span) -> Result<Vec<Part>> {
-        let (along_x, along_y) =
-            (axis != DerivativeAxis::Y, matches!(axis, DerivativeAxis::Y | DerivativeAxis::Width));
+        let inputs = match axis {
+            DerivativeAxis::X => &[Input::X][..],
+            DerivativeAxis::Y => &[Input::Y],
+            DerivativeAxis::Width => &[Input::X, Input::Y],
+        };
         let mut sums = vec![self.zero; nodes.len()];
-        for (input, wanted) in [(Input::X, along_x), (Input::Y, along_y)] {
-            if !wanted {
-                continue;
-            }
-            let order = self.graph.order(nodes).map_err(|error| {
-                Diagnostic::over_limit(place, error.to_string()).hint("shorten the loops")
-            })?;
-            self.step(order.nodes.len(), || place)?;
-            let (pixel, one) = (self.graph.input(input), self.graph.constant(1.0));
-            let beside = self
-                .graph
-                .with_inputs(nodes, &order, |graph, own| (own == input).then(|| graph.add(pixel, one)));
+        for &input in inputs {
+            self.step(self.graph.order(nodes).len(), || place)?;
+            let pixel = self.graph.input(input);
+            let beside =
+                self.graph.with_inputs(nodes, |graph, own| (own == input).then(|| graph.add(pixel, 1.0)));
             for ((sum, &here), there) in sums.iter_mut().zip(nodes).zip(beside) {
                 let mut change = self.graph.sub(there, here);
                 if axis == DerivativeAxis::Width {

@@ -100,7 +100,6 @@ fn whole_vectors(
     c: &[NodeId],
     rows: usize,
 ) -> Option<Vec<NodeId>> {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     Some(match (of, a, b) {
         (MathFunction::Dot, ..) => vec![graph.dot(a, b)],
         (MathFunction::Length, ..) => vec![graph.length(a)],
@@ -113,10 +112,7 @@ fn whole_vectors(
             a.iter().map(|&a| graph.div(a, length)).collect()
         }
         (MathFunction::Cross, &[ax, ay, az], &[bx, by, bz]) => {
-            let mut minor = |a, d, b, c| {
-                let (left, right) = (graph.mul(a, d), graph.mul(b, c));
-                graph.sub(left, right)
-            };
+            let mut minor = |a: NodeId, d: NodeId, b: NodeId, c: NodeId| graph.sub(a * d, b * c);
             vec![minor(ay, bz, az, by), minor(az, bx, ax, bz), minor(ax, by, ay, bx)]
         }
         (MathFunction::Reflect, ..) => {
@@ -126,28 +122,19 @@ fn whole_vectors(
             moved(graph, a, b, twice)
         }
         (MathFunction::Refract, ..) => {
-            let eta = c.first().copied().unwrap_or(one);
+            let &eta = c.first()?;
             let dot = graph.dot(b, a);
             let (dot_squared, eta_squared) = (graph.square(dot), graph.square(eta));
-            let rest = graph.sub(one, dot_squared);
-            let bent = graph.mul(eta_squared, rest);
-            let k = graph.sub(one, bent);
-            let (root, along) = (graph.sqrt(k), graph.mul(eta, dot));
-            let factor = graph.add(along, root);
+            let k = graph.sub(1.0, eta_squared * (1.0 - dot_squared));
+            let root = graph.sqrt(k);
+            let factor = graph.add(eta * dot, root);
             let scaled: Vec<NodeId> = a.iter().map(|&a| graph.mul(eta, a)).collect();
-            let refracted = moved(graph, &scaled, b, factor);
-            let total = graph.binary(Op::Less, k, zero);
-            refracted.into_iter().map(|node| graph.select(total, zero, node)).collect()
+            let refracted = moved(graph, &scaled, b, factor).into_iter();
+            refracted.map(|node| graph.select(Op::Less.pair(k, 0.0), 0.0, node)).collect()
         }
         (MathFunction::FaceForward, ..) => {
             let dot = graph.dot(c, b);
-            let towards = graph.binary(Op::Less, dot, zero);
-            a.iter()
-                .map(|&a| {
-                    let negated = graph.neg(a);
-                    graph.select(towards, a, negated)
-                })
-                .collect()
+            a.iter().map(|&a| graph.select(Op::Less.pair(dot, 0.0), a, Op::Neg.of(a))).collect()
         }
         (MathFunction::Outer, ..) => {
             b.iter().flat_map(|&b| a.iter().map(move |&a| (a, b))).map(|(a, b)| graph.mul(a, b)).collect()
@@ -161,11 +148,7 @@ fn whole_vectors(
 
 /// a - factor * b
 fn moved(graph: &mut Graph, a: &[NodeId], b: &[NodeId], factor: NodeId) -> Vec<NodeId> {
-    let moved = a.iter().zip(b).map(|(&a, &b)| {
-        let along = graph.mul(factor, b);
-        graph.sub(a, along)
-    });
-    moved.collect()
+    a.iter().zip(b).map(|(&a, &b)| graph.sub(a, factor * b)).collect()
 }
 
 /// Returns the operator of the graph with the same name.
@@ -185,55 +168,23 @@ fn same_operator(of: MathFunction) -> Option<Op> {
 }
 
 fn component(graph: &mut Graph, of: MathFunction, a: NodeId, b: NodeId, c: NodeId) -> Option<NodeId> {
-    let one = graph.constant(1.0);
     if let Some(op) = same_operator(of) {
         return Some(graph.binary(op, a, b));
     }
     Some(match of {
         MathFunction::Clamp => graph.clamp(a, b, c),
-        MathFunction::Saturate => {
-            let zero = graph.constant(0.0);
-            graph.clamp(a, zero, one)
-        }
+        MathFunction::Saturate => graph.clamp(a, 0.0, 1.0),
         MathFunction::Pow => graph.pow(a, b),
         MathFunction::Mix => graph.mix(a, b, c),
         MathFunction::SmoothStep => graph.smoothstep(a, b, c),
-        MathFunction::InverseSqrt => {
-            let root = graph.sqrt(a);
-            graph.div(one, root)
-        }
-        MathFunction::Fma => {
-            let product = graph.mul(a, b);
-            graph.add(product, c)
-        }
-        MathFunction::Radians => scaled(graph, a, std::f32::consts::PI / 180.0),
-        MathFunction::Degrees => scaled(graph, a, 180.0 / std::f32::consts::PI),
+        MathFunction::InverseSqrt => graph.div(1.0, Op::Sqrt.of(a)),
+        MathFunction::Fma => graph.add(a * b, c),
+        MathFunction::Radians => graph.mul(a, std::f32::consts::PI / 180.0),
+        MathFunction::Degrees => graph.mul(a, 180.0 / std::f32::consts::PI),
         // asinh(a) = ln(a + sqrt(a² + 1)), acosh(a) = ln(a + sqrt(a² - 1)), atanh(a) = ln((1 + a) / (1 - a)) / 2
-        MathFunction::Asinh | MathFunction::Acosh => {
-            let squared = graph.square(a);
-            let shifted =
-                if of == MathFunction::Asinh { graph.add(squared, one) } else { graph.sub(squared, one) };
-            let root = graph.sqrt(shifted);
-            let sum = graph.add(a, root);
-            graph.unary(Op::Log, sum)
-        }
-        MathFunction::Atanh => {
-            let (above, below) = (graph.add(one, a), graph.sub(one, a));
-            let ratio = graph.div(above, below);
-            let logarithm = graph.unary(Op::Log, ratio);
-            scaled(graph, logarithm, 0.5)
-        }
+        MathFunction::Asinh => graph.unary(Op::Log, a + Op::Sqrt.of(Op::Square.of(a) + 1.0)),
+        MathFunction::Acosh => graph.unary(Op::Log, a + Op::Sqrt.of(Op::Square.of(a) - 1.0)),
+        MathFunction::Atanh => graph.mul(Op::Log.of((1.0 + a) / (1.0 - a)), 0.5),
         _ => return None,
     })
-}
-
-/// The remainder of a division by `size`, 0..size.
-pub(super) fn wrapped(graph: &mut Graph, a: NodeId, size: f32) -> NodeId {
-    let size = graph.constant(size);
-    graph.binary(Op::Mod, a, size)
-}
-
-fn scaled(graph: &mut Graph, a: NodeId, factor: f32) -> NodeId {
-    let factor = graph.constant(factor);
-    graph.mul(a, factor)
 }

@@ -7,8 +7,7 @@ use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, U
 use super::Result;
 use super::calls::Executor;
 use super::layout::Part;
-use super::math::wrapped;
-use crate::graph::{Graph, Node, NodeId, Op, matrices};
+use crate::graph::{Graph, Node, NodeId, Op, Term, matrices};
 use crate::lang::{Diagnostic, Span};
 
 impl Executor<'_, '_> {
@@ -30,8 +29,7 @@ impl Executor<'_, '_> {
                     UnaryOperator::Negate => self.graph.neg(node),
                     // ~a = -a - 1
                     UnaryOperator::BitwiseNot if matches!(kind, ScalarKind::Sint | ScalarKind::Uint) => {
-                        let negated = self.graph.neg(node);
-                        self.graph.sub(negated, self.one)
+                        self.graph.sub(Op::Neg.of(node), 1.0)
                     }
                     UnaryOperator::LogicalNot | UnaryOperator::BitwiseNot => self.graph.not(node),
                 })
@@ -78,10 +76,7 @@ impl Executor<'_, '_> {
             BinaryOperator::Divide => graph.div(a, b),
             BinaryOperator::Modulo => graph.binary(Op::Mod, a, b),
             BinaryOperator::Equal => graph.binary(Op::Equal, a, b),
-            BinaryOperator::NotEqual | BinaryOperator::ExclusiveOr => {
-                let equal = graph.binary(Op::Equal, a, b);
-                graph.not(equal)
-            }
+            BinaryOperator::NotEqual | BinaryOperator::ExclusiveOr => graph.not(Op::Equal.pair(a, b)),
             BinaryOperator::Less => graph.binary(Op::Less, a, b),
             BinaryOperator::LessEqual => graph.binary(Op::LessEqual, a, b),
             BinaryOperator::Greater => graph.binary(Op::Less, b, a),
@@ -121,8 +116,7 @@ impl Executor<'_, '_> {
             (ScalarKind::Bool, _) if from == ScalarKind::Bool => part,
             (ScalarKind::Bool, _) => {
                 let node = self.node(part, place)?;
-                let zero = self.graph.not(node);
-                Part::Node(self.graph.not(zero))
+                Part::Node(self.graph.not(Op::Not.of(node)))
             }
             (ScalarKind::Sint, Part::Uint(value)) => Part::Int(value as i32),
             (ScalarKind::Uint, Part::Int(value)) => Part::Uint(value as u32),
@@ -167,9 +161,8 @@ impl Executor<'_, '_> {
                     return Ok(random);
                 }
                 // Hashes set the exponent of a number in 1..2.
-                let (random, scale) = (self.node(random, place)?, self.graph.constant(RANDOM.recip()));
-                let fraction = self.graph.mul(random, scale);
-                Part::Node(self.graph.add(fraction, self.one))
+                let random = self.node(random, place)?;
+                Part::Node(self.graph.add(random * RANDOM.recip(), 1.0))
             }
         })
     }
@@ -200,16 +193,8 @@ impl Executor<'_, '_> {
         };
         let overflows = [known_a, known_b].iter().flatten().any(|value| scrambles(value.unsigned_abs()));
         let node = match op {
-            BinaryOperator::Divide => {
-                let quotient = self.graph.div(x, y);
-                self.graph.unary(Op::Trunc, quotient)
-            }
-            BinaryOperator::Modulo => {
-                let quotient = self.graph.div(x, y);
-                let whole = self.graph.unary(Op::Trunc, quotient);
-                let multiple = self.graph.mul(whole, y);
-                self.graph.sub(x, multiple)
-            }
+            BinaryOperator::Divide => self.graph.unary(Op::Trunc, x / y),
+            BinaryOperator::Modulo => self.graph.sub(x, Op::Trunc.of(x / y) * y),
             BinaryOperator::Multiply if is_random || overflows => {
                 return Ok(scrambled(self.graph, &mut self.session.scrambled, x, y));
             }
@@ -223,11 +208,9 @@ impl Executor<'_, '_> {
                     Some(factor) => self.graph.constant(factor),
                     None => self.graph.unary(Op::Exp2, y),
                 };
-                if op == BinaryOperator::ShiftLeft {
-                    self.graph.mul(x, factor)
-                } else {
-                    let quotient = self.graph.div(x, factor);
-                    self.graph.unary(Op::Floor, quotient)
+                match op {
+                    BinaryOperator::ShiftLeft => self.graph.mul(x, factor),
+                    _ => self.graph.unary(Op::Floor, x / factor),
                 }
             }
             BinaryOperator::And => match (known_a.and_then(stretch), known_b.and_then(stretch)) {
@@ -237,8 +220,7 @@ impl Executor<'_, '_> {
             },
             BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr => {
                 let common = common_bits(self.graph, x, y);
-                let sum = self.graph.add(x, y);
-                let either = self.graph.sub(sum, common);
+                let either = self.graph.sub(x + y, common);
                 if op == BinaryOperator::InclusiveOr { either } else { self.graph.sub(either, common) }
             }
             _ => self.node_binary(op, x, y),
@@ -247,7 +229,7 @@ impl Executor<'_, '_> {
         if !is_random || !(wraps || matches!(op, BinaryOperator::ShiftRight)) {
             return Ok(Part::Node(node));
         }
-        let node = if wraps { wrapped(self.graph, node, RANDOM) } else { node };
+        let node = if wraps { self.graph.binary(Op::Mod, node, RANDOM) } else { node };
         self.session.scrambled.insert(node);
         Ok(Part::Node(node))
     }
@@ -335,40 +317,28 @@ const BITS: usize = 16;
 /// numbers as random ones, and floats cannot hold their 32 bits.
 fn scrambled(graph: &mut Graph, known: &mut HashSet<NodeId>, a: NodeId, b: NodeId) -> Part {
     let [a, b] = [a, b].map(|node| match known.contains(&node) {
-        true => {
-            let low = graph.constant(256.0);
-            graph.div(node, low)
-        }
-        false => wrapped(graph, node, RANDOM / 2.0),
+        true => graph.div(node, 256.0),
+        false => graph.binary(Op::Mod, node, RANDOM / 2.0),
     });
-    let (hash, many) = (graph.binary(Op::Hash, a, b), graph.constant(RANDOM));
-    let random = graph.mul(hash, many);
+    let random = graph.mul(Op::Hash.pair(a, b), RANDOM);
     known.insert(random);
     Part::Node(random)
 }
 
 /// The bits that two numbers have in common, of the lowest [`BITS`] bits and the sign.
 fn common_bits(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
-    let (mut sum, two) = (graph.constant(0.0), graph.constant(2.0));
+    let mut sum = graph.constant(0.0);
     for bit in 0..=BITS {
         let weight = (1_u32 << bit) as f32;
-        let divisor = graph.constant(weight);
-        let [x, y] = [a, b].map(|node| {
-            if bit == BITS {
-                let zero = graph.constant(0.0);
-                return graph.binary(Op::Less, node, zero);
-            }
-            let quotient = graph.div(node, divisor);
-            let whole = graph.unary(Op::Floor, quotient);
-            graph.binary(Op::Mod, whole, two)
+        let [x, y] = [a, b].map(|node| match bit {
+            BITS => graph.binary(Op::Less, node, 0.0),
+            _ => graph.binary(Op::Mod, Op::Floor.of(node / weight), 2.0),
         });
         let both = match (graph.as_constant(x), graph.as_constant(y)) {
             (Some(0.0), _) | (_, Some(0.0)) => continue,
             _ => graph.min(x, y),
         };
-        let signed = graph.constant(if bit == BITS { -weight } else { weight });
-        let weighted = graph.mul(both, signed);
-        sum = graph.add(sum, weighted);
+        sum = graph.add(sum, both * if bit == BITS { -weight } else { weight });
     }
     sum
 }
@@ -387,19 +357,13 @@ fn stretch(mask: i64) -> Option<[u32; 2]> {
 
 /// The bits of `a` between two places.
 fn masked(graph: &mut Graph, a: NodeId, [low, high]: [u32; 2]) -> NodeId {
-    let mut below = |bit: u32| wrapped(graph, a, (1_u64 << bit) as f32);
+    let below = |bit: u32| Op::Mod.pair(a, (1_u64 << bit) as f32);
     match (low, high) {
         (0, 32) => a,
-        (0, high) => below(high),
+        (0, high) => below(high).node(graph),
         (low, high) if low >= high => graph.constant(0.0),
-        (low, 32) => {
-            let lower = below(low);
-            graph.sub(a, lower)
-        }
-        (low, high) => {
-            let (upper, lower) = (below(high), below(low));
-            graph.sub(upper, lower)
-        }
+        (low, 32) => graph.sub(a, below(low)),
+        (low, high) => graph.sub(below(high), below(low)),
     }
 }
 

@@ -176,26 +176,23 @@ pub(super) fn known(
     Some(match meaning {
         Time => vec![graph.input(Input::T); len],
         Frame => {
-            let (time, rate) = (graph.input(Input::T), graph.constant(FRAMES_PER_SECOND));
-            let frames = graph.mul(time, rate);
-            vec![graph.unary(Op::Floor, frames); len]
+            let time = graph.input(Input::T);
+            vec![graph.unary(Op::Floor, time * FRAMES_PER_SECOND); len]
         }
         Size => constants(&[RESOLUTION[0], RESOLUTION[1], 1.0]),
         Number(number) => constants(&[number]),
         HeldPointer | Pointer | PointerShare => constants(&[]),
         Volume => {
-            let (sum, scale) = (levels(graph), graph.constant(255.0 / 3.0));
-            let sum = sum.into_iter().reduce(|a, b| graph.add(a, b)).unwrap_or(scale);
-            vec![graph.mul(sum, scale); len]
+            let [bass, mid, treble] = levels(graph);
+            vec![graph.mul(bass + mid + treble, 255.0 / 3.0); len]
         }
-        Sampler(Channel::Spectrum) if len == 3 => levels(graph),
+        Sampler(Channel::Spectrum) if len == 3 => levels(graph).to_vec(),
         _ => return None,
     })
 }
 
-fn levels(graph: &mut Graph) -> Vec<NodeId> {
-    let inputs = [SoundInput::Bass, SoundInput::Mid, SoundInput::Treble];
-    inputs.map(|input| graph.input(Input::Sound(input))).to_vec()
+fn levels(graph: &mut Graph) -> [NodeId; 3] {
+    [SoundInput::Bass, SoundInput::Mid, SoundInput::Treble].map(|input| graph.input(Input::Sound(input)))
 }
 
 /// Returns the components of a value that depends on the picture.
@@ -221,20 +218,11 @@ fn of_picture(graph: &mut Graph, meaning: Meaning) -> Option<Vec<NodeId>> {
         Share => of(graph, pixel),
         Vertex => {
             let share = of(graph, pixel);
-            let minus = graph.constant(-1.0);
-            let mut position: Vec<NodeId> = Vec::new();
-            for &share in &share {
-                let twice = graph.add(share, share);
-                position.push(graph.add(twice, minus));
-            }
+            let position = share.iter().map(|&share| graph.add(share + share, -1.0)).collect();
             [position, vec![zero, one, zero, zero, one], share].concat()
         }
         Surface => {
-            let half = graph.constant(0.5);
-            let centred = [0, 1].map(|axis| {
-                let centre = graph.mul(size[axis], half);
-                graph.sub(pixel[axis], centre)
-            });
+            let centred = [0, 1].map(|axis| pixel[axis] - size[axis] * 0.5);
             centred.map(|at| graph.div(at, size[1])).to_vec()
         }
         SurfaceSize => vec![graph.div(size[0], size[1]), one],

@@ -6,7 +6,6 @@
 use super::Result;
 use super::calls::{Argument, Executor};
 use super::layout::Part;
-use super::math::wrapped;
 use super::outside::Channel;
 use super::parse::Special;
 use crate::graph::{Graph, Input, Node, NodeId, Op, ScreenInput, SoundInput};
@@ -74,9 +73,7 @@ impl<'m> SamplerRead<'_, 'm, '_> {
             (channel, at) => {
                 let mut at = at.to_vec();
                 if is_texel && let Some(x) = at.first_mut() {
-                    let (half, row) = (self.of.graph.constant(0.5), self.of.graph.constant(ROW));
-                    let middle = self.of.graph.add(*x, half);
-                    *x = self.of.graph.div(middle, row);
+                    *x = self.of.graph.div(*x + 0.5, ROW);
                 }
                 self.sound(channel, &at)
             }
@@ -149,37 +146,31 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         let up = match *at {
             [u, v] if is_unnamed && self.moves(at).is_none() => {
                 let [coarse, fine] = GRAIN.map(|size| flat_noise(self.of.graph, [u, v], size)[0]);
-                let half = self.of.graph.constant(0.5);
-                let grain = self.of.graph.mix(coarse, fine, half);
+                let grain = self.of.graph.mix(coarse, fine, 0.5);
                 return Ok([grain, grain, grain, self.of.one]);
             }
             [_, up, _] => up,
             _ => return Ok([self.of.zero, self.of.zero, self.of.zero, self.of.one]),
         };
         let length = self.of.graph.length(at);
-        let up = self.of.graph.div(up, length);
-        let (dark, light) = (self.of.graph.constant(0.25), self.of.graph.constant(0.45));
-        let above = self.of.graph.smoothstep(self.of.zero, self.of.one, up);
-        let rise = self.of.graph.mul(light, above);
-        let sky = self.of.graph.add(dark, rise);
+        let above = self.of.graph.smoothstep(0.0, 1.0, up / length);
+        let sky = self.of.graph.add(0.25, 0.45 * above);
         Ok([sky, sky, sky, self.of.one])
     }
 
     /// A colour of a texture whose light is `most` times as bright as it holds.
     fn light(&mut self, texture: u16, most: f32, [mut u, mut v]: [NodeId; 2], is_texel: bool) -> [NodeId; 4] {
         if is_texel {
-            let half = self.of.graph.constant(0.5);
             for (at, size) in [(&mut u, ScreenInput::Width), (&mut v, ScreenInput::Height)] {
-                let (size, middle) = (self.of.graph.input(Input::Screen(size)), self.of.graph.add(*at, half));
-                *at = self.of.graph.div(middle, size);
+                let size = self.of.graph.input(Input::Screen(size));
+                *at = self.of.graph.div(*at + 0.5, size);
             }
         }
         // Images begin at the top.
         let is_image = most == 1.0;
         if is_image {
-            v = self.of.graph.sub(self.of.one, v);
+            v = self.of.graph.sub(1.0, v);
         }
-        let most = self.of.graph.constant(most);
         let graph = &mut *self.of.graph;
         let [red, green, blue] = [0, 1, 2].map(|channel| {
             let fraction = graph.texture(texture, channel, u, v);
@@ -196,27 +187,20 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         let (zero, one, graph) = (self.of.zero, self.of.one, &mut *self.of.graph);
         let value = match channel {
             Channel::Rows => {
-                let half = graph.constant(0.5);
                 let (spectrum, wave) = (heard(graph, x, ROW_HZ), wave(graph, x));
-                let is_spectrum = graph.binary(Op::Less, row, half);
-                return [graph.select(is_spectrum, spectrum, wave), zero, zero, one];
+                return [graph.select(Op::Less.pair(row, 0.5), spectrum, wave), zero, zero, one];
             }
             Channel::Waveform => wave(graph, x),
             Channel::Sums => {
                 // No sum has a bound, and a moment must look the same after a seek: a time that runs faster with bass.
                 let (time, drive) = (graph.input(Input::T), graph.input(Input::Sound(SoundInput::BassDrive)));
-                let (sum, rate) = (graph.add(time, drive), graph.constant(0.5));
-                graph.mul(sum, rate)
+                graph.mul(time + drive, 0.5)
             }
             Channel::Amplitudes => {
                 let height = heard(graph, x, NYQUIST_HZ);
                 // 10^(decibels / 20)
-                let [range, least] =
-                    SPECTRUM_DB.map(|decibels| graph.constant(decibels * std::f32::consts::LOG2_10 / 20.0));
-                let scaled = graph.mul(height, range);
-                let power = graph.add(scaled, least);
-                let amplitude = graph.unary(Op::Exp2, power);
-                return [amplitude, zero, zero, one];
+                let [range, least] = SPECTRUM_DB.map(|decibels| decibels * std::f32::consts::LOG2_10 / 20.0);
+                return [graph.unary(Op::Exp2, height * range + least), zero, zero, one];
             }
             _ => heard(graph, x, NYQUIST_HZ),
         };
@@ -238,34 +222,20 @@ fn is_row(row: f32) -> bool {
 /// The height of the spectrum at a fraction of the frequency `most`.
 fn heard(graph: &mut Graph, x: NodeId, most: f32) -> NodeId {
     let [low, high] = SPECTRUM_HZ;
-    let (least, factor) = (graph.constant(1e-4), graph.constant(most / low));
-    let x = graph.max(x, least);
-    let ratio = graph.mul(x, factor);
-    let (octaves, scale) = (graph.unary(Op::Log, ratio), graph.constant((high / low).ln().recip()));
-    let place = graph.mul(octaves, scale);
-    graph.unary(Op::Spectrum, place)
+    let octaves = Op::Log.of(Op::Max.pair(x, 1e-4) * (most / low));
+    graph.unary(Op::Spectrum, octaves * (high / low).ln().recip())
 }
 
 fn wave(graph: &mut Graph, x: NodeId) -> NodeId {
-    let [scale, start] = WAVE.map(|value| graph.constant(value));
-    let half = graph.constant(0.5);
-    let scaled = graph.mul(x, scale);
-    let place = graph.add(scaled, start);
-    let value = graph.unary(Op::Waveform, place);
-    let halved = graph.mul(value, half);
-    graph.add(halved, half)
+    let [scale, start] = WAVE;
+    graph.add(Op::Waveform.of(x * scale + start) * 0.5, 0.5)
 }
 
 /// Light as a colour of the screen; the inverse of the language's `srgb`.
 fn encoded(graph: &mut Graph, light: NodeId) -> NodeId {
-    let [small, linear, gamma, scale, offset] =
-        [0.003_130_8, 12.92, 1.0 / 2.4, 1.055, -0.055].map(|value| graph.constant(value));
-    let (one, is_small) = (graph.constant(1.0), graph.binary(Op::Less, light, small));
-    let (below, power) = (graph.mul(light, linear), graph.pow(light, gamma));
-    let scaled = graph.mul(power, scale);
-    let above = graph.add(scaled, offset);
-    let color = graph.select(is_small, below, above);
-    graph.min(color, one)
+    let above = Op::Pow.pair(light, 1.0 / 2.4) * 1.055 + -0.055;
+    let color = graph.select(Op::Less.pair(light, 0.003_130_8), light * 12.92, above);
+    graph.min(color, 1.0)
 }
 
 // Tables of random numbers, which many shaders read as a noise. Such a read becomes values of `cell_hash`, which are
@@ -295,35 +265,28 @@ fn unscaled(graph: &Graph, node: NodeId, size: f32) -> Option<NodeId> {
 
 /// A position in a table of noise, in texels.
 fn in_texels(graph: &mut Graph, node: NodeId, size: f32) -> NodeId {
-    unscaled(graph, node, size).unwrap_or_else(|| {
-        let size = graph.constant(size);
-        graph.mul(node, size)
-    })
+    unscaled(graph, node, size).unwrap_or_else(|| graph.mul(node, size))
 }
 
 /// The four channels of a texel.
 fn cell(graph: &mut Graph, x: NodeId, y: NodeId) -> [NodeId; 4] {
     std::array::from_fn(|channel| {
-        let [dx, dy] = GREEN.map(|offset| graph.constant(offset * channel as f32));
-        let (x, y) = (graph.sub(x, dx), graph.sub(y, dy));
-        let (x, y) = (wrapped(graph, x, FLAT), wrapped(graph, y, FLAT));
-        graph.binary(Op::Hash, x, y)
+        let [dx, dy] = GREEN.map(|offset| offset * channel as f32);
+        graph.binary(Op::Hash, Op::Mod.pair(x - dx, FLAT), Op::Mod.pair(y - dy, FLAT))
     })
 }
 
 /// The whole part and the fraction of a position, measured from the centres of texels.
 fn split(graph: &mut Graph, x: NodeId) -> (NodeId, NodeId) {
-    let half = graph.constant(0.5);
-    let shifted = graph.sub(x, half);
+    let shifted = graph.sub(x, 0.5);
     (graph.unary(Op::Floor, shifted), graph.unary(Op::Fract, shifted))
 }
 
 /// Reads a table of noise with `size` texels along a side.
 fn flat_noise(graph: &mut Graph, at: [NodeId; 2], size: f32) -> [NodeId; 4] {
     let [x, y] = at.map(|node| in_texels(graph, node, size));
-    let one = graph.constant(1.0);
     let ((x, u), (y, v)) = (split(graph, x), split(graph, y));
-    let (x1, y1) = (graph.add(x, one), graph.add(y, one));
+    let (x1, y1) = (graph.add(x, 1.0), graph.add(y, 1.0));
     let corners = [(x, y), (x1, y), (x, y1), (x1, y1)].map(|(x, y)| cell(graph, x, y));
     std::array::from_fn(|channel| {
         let [a, b, c, d] = corners.map(|corner| corner[channel]);
@@ -334,17 +297,14 @@ fn flat_noise(graph: &mut Graph, at: [NodeId; 2], size: f32) -> [NodeId; 4] {
 
 fn solid_noise(graph: &mut Graph, at: [NodeId; 3]) -> NodeId {
     let at = at.map(|node| in_texels(graph, node, SOLID));
-    let one = graph.constant(1.0);
     let parts = at.map(|x| split(graph, x));
     let corners: [NodeId; 8] = std::array::from_fn(|corner| {
         let [x, y, z] = std::array::from_fn(|axis| {
             let whole = parts[axis].0;
-            let moved = if corner >> axis & 1 == 1 { graph.add(whole, one) } else { whole };
-            wrapped(graph, moved, SOLID)
+            let moved = if corner >> axis & 1 == 1 { graph.add(whole, 1.0) } else { whole };
+            graph.binary(Op::Mod, moved, SOLID)
         });
-        let (first, many) = (graph.binary(Op::Hash, x, y), graph.constant(16_777_216.0));
-        let row = graph.mul(first, many);
-        graph.binary(Op::Hash, row, z)
+        graph.binary(Op::Hash, Op::Hash.pair(x, y) * 16_777_216.0, z)
     });
     let [u, v, w] = parts.map(|(_, fraction)| fraction);
     let edges: [NodeId; 4] = std::array::from_fn(|at| graph.mix(corners[2 * at], corners[2 * at + 1], u));

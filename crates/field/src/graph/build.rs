@@ -7,12 +7,11 @@ use super::Graph;
 use super::frame_inputs::SILENT;
 use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
-use super::order::Order;
 
 /// Up to this magnitude, [`Graph::pow`] turns a constant integer exponent into a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
-/// An operand of the builders: a node, a number, which becomes a constant, or arithmetic of both.
+/// An operand of the builders: a node, a number, which becomes a constant, or operators on both.
 pub trait Term {
     /// Returns the node, which may be new.
     fn node(self, graph: &mut Graph) -> NodeId;
@@ -31,7 +30,7 @@ impl Term for f32 {
     }
 }
 
-/// Arithmetic such as `(1.0 - a) * b`. Its nodes are added where it is used, the operands first, from left to right.
+/// Operators such as `(1.0 - a) * b`. Their nodes are added where they are used, operands first, from left to right.
 #[derive(Debug, Clone, Copy)]
 #[must_use]
 pub struct Pending<A, B>(Op, A, B);
@@ -63,6 +62,29 @@ macro_rules! arithmetic {
 }
 
 arithmetic! { Add add, Sub sub, Mul mul, Div div, }
+
+/// The second operand of an operator that has one operand.
+#[derive(Debug, Clone, Copy)]
+pub struct NoTerm;
+
+impl Term for NoTerm {
+    #[inline]
+    fn node(self, _: &mut Graph) -> NodeId {
+        NodeId::default()
+    }
+}
+
+impl Op {
+    /// This operator on one operand.
+    pub fn of<A: Term>(self, a: A) -> Pending<A, NoTerm> {
+        Pending(self, a, NoTerm)
+    }
+
+    /// This operator on two operands.
+    pub fn pair<A: Term, B: Term>(self, a: A, b: B) -> Pending<A, B> {
+        Pending(self, a, b)
+    }
+}
 
 /// Declares methods that apply one operator, and simplify.
 macro_rules! operators {
@@ -146,11 +168,11 @@ impl Graph {
     pub(crate) fn with_inputs(
         &mut self,
         roots: &[NodeId],
-        order: &Order,
         other: impl Fn(&mut Self, Input) -> Option<NodeId>,
     ) -> Vec<NodeId> {
-        let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
-        for &id in &order.nodes {
+        let order = self.order(roots);
+        let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.len());
+        for id in order {
             let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
             let copy = match self.node(id) {
                 Node::Constant(_) => id,
@@ -167,7 +189,8 @@ impl Graph {
     /// a to the power of b. A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] becomes a product, for any
     /// base: `x^2` is x * x, and `x^-2` is 1 / (x * x), or 0 for x = 0. Other exponents use [`Op::Pow`], which is 0 for
     /// a negative base.
-    pub fn pow(&mut self, a: NodeId, b: NodeId) -> NodeId {
+    pub fn pow(&mut self, a: impl Term, b: impl Term) -> NodeId {
+        let (a, b) = (a.node(self), b.node(self));
         match self.as_constant(b) {
             Some(n) if n.fract() == 0.0 && n.abs() <= PRODUCT_EXPONENT_MAX => {
                 let product = self.whole_power(a, n.abs() as u32);
@@ -182,31 +205,25 @@ impl Graph {
         let mut product = None;
         while n > 0 {
             if n & 1 == 1 {
-                product = Some(match product {
-                    None => power,
-                    Some(so_far) => self.mul(so_far, power),
-                });
+                product = Some(product.map_or(power, |so_far| self.mul(so_far, power)));
             }
             n >>= 1;
             if n > 0 {
                 power = self.square(power);
             }
         }
-        match product {
-            Some(product) => product,
-            None => self.constant(1.0),
-        }
+        product.unwrap_or_else(|| self.constant(1.0))
     }
 
     /// 1 where c is 0, else 0.
-    pub fn not(&mut self, c: NodeId) -> NodeId {
-        self.simplified_unary(Op::Not, c)
+    pub fn not(&mut self, c: impl Term) -> NodeId {
+        self.unary(Op::Not, c)
     }
 
     /// a where c is not 0, else b. The sum MASK(c, a) + MASK(NOT c, b) is exact, because the unselected term is +0 even
     /// if its operand is a NaN.
-    pub fn select(&mut self, c: NodeId, a: impl Term, b: impl Term) -> NodeId {
-        let (a, b) = (a.node(self), b.node(self));
+    pub fn select(&mut self, c: impl Term, a: impl Term, b: impl Term) -> NodeId {
+        let (c, a, b) = (c.node(self), a.node(self), b.node(self));
         if a == b {
             return a;
         }
@@ -223,12 +240,14 @@ impl Graph {
     }
 
     /// a * (1 - t) + b * t, as GLSL defines mix.
-    pub fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
+    pub fn mix(&mut self, a: impl Term, b: impl Term, t: impl Term) -> NodeId {
+        let (a, b, t) = (a.node(self), b.node(self), t.node(self));
         self.add(a * (1.0 - t), b * t)
     }
 
     /// GLSL's smoothstep: with t = clamp((x - low) / (high - low), 0, 1), t * t * (3 - 2 * t).
-    pub fn smoothstep(&mut self, low: NodeId, high: NodeId, x: NodeId) -> NodeId {
+    pub fn smoothstep(&mut self, low: impl Term, high: impl Term, x: impl Term) -> NodeId {
+        let (low, high, x) = (low.node(self), high.node(self), x.node(self));
         let t = self.clamp((x - low) / (high - low), 0.0, 1.0);
         let squared = self.square(t);
         self.mul(squared, 3.0 - t * 2.0)
@@ -239,15 +258,9 @@ impl Graph {
         let mut sum = None;
         for (&a, &b) in a.iter().zip(b) {
             let product = self.mul(a, b);
-            sum = Some(match sum {
-                None => product,
-                Some(sum) => self.add(sum, product),
-            });
+            sum = Some(sum.map_or(product, |sum| self.add(sum, product)));
         }
-        match sum {
-            Some(sum) => sum,
-            None => self.constant(0.0),
-        }
+        sum.unwrap_or_else(|| self.constant(0.0))
     }
 
     /// Returns the length of a vector; the magnitude of a scalar.

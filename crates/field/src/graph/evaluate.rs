@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::Graph;
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
 use super::node::{Input, Node, NodeId};
-use super::order::Order;
-use super::{Graph, Result};
 
 /// The point at which an expression is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,23 +31,20 @@ impl Point {
 
 impl Graph {
     /// Returns the values of `roots` at a point.
-    ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn evaluate(&self, roots: &[NodeId], point: &Point, frame: &FrameInputs) -> Result<Vec<f32>> {
-        Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
+    pub fn evaluate(&self, roots: &[NodeId], point: &Point, frame: &FrameInputs) -> Vec<f32> {
+        self.evaluate_in(&self.order(roots), roots, point, frame)
     }
 
     /// Like [`Graph::evaluate`], but takes the order that [`Graph::order`] returned for this graph and these roots.
     pub fn evaluate_in(
         &self,
-        order: &Order,
+        order: &[NodeId],
         roots: &[NodeId],
         point: &Point,
         frame: &FrameInputs,
     ) -> Vec<f32> {
         let mut values = vec![0.0; roots.iter().max().map_or(0, |last| last.index() + 1)];
-        for &id in &order.nodes {
+        for &id in order {
             values[id.index()] = match self.node(id) {
                 Node::Constant(value) => value,
                 Node::Input(input) => input_value(input, point, frame),
@@ -64,12 +60,9 @@ impl Graph {
 
     /// Returns bounds of a value for inputs of the point within `point`, in the order of [`Input::OF_POINT`]. With
     /// [`FrameInputs::any`], they hold for every frame. Nothing is known about textures.
-    ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn bounds(&self, root: NodeId, point: [Interval; 6], frame: &FrameInputs) -> Result<Interval> {
+    pub fn bounds(&self, root: NodeId, point: [Interval; 6], frame: &FrameInputs) -> Interval {
         let mut bounds = vec![Interval::ANY; root.index() + 1];
-        for &id in &self.order(&[root])?.nodes {
+        for id in self.order(&[root]) {
             bounds[id.index()] = match self.node(id) {
                 Node::Constant(value) => Interval::point(value),
                 Node::Input(input) => {
@@ -80,16 +73,13 @@ impl Graph {
                 Node::Texture { .. } => Interval::ANY,
             };
         }
-        Ok(bounds[root.index()])
+        bounds[root.index()]
     }
 
     /// Returns a Graphviz `digraph` of the nodes that `root` needs: a box per node, edges from operands to users.
-    ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn to_dot(&self, root: NodeId) -> Result<String> {
+    pub fn to_dot(&self, root: NodeId) -> String {
         let mut text = String::from("digraph expression {\n  node [shape=box];\n");
-        for id in self.order(&[root])?.nodes {
+        for id in self.order(&[root]) {
             let node = self.node(id);
             // Writing to a String cannot fail.
             let _ = match node {
@@ -109,7 +99,7 @@ impl Graph {
             }
         }
         text.push_str("}\n");
-        Ok(text)
+        text
     }
 }
 

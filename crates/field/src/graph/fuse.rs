@@ -5,17 +5,14 @@
 //! clauses. Only the interpreter's tapes contain fused operators. After pruning, compounds (`compound.rs`) combine
 //! more operators. Fusing is bit-exact: a fused operator rounds after each of its two steps.
 
+use super::Graph;
 use super::node::{Node, NodeId};
 use super::op::Op;
-use super::{Graph, Result};
 
 impl Graph {
     /// Returns a new graph with fused pairs of operators. The roots become nodes of the new graph.
-    ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if this or the new graph reaches its limit; the roots are then unchanged.
-    pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph> {
-        let order = self.order(roots)?.nodes;
+    pub fn fused(&self, roots: &mut [NodeId]) -> Graph {
+        let order = self.order(roots);
         let fusing = Fusing::new(self, &order, roots);
         // From the roots down, find the nodes that are still read after fusing, and the operator that each becomes.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
@@ -44,11 +41,10 @@ impl Graph {
             };
             moved[id.index()] = fused.raw(node);
         }
-        fused.check()?;
         for root in roots {
             *root = moved[root.index()];
         }
-        Ok(fused)
+        fused
     }
 }
 
@@ -133,7 +129,7 @@ mod tests {
     use super::*;
 
     fn operators(graph: &Graph, root: NodeId) -> Vec<Op> {
-        let nodes = graph.order(&[root]).unwrap().nodes.into_iter().map(|id| graph.node(id));
+        let nodes = graph.order(&[root]).into_iter().map(|id| graph.node(id));
         nodes
             .filter_map(|node| match node {
                 Node::Unary(op, _) | Node::Binary(op, ..) => Some(op),
@@ -151,11 +147,11 @@ mod tests {
             let built = testing::build(&mut graph, &steps, true);
             let mut roots: Vec<NodeId> = built.iter().rev().take(2).copied().collect();
             let before = roots.clone();
-            let fused = graph.fused(&mut roots).unwrap();
+            let fused = graph.fused(&mut roots);
             let frame = testing::frame();
             let point = Point { position: at, normal: [0.6, -0.8, 0.0] };
-            let whole = graph.evaluate(&before, &point, &frame).unwrap();
-            let short = fused.evaluate(&roots, &point, &frame).unwrap();
+            let whole = graph.evaluate(&before, &point, &frame);
+            let short = fused.evaluate(&roots, &point, &frame);
             for (whole, short) in whole.iter().zip(&short) {
                 prop_assert!(testing::same(*whole, *short), "{whole:?} {short:?}");
             }
@@ -174,7 +170,7 @@ mod tests {
         let sum = g.add(sum, squares[2]);
         let length = g.sqrt(sum);
         let mut ball = [g.sub(length, one)];
-        let fused = g.fused(&mut ball).unwrap();
+        let fused = g.fused(&mut ball);
         assert_eq!(
             operators(&fused, ball[0]),
             [Op::SquareDifference, Op::SquareAdd, Op::SquareAdd, Op::SqrtSub]
@@ -186,7 +182,7 @@ mod tests {
         });
         let squares = sides.map(|side| g.square(side));
         let mut corner = [g.add(squares[0], squares[1])];
-        let fused = g.fused(&mut corner).unwrap();
+        let fused = g.fused(&mut corner);
         let mut found = operators(&fused, corner[0]);
         found.sort();
         assert_eq!(found, [Op::OutsideAdd, Op::OutsideAdd, Op::AbsSub, Op::AbsSub]);
@@ -200,7 +196,7 @@ mod tests {
         let away = g.sub(x, one);
         let square = g.square(away);
         let mut roots = [g.add(square, away)];
-        let fused = g.fused(&mut roots).unwrap();
+        let fused = g.fused(&mut roots);
         assert_eq!(operators(&fused, roots[0]), [Op::Sub, Op::SquareAdd]);
     }
 }

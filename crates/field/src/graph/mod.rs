@@ -30,7 +30,7 @@ mod table;
 mod table_extremes;
 mod unit_input;
 
-pub use build::{PRODUCT_EXPONENT_MAX, Pending, Term};
+pub use build::{NoTerm, PRODUCT_EXPONENT_MAX, Pending, Term};
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
@@ -43,7 +43,7 @@ pub use motion::{Motion, MotionKind};
 pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
 pub use op::{Choice, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
-pub use order::{InputsUsed, Order};
+pub use order::InputsUsed;
 pub use part::{PartInput, PartNumber, SongPart};
 pub use screen_input::{Screen, ScreenInput};
 pub use shape_atlas::{
@@ -62,9 +62,6 @@ pub(crate) mod testing;
 mod tests;
 
 use crate::limits::{LIMITS, Limits};
-
-/// A result of an operation on a graph.
-pub(crate) type Result<T, E = GraphError> = std::result::Result<T, E>;
 
 /// An error that makes a graph unusable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -182,7 +179,7 @@ impl Graph {
     /// # Errors
     /// [`GraphError::TooManyNodes`] if a builder has reached the limit. Nodes that were returned after that are
     /// meaningless.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<(), GraphError> {
         if self.full { Err(GraphError::TooManyNodes(self.nodes_max)) } else { Ok(()) }
     }
 

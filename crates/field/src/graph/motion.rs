@@ -133,8 +133,7 @@ impl Graph {
     /// Returns the name of the first input, curve or texture that a value reads and that is not known for earlier moments.
     /// Known are the time, the numbers of the sound, parameters and motions.
     pub(crate) fn not_remembered(&self, root: NodeId) -> Option<String> {
-        let nodes = self.order(&[root]).ok()?.nodes;
-        nodes.into_iter().find_map(|id| match self.node(id) {
+        self.order(&[root]).into_iter().find_map(|id| match self.node(id) {
             Node::Input(
                 Input::T | Input::Sound(_) | Input::Level(_) | Input::Param(_) | Input::Motion(_),
             ) => None,

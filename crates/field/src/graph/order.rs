@@ -2,25 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use super::Graph;
 use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
-use super::{Graph, Result};
-
-/// Nodes in an order in which operands precede their users. Each node occurs once.
-///
-/// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
-/// Of two operands, the one that keeps more values at once comes first (Sethi and Ullman 1970, treating the graph as if
-/// it were a tree). If both keep equally many, the left one comes first.
-///
-/// Two other orders are used if fewer values are then kept at once. More than two roots may be walked from the last to
-/// the first: the distance to shining objects, which is the last root of their light, ends the use of many values. And
-/// nodes may keep the order of their creation: a walk follows one of the values that a loop carries through all rounds,
-/// and keeps what the other ones need of each round.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Order {
-    /// The nodes.
-    pub nodes: Vec<NodeId>,
-}
 
 /// The inputs, tables and textures that an expression reads.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -37,13 +21,18 @@ pub struct InputsUsed {
 const OPERANDS_DONE: u32 = 1 << 31;
 
 impl Graph {
-    /// Returns all nodes that `roots` need, in their order of evaluation.
+    /// Returns all nodes that `roots` need, in an order in which operands precede their users. Each node occurs once.
     ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn order(&self, roots: &[NodeId]) -> Result<Order> {
-        self.check()?;
-        let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
+    /// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before
+    /// users. Of two operands, the one that keeps more values at once comes first (Sethi and Ullman 1970, treating the
+    /// graph as if it were a tree). If both keep equally many, the left one comes first.
+    ///
+    /// Two other orders are used if fewer values are then kept at once. More than two roots may be walked from the last
+    /// to the first: the distance to shining objects, which is the last root of their light, ends the use of many
+    /// values. And nodes may keep the order of their creation: a walk follows one of the values that a loop carries
+    /// through all rounds, and keeps what the other ones need of each round.
+    pub fn order(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        let Some(last) = roots.iter().max() else { return Vec::new() };
         let needs = needs(&self.nodes[..=last.index()]);
         let mut best = self.walk(roots.iter(), &needs);
         let mut least = self.most_kept(&best, roots);
@@ -56,7 +45,7 @@ impl Graph {
                 (best, least) = (nodes, kept);
             }
         }
-        Ok(Order { nodes: best })
+        best
     }
 
     fn walk<'a>(&self, roots: impl Iterator<Item = &'a NodeId>, needs: &[u8]) -> Vec<NodeId> {
@@ -120,11 +109,7 @@ impl Graph {
     }
 
     /// Returns the inputs, tables and textures that the roots read.
-    ///
-    /// # Errors
-    /// [`super::GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed> {
-        self.check()?;
+    pub fn inputs_used(&self, roots: &[NodeId]) -> InputsUsed {
         let mut used = InputsUsed::default();
         let count = roots.iter().max().map_or(0, |last| last.index() + 1);
         let mut is_needed = vec![false; count];
@@ -160,7 +145,7 @@ impl Graph {
                 _ => {}
             }
         }
-        Ok(used)
+        used
     }
 }
 
@@ -203,7 +188,7 @@ mod tests {
             .collect();
         let nearest = shapes.iter().copied().reduce(|a, b| graph.min(a, b)).unwrap();
         let roots = [lights[0], lights[1], lights[2], nearest];
-        let order = graph.order(&roots).unwrap().nodes;
+        let order = graph.order(&roots);
         let place = |id: NodeId| order.iter().position(|other| *other == id).unwrap();
         assert!(place(nearest) < place(weights[1]), "the shapes are kept until all weights are known");
         let given = graph.walk(roots.iter(), &needs(&graph.nodes));

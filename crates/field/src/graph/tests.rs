@@ -27,8 +27,8 @@ proptest! {
         let roots = build(&mut simplified, &steps, true);
         let mut raw = Graph::new();
         let raw_roots = build(&mut raw, &steps, false);
-        let expected = raw.evaluate(&raw_roots, &point, &frame).unwrap();
-        let found = simplified.evaluate(&roots, &point, &frame).unwrap();
+        let expected = raw.evaluate(&raw_roots, &point, &frame);
+        let found = simplified.evaluate(&roots, &point, &frame);
         for (place, (&expected, &found)) in expected.iter().zip(&found).enumerate() {
             prop_assert!(same(expected, found), "step {place} {:?}: {expected:?} became {found:?}", steps[place]);
         }
@@ -106,8 +106,8 @@ fn every_pair_of_operators_is_simplified_exactly() {
             let roots = build(&mut simplified, &steps, true);
             let raw_roots = build(&mut raw, &steps, false);
             for point in &points {
-                let expected = raw.evaluate(&raw_roots, point, &frame).unwrap();
-                let found = simplified.evaluate(&roots, point, &frame).unwrap();
+                let expected = raw.evaluate(&raw_roots, point, &frame);
+                let found = simplified.evaluate(&roots, point, &frame);
                 for (expected, found) in expected.into_iter().zip(found) {
                     assert!(same(expected, found), "{steps:?} at {point:?}: {expected:?} became {found:?}");
                 }
@@ -358,7 +358,7 @@ fn rules_apply() {
     assert_eq!(g.select(zero, x, y), y);
     let cube = g.constant(3.0);
     let cube = g.pow(x, cube);
-    assert_eq!(g.evaluate(&[cube], &Point::at(-2.0, 0.0, 0.0), &FrameInputs::default()).unwrap(), [-8.0]);
+    assert_eq!(g.evaluate(&[cube], &Point::at(-2.0, 0.0, 0.0), &FrameInputs::default()), [-8.0]);
     let (four, four_and_more) = (g.constant(4.0), g.constant(4.6));
     let (band, same_band, input) = (
         g.unary(Op::Band, four),
@@ -379,7 +379,7 @@ fn select_ignores_the_other_side() {
         (f32::NAN, 3.0, 4.0, 3.0),
         (-0.0, 3.0, -0.0, 0.0),
     ] {
-        let found = g.evaluate(&[root], &Point::at(c, a, b), &FrameInputs::default()).unwrap();
+        let found = g.evaluate(&[root], &Point::at(c, a, b), &FrameInputs::default());
         assert!(same(found[0], expected), "{c} {a} {b}: {found:?}");
     }
 }
@@ -395,7 +395,7 @@ fn helpers_match_their_definitions() {
         g.clamp(x, y, z),
         g.smoothstep(x, y, z),
     ];
-    let at = |x, y, z| g.evaluate(&roots, &Point::at(x, y, z), &FrameInputs::default()).unwrap();
+    let at = |x, y, z| g.evaluate(&roots, &Point::at(x, y, z), &FrameInputs::default());
     assert_eq!(at(2.0, 3.0, 6.0)[..4], [7.0, 24.0, 8.0, 3.0]);
     assert_eq!(at(0.0, 2.0, 1.0)[4], 0.5);
     assert_eq!(at(0.0, 2.0, 0.5)[4], 0.15625);
@@ -410,11 +410,9 @@ fn a_full_graph_returns_an_error() {
         node = graph.unary(Op::Sin, node);
     }
     assert_eq!(graph.check(), Ok(()));
-    node = graph.unary(Op::Sin, node);
+    graph.unary(Op::Sin, node);
     let error = GraphError::TooManyNodes(10);
     assert_eq!(graph.check(), Err(error));
-    assert_eq!(graph.order(&[node]), Err(error));
-    assert_eq!(graph.evaluate(&[node], &Point::default(), &FrameInputs::default()), Err(error));
     assert!(error.to_string().contains("10"));
 }
 
@@ -428,12 +426,9 @@ fn a_deep_graph_needs_no_stack() {
         let inner = graph.unary(Op::Sin, node);
         node = graph.max(constant, inner);
     }
-    assert_eq!(
-        graph.evaluate(&[node], &Point::at(1.0, 0.0, 0.0), &FrameInputs::default()).unwrap(),
-        [99_999.0]
-    );
-    assert_eq!(graph.inputs_used(&[node]).unwrap().inputs.into_iter().collect::<Vec<_>>(), [Input::X]);
-    assert_eq!(graph.to_dot(node).unwrap().lines().count(), 3 + 1 + 6 * 100_000);
+    assert_eq!(graph.evaluate(&[node], &Point::at(1.0, 0.0, 0.0), &FrameInputs::default()), [99_999.0]);
+    assert_eq!(graph.inputs_used(&[node]).inputs.into_iter().collect::<Vec<_>>(), [Input::X]);
+    assert_eq!(graph.to_dot(node).lines().count(), 3 + 1 + 6 * 100_000);
 }
 
 #[test]
@@ -441,7 +436,7 @@ fn dot_names_nodes_and_edges() {
     let mut graph = Graph::new();
     let (x, t) = (graph.input(Input::X), graph.input(Input::T));
     let root = graph.sub(x, t);
-    let dot = graph.to_dot(root).unwrap();
+    let dot = graph.to_dot(root);
     assert!(dot.starts_with("digraph") && dot.trim_end().ends_with('}'), "{dot}");
     for line in [
         "n0 [label=\"X\"];",
@@ -461,7 +456,7 @@ fn inputs_used_include_only_those_of_the_root() {
     let spectrum = g.unary(Op::Spectrum, x);
     let texel = g.texture(3, 1, spectrum, t);
     g.add(y, texel);
-    let used = g.inputs_used(&[texel]).unwrap();
+    let used = g.inputs_used(&[texel]);
     assert_eq!(used.inputs.into_iter().collect::<Vec<_>>(), [Input::X, Input::T]);
     assert_eq!(used.tables.into_iter().collect::<Vec<_>>(), [Op::Spectrum]);
     assert_eq!(used.textures.into_iter().collect::<Vec<_>>(), [3]);

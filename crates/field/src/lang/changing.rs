@@ -140,7 +140,7 @@ impl ChangingNumbers {
         if constant.is_some() || self.found.is_empty() {
             return constant;
         }
-        let used = graph.inputs_used(&[value]).ok()?;
+        let used = graph.inputs_used(&[value]);
         let is_number =
             |input: &Input| matches!(input, Input::Param(number) if usize::from(*number) >= self.first);
         if !used.inputs.iter().all(is_number) || !used.tables.is_empty() || !used.textures.is_empty() {
@@ -154,7 +154,7 @@ impl ChangingNumbers {
         let mut params = vec![0.0; self.first];
         params.extend(self.found.iter().map(|(_, value)| *value));
         let frame = FrameInputs { params, ..FrameInputs::default() };
-        graph.evaluate(&[value], &Point::default(), &frame).ok()?.first().copied()
+        graph.evaluate(&[value], &Point::default(), &frame).first().copied()
     }
 }
 
@@ -176,10 +176,7 @@ mod tests {
 
     fn distance(scene: &Scene, point: Point) -> f32 {
         let params = scene.params.iter().map(|param| param.default).collect();
-        scene
-            .graph
-            .evaluate(&[scene.distance], &point, &FrameInputs { params, ..FrameInputs::default() })
-            .unwrap()[0]
+        scene.graph.evaluate(&[scene.distance], &point, &FrameInputs { params, ..FrameInputs::default() })[0]
     }
 
     #[test]
@@ -234,7 +231,7 @@ mod tests {
         assert_eq!(number.span.start as usize, text.find("0.25").unwrap());
         let params = vec![0.5, 1.0];
         let frame = FrameInputs { params, ..FrameInputs::default() };
-        let value = scene.graph.evaluate(&[scene.distance], &Point::at(2.0, 0.0, 0.0), &frame).unwrap();
+        let value = scene.graph.evaluate(&[scene.distance], &Point::at(2.0, 0.0, 0.0), &frame);
         assert_eq!(value, [0.5]);
     }
 

@@ -256,11 +256,10 @@ impl Picture {
         match graph.as_constant(self.decay) {
             Some(constant) if constant.is_nan() => 0.0,
             Some(constant) => constant,
-            None => graph
-                .bounds(self.decay, [Interval::ANY; 6], any)
-                .ok()
-                .filter(|bounds| !bounds.is_any())
-                .map_or(f32::INFINITY, |bounds| bounds.hi),
+            None => {
+                let bounds = graph.bounds(self.decay, [Interval::ANY; 6], any);
+                if bounds.is_any() { f32::INFINITY } else { bounds.hi }
+            }
         }
     }
 }

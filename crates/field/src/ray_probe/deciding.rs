@@ -1,38 +1,35 @@
 //! Finds the part of a shape that decides its value at a point: the nearest operand of a union or smooth union, then
 //! the nearest operand within that operand, and so on.
 
-use crate::graph::{FrameInputs, Graph, Node, NodeId, Op, Order, Point, Result};
+use crate::graph::{FrameInputs, Graph, Node, NodeId, Op, Point};
 
 /// A shape with its evaluation order, for finding deciding parts.
 #[derive(Debug, Clone)]
 pub struct Deciding<'a> {
     graph: &'a Graph,
     root: NodeId,
-    order: Order,
+    order: Vec<NodeId>,
     of_point: Vec<bool>,
 }
 
 impl<'a> Deciding<'a> {
     /// Prepares a node of a graph.
-    ///
-    /// # Errors
-    /// Returns the error of [`Graph::check`].
-    pub fn new(graph: &'a Graph, root: NodeId) -> Result<Self> {
-        let order = graph.order(&[root])?;
+    pub fn new(graph: &'a Graph, root: NodeId) -> Self {
+        let order = graph.order(&[root]);
         let mut of_point = vec![false; root.index() + 1];
-        for id in &order.nodes {
+        for id in &order {
             of_point[id.index()] = match graph.node(*id) {
                 Node::Input(input) => input.of_point().is_some(),
                 Node::Texture { .. } => true,
                 node => node.operands().any(|operand| of_point[operand.index()]),
             };
         }
-        Ok(Self { graph, root, order, of_point })
+        Self { graph, root, order, of_point }
     }
 
     /// Number of the shape's clauses. Inputs and numbers do not count.
     pub fn clauses(&self) -> usize {
-        self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
+        self.order.iter().filter(|id| self.graph.is_clause(**id)).count()
     }
 
     /// Returns the path from the shape to the part that decides its value at a point. The path passes through minima,
@@ -42,9 +39,9 @@ impl<'a> Deciding<'a> {
             return vec![self.root];
         }
         let point = Point { position, normal: [0.0; 3] };
-        let values = self.graph.evaluate_in(&self.order, &self.order.nodes, &point, frame);
+        let values = self.graph.evaluate_in(&self.order, &self.order, &point, frame);
         let mut by_node = vec![0.0; self.of_point.len()];
-        for (id, value) in self.order.nodes.iter().zip(values) {
+        for (id, value) in self.order.iter().zip(values) {
             by_node[id.index()] = value;
         }
         let mut path = vec![self.root];

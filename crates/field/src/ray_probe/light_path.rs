@@ -164,8 +164,7 @@ impl RayProbe<'_> {
         let material = self.world.scene.objects.get(hit.object).map_or(0, |object| object.material);
         let Some(roots) = self.world.roots.materials.get(material) else { return 0.0 };
         let point = Point { position: hit.position, normal };
-        let Ok(numbers) = self.world.graph.evaluate(roots, &point, self.frame) else { return 0.0 };
-        let material = Material::of(String::new(), numbers);
+        let material = Material::of(String::new(), self.world.graph.evaluate(roots, &point, self.frame));
         let fraction = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
         let reflect = fraction(material.reflect);
         if reflect == 0.0 {

@@ -103,18 +103,16 @@ impl RayStatistics {
         is_wanted: impl Fn() -> bool,
     ) -> Option<Self> {
         let scene = &ray_probe.world.scene;
-        let deciding: Vec<Option<Deciding<'_>>> =
-            scene.objects.iter().map(|object| Deciding::new(&scene.graph, object.shape).ok()).collect();
+        let deciding: Vec<Deciding<'_>> =
+            scene.objects.iter().map(|object| Deciding::new(&scene.graph, object.shape)).collect();
         let mut ray_statistics = Self { columns: options.columns, ..Self::default() };
         for (object, deciding) in scene.objects.iter().zip(&deciding) {
             let numbers = scene.materials.get(object.material).map(|one| one.numbers()).unwrap_or_default();
-            let of_material = scene
-                .graph
-                .order(&numbers)
-                .map_or(0, |order| order.nodes.iter().filter(|id| scene.graph.is_clause(**id)).count());
+            let of_material = scene.graph.order(&numbers);
+            let of_material = of_material.into_iter().filter(|id| scene.graph.is_clause(*id)).count();
             ray_statistics.objects.push(ObjectCost {
                 name: object.name.clone(),
-                clauses: (deciding.as_ref().map_or(0, Deciding::clauses), of_material),
+                clauses: (deciding.clauses(), of_material),
                 place: scene.origins.place(object.span.start),
                 ..ObjectCost::default()
             });
@@ -139,7 +137,7 @@ impl RayStatistics {
                     object.evaluations += u64::from(traced.evaluations);
                     object.run += traced.clauses;
                 }
-                let path = ray_probe.path(&hit, deciding.get(hit.object).and_then(Option::as_ref));
+                let path = ray_probe.path(&hit, deciding.get(hit.object));
                 let written = path.last().and_then(|node| scene.origins.written_at(*node));
                 if let Some((object, written)) = ray_statistics.objects.get_mut(hit.object).zip(written) {
                     object.count_part(written, &traced);

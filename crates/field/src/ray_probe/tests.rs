@@ -102,7 +102,7 @@ fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
 fn a_part_of_a_union_is_identified_by_its_line() {
     let world = world_of(KNOWN);
     with_ray_probe(&world, 0.0, true, |ray_probe| {
-        let pair = Deciding::new(&world.scene.graph, world.scene.objects[2].shape).unwrap();
+        let pair = Deciding::new(&world.scene.graph, world.scene.objects[2].shape);
         for (to, words) in [([3.0, 0.0, 5.0], "box(p"), ([-3.0, 0.0, 5.0], "sphere(p - vec3(-3")] {
             let hit = ray_probe.trace(&ray([0.0; 3], to)).hit.unwrap();
             let path = ray_probe.path(&hit, Some(&pair));
@@ -132,7 +132,7 @@ fn a_formula_that_is_no_distance_is_hit_where_its_sign_changes() {
 fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f32> {
     let at = |t: f32| {
         let [x, y, z] = ray.at(t);
-        world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), frame).unwrap()[0]
+        world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), frame)[0]
     };
     let step = 2e-3;
     let mut t = 0.0;
@@ -164,7 +164,7 @@ proptest! {
         );
         let frame = frame_of(&world, 0.0);
         let inside = |p: [f32; 3]| {
-            world.scene.graph.evaluate(&[world.scene.distance], &Point::at(p[0], p[1], p[2]), &frame).unwrap()[0] < 0.1
+            world.scene.graph.evaluate(&[world.scene.distance], &Point::at(p[0], p[1], p[2]), &frame)[0] < 0.1
         };
         prop_assume!(!inside(from) && from != aim);
         let ray = ray(from, aim);
@@ -176,7 +176,7 @@ proptest! {
             (Some(found), wanted) => {
                 prop_assert!(wanted.is_none_or(|wanted| found < wanted), "{found}, not {wanted:?}");
                 let [x, y, z] = ray.at(found);
-                let value = world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), &frame).unwrap()[0];
+                let value = world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), &frame)[0];
                 prop_assert!(value < 2e-3, "{value}");
             }
             (None, Some(wanted)) => prop_assert!(false, "passed the surface at {wanted}"),
@@ -199,8 +199,7 @@ fn a_ray_that_grazed_a_surface_was_taken_for_one_that_missed_it() {
     assert!(found < wanted && wanted - found < 0.02, "{found}, {wanted}");
     let [x, y, z] = ray.at(found);
     let point = Point::at(x, y, z);
-    let value =
-        world.scene.graph.evaluate(&[world.scene.distance], &point, &frame_of(&world, 0.0)).unwrap()[0];
+    let value = world.scene.graph.evaluate(&[world.scene.distance], &point, &frame_of(&world, 0.0))[0];
     assert!((0.0..2e-3).contains(&value), "{value}");
 }
 
@@ -263,7 +262,7 @@ fn parts_of_a_smooth_union_are_distinguished_by_the_nearer_one() {
         with_ray_probe(&world, 0.0, true, |ray_probe| {
             let hit =
                 ray_probe.trace(&ray([0.0; 3], to)).hit.unwrap_or_else(|| panic!("nothing towards {to:?}"));
-            let deciding = Deciding::new(&world.scene.graph, world.scene.objects[hit.object].shape).unwrap();
+            let deciding = Deciding::new(&world.scene.graph, world.scene.objects[hit.object].shape);
             let path = ray_probe.path(&hit, Some(&deciding));
             let known = path.iter().rev().find_map(|node| world.scene.origins.written_at(*node));
             text[known.unwrap_or_else(|| panic!("the part at {to:?} has no origin in the text")).1].to_owned()

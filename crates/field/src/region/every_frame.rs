@@ -11,7 +11,7 @@ use super::lanes::{CELLS, Lanes, bound, mask};
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, Interval, Node, NodeId, Op, Result};
+use crate::graph::{FrameInputs, Graph, Interval, Node, NodeId, Op};
 
 pub(crate) use super::lanes::cells_of;
 
@@ -49,15 +49,8 @@ pub(crate) struct EveryFrame<'a> {
 
 impl<'a> EveryFrame<'a> {
     /// Returns the program of a distance in all frames of `any` ([`FrameInputs::any`]).
-    ///
-    /// # Errors
-    /// Fails if the graph has too many nodes.
-    pub(crate) fn new(
-        graph: &Graph,
-        distance: NodeId,
-        any: &'a FrameInputs,
-    ) -> Result<(Self, Rc<BoxProgram>)> {
-        let nodes = graph.order(&[distance])?.nodes;
+    pub(crate) fn new(graph: &Graph, distance: NodeId, any: &'a FrameInputs) -> (Self, Rc<BoxProgram>) {
+        let nodes = graph.order(&[distance]);
         let of_frame = frame_bounds(graph, &nodes, any);
         let mut rows = vec![Lanes::splat(Interval::point(0.0)); COORDINATES];
         let mut places: Vec<Option<Arg>> = vec![None; graph.len()];
@@ -107,7 +100,7 @@ impl<'a> EveryFrame<'a> {
         let root = places[distance.index()].unwrap_or(Arg::Number(f32::NAN));
         program.roots = vec![root, root, Arg::Number(0.0)];
         let (structure, decisions, scratch) = Default::default();
-        Ok((Self { any, rows, structure, decisions, scratch, root }, Rc::new(BoxProgram(program))))
+        (Self { any, rows, structure, decisions, scratch, root }, Rc::new(BoxProgram(program)))
     }
 
     /// Returns the boxes that may contain a surface or a solid, as a mask. If there are fewer than 64 boxes, the last
@@ -235,11 +228,11 @@ mod tests {
     fn assert_open_boxes_are_kept(graph: &Graph, root: NodeId, sides: &Bounds) {
         let frame = frame();
         let any = FrameInputs::any(graph.ranges([(0.0, 2.0), (-3.0, 0.0)]), &frame.shapes);
-        let (mut search, whole) = EveryFrame::new(graph, root, &any).unwrap();
+        let (mut search, whole) = EveryFrame::new(graph, root, &any);
         let is_kept = |open: u64, boxes: &[Bounds]| {
             for (lane, sides) in boxes.iter().enumerate() {
                 for point in points(sides) {
-                    let value = graph.evaluate(&[root], &point, &frame).unwrap()[0];
+                    let value = graph.evaluate(&[root], &point, &frame)[0];
                     let is_open = open >> lane & 1 == 1;
                     assert!(is_open || value > 0.0, "{value} in a box without a surface, {sides:?}");
                 }
@@ -290,7 +283,7 @@ mod tests {
             }
             // The value is 0 at the corner, as computed, and near 0 in the whole box.
             let [x, y, z] = corner;
-            let at_corner = graph.evaluate(&[sum], &Point::at(x, y, z), &frame()).unwrap()[0];
+            let at_corner = graph.evaluate(&[sum], &Point::at(x, y, z), &frame())[0];
             let at_corner = graph.constant(at_corner);
             let difference = graph.sub(sum, at_corner);
             let root = graph.unary(Op::Abs, difference);

@@ -5,7 +5,7 @@ use super::lanes::{CELLS, Lanes, bound};
 use super::program::Arg;
 use super::surface::{Over, SurfacePlan, place_of};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, Interval, NodeId, Result};
+use crate::graph::{FrameInputs, Graph, Interval, NodeId};
 use crate::rays::DENSEST;
 
 /// Number of cells of the grid along each axis.
@@ -45,11 +45,8 @@ impl MediumGrid {
 impl MediumPlan {
     /// Creates the plan of media: `roots` are their density and the emitted light in red, green and blue, and `bounds` is a
     /// box around them, whose sides may be infinite.
-    ///
-    /// # Errors
-    /// Fails if the graph has too many nodes.
-    pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Result<Self> {
-        Ok(Self { plan: SurfacePlan::new(graph, &roots, 0, Over::Points)?, bounds })
+    pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Self {
+        Self { plan: SurfacePlan::new(graph, &roots, 0, Over::Points), bounds }
     }
 
     /// Returns the inputs that determine a frame's grid.

@@ -68,7 +68,7 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 use std::collections::BTreeSet;
 
 use crate::graph::{
-    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, Result, ShapeAtlas, TableData, Uses,
+    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData, Uses,
 };
 use crate::tape::interpreter::rounded_registers;
 use crate::world::World;
@@ -133,10 +133,10 @@ pub(crate) struct Reads {
 }
 
 impl Reads {
-    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
-        let used = graph.inputs_used(roots)?;
+    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Self {
+        let used = graph.inputs_used(roots);
         let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
-        Ok(Self { inputs, tables: used.tables })
+        Self { inputs, tables: used.tables }
     }
 
     pub(crate) fn key(&self, inputs: &FrameInputs) -> RegionKey {
@@ -177,11 +177,13 @@ pub struct RegionPlan {
     roots: [usize; 3],
     graph_nodes: usize,
     reads: Reads,
-    variant: RegionVariant,
+    /// The features that an interpreter needs to run all trees of this plan.
+    pub variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
     steepest: Option<f32>,
-    runs: bool,
+    /// True if there are enough registers for the whole tape. Otherwise there are no tapes and no cells.
+    pub runs: bool,
     /// An upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
     pub whole_texels: usize,
 }
@@ -204,15 +206,12 @@ impl RegionPlan {
         has_rest: bool,
         steepest: Option<f32>,
     ) -> Self {
-        let fused = graph.fused(&mut roots).ok();
-        let graph = fused.as_ref().unwrap_or(graph);
-        // Cannot fail: a world's graph is already checked.
-        let order = graph.order(&roots).unwrap_or_default();
+        let graph = graph.fused(&mut roots);
         let mut plan = Self {
-            nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
+            nodes: graph.order(&roots).iter().map(|id| (id.index(), graph.node(*id))).collect(),
             roots: roots.map(|root| root.index()),
             graph_nodes: graph.len(),
-            reads: Reads::of(graph, &roots).unwrap_or_default(),
+            reads: Reads::of(&graph, &roots),
             variant: RegionVariant::default(),
             bounds,
             has_rest,
@@ -222,14 +221,15 @@ impl RegionPlan {
         };
         // With unknown numbers nothing is folded, so this program has all operators and registers of every frame's
         // program.
-        let mut program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
-        let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-        let mut fits = encodes(&mut encoder, &program);
-        if !fits {
+        let whole = |plan: &Self| {
+            let program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
+            let registers = registers_of(&program);
+            (program, registers)
+        };
+        let (mut program, mut registers) = whole(&plan);
+        if registers.is_none() {
             plan.shorten_lives();
-            program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
-            encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-            fits = encodes(&mut encoder, &program);
+            (program, registers) = whole(&plan);
         }
         let typical = plan.folded(&Numbers::Typical, &FrameInputs::default());
         let compounds = Compounds::that_pay(|compounds| {
@@ -240,11 +240,10 @@ impl RegionPlan {
             }
             uses
         });
-        plan.runs = fits;
+        plan.runs = registers.is_some();
         plan.whole_texels = program.steps.len() + WHOLE_BESIDE;
-        let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        let registers = rounded_registers(registers);
+        let registers = rounded_registers(registers.unwrap_or(REGISTERS_MAX));
         plan.variant = RegionVariant { operators, compounds, registers, non_lipschitz: steepest.is_some() };
         plan
     }
@@ -255,16 +254,6 @@ impl RegionPlan {
         (self.nodes, self.graph_nodes) = (lives.nodes, lives.positions);
     }
 
-    /// Returns the features that an interpreter needs to run all trees of this plan.
-    pub fn variant(&self) -> &RegionVariant {
-        &self.variant
-    }
-
-    /// True if there are enough registers for the whole tape. Otherwise there are no tapes and no cells.
-    pub fn runs(&self) -> bool {
-        self.runs
-    }
-
     /// Returns the inputs that determine a frame's tree.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
         self.reads.key(inputs)
@@ -272,34 +261,7 @@ impl RegionPlan {
 
     /// Builds the tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
-        self.build_after(None, inputs, options)
-    }
-
-    /// Builds the tree of a frame. Equal parts are copied from `last`, a tree of the same plan for another frame.
-    pub fn build_after(
-        &self,
-        last: Option<&Regions>,
-        inputs: &FrameInputs,
-        options: &RegionOptions,
-    ) -> Regions {
-        self.build_in_parts(last, inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
-    }
-
-    /// Builds the tree of [`RegionPlan::build_after`] in several parts. `run` must call [`Part::build`] on each part,
-    /// on any thread. The tree is the same, except that different parts do not share equal tapes.
-    pub fn build_in_parts(
-        &self,
-        last: Option<&Regions>,
-        inputs: &FrameInputs,
-        options: &RegionOptions,
-        parts: usize,
-        run: impl FnOnce(&mut [Part]),
-    ) -> Regions {
-        let program = self.folded(&Numbers::Of(inputs), inputs);
-        let has_rest = self.has_rest && (self.runs || self.steepest.is_some());
-        let steepest = self.steepest.unwrap_or(f32::INFINITY);
-        let traced = tree::Traced { has_rest, variant: &self.variant, steepest, last };
-        tree::build(program, self.bounds, traced, inputs, options, parts, run)
+        self.build_in_parts(None, inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
     }
 
     /// Returns the program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
@@ -320,8 +282,11 @@ impl RegionPlan {
     }
 }
 
-fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
-    [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(program, roots).is_ok())
+/// Returns the registers that a program needs; `None` if it needs too many.
+fn registers_of(program: &Program) -> Option<usize> {
+    let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
+    let roots = [[BOUND, ESTIMATE], [OBJECT, OBJECT]];
+    roots.iter().all(|roots| encoder.encode(program, roots).is_ok()).then_some(encoder.registers)
 }
 
 /// Appends nodes, operands first, with the numbers folded in. Returns the value of each of the `graph_nodes` nodes.

@@ -85,6 +85,10 @@ fn bricks_that_read_sound_tables_are_not_copied() {
     assert!(fraction > 0.1 && fraction < 0.9, "{fraction}");
 }
 
+fn build_after(plan: &RegionPlan, last: &Regions, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
+    plan.build_in_parts(Some(last), inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
+}
+
 #[test]
 fn full_and_moved_trees_are_safe_sources() {
     let world = world_of(MANY);
@@ -94,7 +98,7 @@ fn full_and_moved_trees_are_safe_sources() {
     let narrow = RegionOptions { texels_max: 17_000, ..wide };
     let fresh = plan.build(&other, &wide);
     for [first, then] in [[narrow, wide], [wide, narrow]] {
-        let tree = plan.build_after(Some(&plan.build(&one, &first)), &other, &then);
+        let tree = build_after(&plan, &plan.build(&one, &first), &other, &then);
         assert!(tree.texels.len() <= then.texels_max);
         for number in 0..5_000 {
             let at = point(&fresh, number);
@@ -106,6 +110,6 @@ fn full_and_moved_trees_are_safe_sources() {
     let plan = RegionPlan::new(&land);
     let inputs = inputs_of(&land, 3.0, 0.7);
     let around = RegionOptions { eye: Some([-18.0, 0.0, 0.0]), ..wide };
-    let tree = plan.build_after(Some(&plan.build(&inputs, &around)), &inputs, &wide);
+    let tree = build_after(&plan, &plan.build(&inputs, &around), &inputs, &wide);
     assert_same_cells(&tree, &plan.build(&inputs, &wide), &inputs, 5_000);
 }

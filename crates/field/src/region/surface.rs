@@ -15,7 +15,7 @@ use super::program::{Arg, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::tree::place_in;
 use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
-use crate::graph::{Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId, Result};
+use crate::graph::{Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId};
 
 /// Number of cells of a grid along each axis.
 pub(crate) const SIDE: usize = 8;
@@ -177,16 +177,15 @@ pub(crate) struct ShortTapes {
 
 impl SurfacePlan {
     /// Creates the plan of a graph's roots. Textures have no coordinates here: they are sampled beforehand.
-    pub(crate) fn new(graph: &Graph, roots: &[NodeId], textures: usize, over: Over) -> Result<Self> {
-        let order = graph.order(roots)?;
-        Ok(Self {
-            nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
+    pub(crate) fn new(graph: &Graph, roots: &[NodeId], textures: usize, over: Over) -> Self {
+        Self {
+            nodes: graph.order(roots).iter().map(|id| (id.index(), graph.node(*id))).collect(),
             graph_nodes: graph.len(),
             roots: roots.iter().map(|root| root.index()).collect(),
             textures,
             over,
-            reads: Reads::of(graph, roots)?,
-        })
+            reads: Reads::of(graph, roots),
+        }
     }
 
     pub(crate) fn may_become_shorter(&self) -> bool {

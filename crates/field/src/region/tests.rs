@@ -291,7 +291,7 @@ fn operands_of_history_reads_have_registers() {
             let tree =
                 plan.build(&inputs, &RegionOptions { cells, texels_max: 1 << 22, ..Default::default() });
             let registers = registers_of(&tree, tree.whole_tape);
-            assert!(registers <= plan.variant().registers, "{registers}, but {:?}", plan.variant());
+            assert!(registers <= plan.variant.registers, "{registers}, but {:?}", plan.variant);
             assert!(registers > 8, "{registers} are rounded up to as many");
         }
     }
@@ -304,7 +304,7 @@ fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
                 min(ball, if sin(3.1*t+1000) > -0.99 then 0.5*(2.5 - exp(0.3*x)) else 9)";
     let world = world_of(text);
     let plan = RegionPlan::new(&world);
-    assert!(plan.variant().operators.contains(&Op::Exp), "{:?}", plan.variant());
+    assert!(plan.variant.operators.contains(&Op::Exp), "{:?}", plan.variant);
     for time in [0.0, 1.0, 5.0] {
         let tree = plan.build(
             &inputs_of(&world, time, 0.5),
@@ -316,8 +316,8 @@ fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
                 if let Some(Instruction::Unary { op, output, .. } | Instruction::Binary { op, output, .. }) =
                     Clause::from_word(word).decode()
                 {
-                    assert!(plan.variant().operators.contains(&op), "{op:?} at {time} s");
-                    assert!(usize::from(output) < plan.variant().registers);
+                    assert!(plan.variant.operators.contains(&op), "{op:?} at {time} s");
+                    assert!(usize::from(output) < plan.variant.registers);
                 }
             }
         }
@@ -389,13 +389,13 @@ proptest! {
             let at = point(&tree, number);
             let penumbra = if number % 2 == 0 { 0.0 } else { 0.1 * number as f32 };
             let asked = Point { position: at, normal: [penumbra, 0.0, 0.0] };
-            let wanted = graph.evaluate(&roots, &asked, &frame).unwrap();
+            let wanted = graph.evaluate(&roots, &asked, &frame);
             let got = tree.distance(at, penumbra, &frame);
             prop_assert!(testing::same(got[0], wanted[0]), "{at:?} bound {} {}", got[0], wanted[0]);
             prop_assert!(testing::same(got[1], wanted[1]), "{at:?} estimate {} {}", got[1], wanted[1]);
             let tape = tree.cell_at(at).map_or(tree.whole_tape, |cell| cell.tape);
             for tape in [tape, tree.whole_tape] {
-                prop_assert!(registers_of(&tree, tape) <= plan.variant().registers, "{:?}", plan.variant());
+                prop_assert!(registers_of(&tree, tape) <= plan.variant.registers, "{:?}", plan.variant);
             }
             if let Some(cell) = tree.cell_at(at) {
                 let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
@@ -460,18 +460,18 @@ fn a_foam_of_many_parts_needed_more_than_256_registers() {
     // Each height belongs to two parts, 400 parts apart.
     let shared = plan_of("vec3(3 * sin(i * 12.9898), 2 + sin(t + mod(i, 400)), 3 * sin(i * 37.719))");
     for (world, plan) in [numbers, shared] {
-        assert!(plan.runs(), "{:?}", plan.variant().registers);
-        assert!(!plan.variant().operators.contains(&Op::Sin), "{:?}", plan.variant().operators);
+        assert!(plan.runs, "{:?}", plan.variant.registers);
+        assert!(!plan.variant.operators.contains(&Op::Sin), "{:?}", plan.variant.operators);
         let inputs = inputs_of(&world, 3.5, 0.8);
         let regions = plan.build(&inputs, &RegionOptions::default());
         for number in 0..500 {
             let at = point(&regions, number);
             let asked = Point::at(at[0], at[1], at[2]);
-            let wanted = world.graph.evaluate(&world.roots.distance[..1], &asked, &inputs).unwrap();
+            let wanted = world.graph.evaluate(&world.roots.distance[..1], &asked, &inputs);
             let got = regions.distance(at, 0.0, &inputs);
             assert!(testing::same(got[0], wanted[0]), "{at:?}: {} instead of {}", got[0], wanted[0]);
         }
-        assert!(registers_of(&regions, regions.whole_tape) <= plan.variant().registers);
+        assert!(registers_of(&regions, regions.whole_tape) <= plan.variant.registers);
     }
 }
 
@@ -491,7 +491,7 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
         let tree = plan.build(&frame, &RegionOptions::default());
         for number in 0..100 {
             let at = point(&tree, number);
-            let wanted = graph.evaluate(&roots, &Point::at(at[0], at[1], at[2]), &frame).unwrap();
+            let wanted = graph.evaluate(&roots, &Point::at(at[0], at[1], at[2]), &frame);
             assert!(testing::same(tree.distance(at, 0.0, &frame)[0], wanted[0]), "{at:?}: {}", wanted[0]);
         }
     }

@@ -13,7 +13,7 @@ use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
 use super::reuse::{Before, Memory};
-use super::{BRICK_SIDE, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionVariant};
+use super::{BRICK_SIDE, Numbers, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionPlan, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
 use crate::rays::WITHOUT_GLASS;
 
@@ -154,84 +154,84 @@ pub(super) struct Whole {
     pub(super) object: u32,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Traced<'a> {
-    pub(super) has_rest: bool,
-    pub(super) variant: &'a RegionVariant,
-    pub(super) steepest: f32,
-    pub(super) last: Option<&'a Regions>,
-}
-
-/// Builds the tree of a program with the frame's numbers folded in. `run` has to build all parts.
-pub(super) fn build(
-    program: Program,
-    bounds: Option<([f32; 3], [f32; 3])>,
-    Traced { has_rest, variant, steepest, last }: Traced,
-    frame: &FrameInputs,
-    options: &RegionOptions,
-    parts: usize,
-    run: impl FnOnce(&mut [Part]),
-) -> Regions {
-    let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
-    let (low, size) = extent(bounds, options.center);
-    // If the value is not a distance, rays need cells, even if the options ask for none.
-    let cells =
-        (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
-    // A formula that is not a distance has one root: its gradients cost much in large cells, and its rays end with the
-    // tree.
-    let reaches_far = bounds.is_none() && !variant.non_lipschitz;
-    let roots = if reaches_far && options.texels_max >= 16 * ROOT_SIDE.pow(3) { ROOTS_MAX } else { 1 };
-    let roots = if cells { roots } else { 0 };
-    let mut trunk = Trunk {
-        frame,
-        options,
-        program,
-        roots: (0..roots).map(|number| Root::new(number, low, size, variant.non_lipschitz)).collect(),
-        texels: vec![[0; 4]; roots * ROOT_SIDE.pow(3)],
-        variant,
-        steepest,
-        before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size, &frame.shapes)),
-        unbounded: bounds.is_none(),
-        whole: Whole::default(),
-        stats: RegionStats::default(),
-    };
-    trunk.write_whole();
-    let mut memory =
-        Memory { whole_object: trunk.whole.object, shapes: frame.shapes.clone(), ..Memory::default() };
-    let (mut stats, mut texels) = (trunk.stats, Vec::new());
-    if cells {
-        trunk.divide();
-        let count = parts.max(1);
-        let mut parts: Vec<Part> = (0..count).map(|number| Part::new(&trunk, number, count)).collect();
-        run(&mut parts);
-        texels.reserve_exact(trunk.texels.len() + parts.iter().map(Part::texel_count).sum::<usize>());
-        texels.extend_from_slice(&trunk.texels);
-        for part in parts {
-            let (blocks, its, of_part) = part.finish(texels.len() - trunk.texels.len(), &mut memory);
-            texels.extend(its);
-            stats.add(&of_part);
-            for (block, cells) in blocks {
-                let (root, place) = (block / CELLS * ROOT_SIDE.pow(3), place_in(block % CELLS));
-                for (child, cell) in cells.into_iter().enumerate() {
-                    let at: [usize; 3] =
-                        std::array::from_fn(|axis| BRICK_SIDE * place[axis] + place_in(child)[axis]);
-                    texels[root + at[0] + ROOT_SIDE * (at[1] + ROOT_SIDE * at[2])] = cell;
+impl RegionPlan {
+    /// Builds the tree of a frame in several parts. Equal parts are copied from `last`, a tree of the same plan for another
+    /// frame. `run` must call [`Part::build`] on each part, on any thread. The tree is the same for any number of parts,
+    /// except that different parts do not share equal tapes.
+    pub fn build_in_parts(
+        &self,
+        last: Option<&Regions>,
+        frame: &FrameInputs,
+        options: &RegionOptions,
+        parts: usize,
+        run: impl FnOnce(&mut [Part]),
+    ) -> Regions {
+        let program = self.folded(&Numbers::Of(frame), frame);
+        let variant = &self.variant;
+        let has_rest = self.has_rest && (self.runs || variant.non_lipschitz);
+        let bounds =
+            self.bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
+        let (low, size) = extent(bounds, options.center);
+        // If the value is not a distance, rays need cells, even if the options ask for none.
+        let cells = (options.cells || variant.non_lipschitz)
+            && has_rest
+            && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+        // A formula that is not a distance has one root: its gradients cost much in large cells, and its rays end with the
+        // tree.
+        let reaches_far = bounds.is_none() && !variant.non_lipschitz;
+        let roots = if reaches_far && options.texels_max >= 16 * ROOT_SIDE.pow(3) { ROOTS_MAX } else { 1 };
+        let roots = if cells { roots } else { 0 };
+        let mut trunk = Trunk {
+            frame,
+            options,
+            program,
+            roots: (0..roots).map(|number| Root::new(number, low, size, variant.non_lipschitz)).collect(),
+            texels: vec![[0; 4]; roots * ROOT_SIDE.pow(3)],
+            variant,
+            steepest: self.steepest.unwrap_or(f32::INFINITY),
+            before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size, &frame.shapes)),
+            unbounded: bounds.is_none(),
+            whole: Whole::default(),
+            stats: RegionStats::default(),
+        };
+        trunk.write_whole();
+        let mut memory =
+            Memory { whole_object: trunk.whole.object, shapes: frame.shapes.clone(), ..Memory::default() };
+        let (mut stats, mut texels) = (trunk.stats, Vec::new());
+        if cells {
+            trunk.divide();
+            let count = parts.max(1);
+            let mut parts: Vec<Part> = (0..count).map(|number| Part::new(&trunk, number, count)).collect();
+            run(&mut parts);
+            texels.reserve_exact(trunk.texels.len() + parts.iter().map(Part::texel_count).sum::<usize>());
+            texels.extend_from_slice(&trunk.texels);
+            for part in parts {
+                let (blocks, its, of_part) = part.finish(texels.len() - trunk.texels.len(), &mut memory);
+                texels.extend(its);
+                stats.add(&of_part);
+                for (block, cells) in blocks {
+                    let (root, place) = (block / CELLS * ROOT_SIDE.pow(3), place_in(block % CELLS));
+                    for (child, cell) in cells.into_iter().enumerate() {
+                        let at: [usize; 3] =
+                            std::array::from_fn(|axis| BRICK_SIDE * place[axis] + place_in(child)[axis]);
+                        texels[root + at[0] + ROOT_SIDE * (at[1] + ROOT_SIDE * at[2])] = cell;
+                    }
                 }
             }
+        } else {
+            texels = trunk.texels;
         }
-    } else {
-        texels = trunk.texels;
-    }
-    stats.bytes = texels.len() * size_of::<Texel>();
-    Regions {
-        low,
-        size: if cells { size } else { [0.0; 3] },
-        roots,
-        bounds,
-        whole_tape: trunk.whole.tape,
-        texels,
-        stats,
-        memory,
+        stats.bytes = texels.len() * size_of::<Texel>();
+        Regions {
+            low,
+            size: if cells { size } else { [0.0; 3] },
+            roots,
+            bounds,
+            whole_tape: trunk.whole.tape,
+            texels,
+            stats,
+            memory,
+        }
     }
 }
 

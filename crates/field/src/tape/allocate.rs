@@ -18,7 +18,8 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
     if roots.len() > outputs_max {
         return Err(TapeError::TooManyOutputs { count: roots.len(), max: outputs_max });
     }
-    let order = graph.order(roots)?.nodes;
+    graph.check()?;
+    let order = graph.order(roots);
     let next_uses = next_uses(graph, &order, roots);
     let nodes = roots.iter().max().map_or(0, |last| last.index() + 1);
     let mut allocator = Allocator {

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 use super::rounds::{Formula, Rounds, Source, Unrolled};
-use crate::graph::{Graph, Input, Node, NodeId, Op, Result, ScreenInput};
+use crate::graph::{Graph, Input, Node, NodeId, Op, ScreenInput};
 
 /// Returns a literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
@@ -90,25 +90,19 @@ fn reciprocal(divisor: f32) -> Option<f32> {
 }
 
 /// Returns the number of statements of the function that computes `roots`. The rounds of a loop count once.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
-pub fn statements(graph: &Graph, roots: &[NodeId]) -> Result<usize> {
-    let order = graph.order(roots)?.nodes;
+pub fn statements(graph: &Graph, roots: &[NodeId]) -> usize {
+    let order = graph.order(roots);
     let unrolled = Unrolled::new(graph, &order, roots);
     let saved = unrolled.loops().iter().map(|rounds| rounds.places.len() - rounds.steps.len()).sum::<usize>();
-    Ok(unrolled.order.len() - saved)
+    unrolled.order.len() - saved
 }
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
 /// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation; equal rounds
 /// become a loop (`rounds.rs`). With a [`Sampling`] other than `None`, functions `name_uv0` .. for texture coordinates
 /// precede it.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
-pub fn function(graph: &Graph, roots: &[NodeId], name: &str, sampling: Sampling) -> Result<String> {
-    let order = graph.order(roots)?.nodes;
+pub fn function(graph: &Graph, roots: &[NodeId], name: &str, sampling: Sampling) -> String {
+    let order = graph.order(roots);
     let neighbours = match sampling {
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
@@ -122,13 +116,13 @@ pub fn function(graph: &Graph, roots: &[NodeId], name: &str, sampling: Sampling)
     };
     let mut writer = Writer::new(graph, String::with_capacity(order.len() * 32 + 256));
     if neighbours.is_some() {
-        writer.coordinates(&order, name)?;
+        writer.coordinates(&order, name);
     }
     let single = roots.len() == 1 && neighbours.is_none();
     writer.head(name, arguments, (!single).then_some(roots.len()), neighbours);
     writer.statements(&order, roots);
     writer.results(roots, single);
-    Ok(writer.text)
+    writer.text
 }
 
 /// Writes the statements of a function. Writing to a String cannot fail, so the results of `write!` are ignored.
@@ -163,17 +157,16 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<()> {
+    fn coordinates(&mut self, order: &[NodeId], name: &str) {
         for id in order {
             if let Node::Texture { u, v, .. } = self.graph.node(*id)
                 && !self.coordinates.contains(&(u, v))
             {
                 let name = format!("{name}_uv{}", self.coordinates.len());
-                self.text.push_str(&function(self.graph, &[u, v], &name, Sampling::None)?);
+                self.text.push_str(&function(self.graph, &[u, v], &name, Sampling::None));
                 self.coordinates.push((u, v));
             }
         }
-        Ok(())
     }
 
     /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the

@@ -170,10 +170,10 @@ proptest! {
         let batch = Batch::new(&tape, &frame).run(points);
         for (row, &values) in values.iter().enumerate() {
             let point = point(values);
-            let expected = graph.evaluate(&roots, &point, &frame).unwrap();
+            let expected = graph.evaluate(&roots, &point, &frame);
             let found = evaluator.at(&point);
             let [x, y, z] = point.position;
-            let without_normal = graph.evaluate(&roots[..1], &Point::at(x, y, z), &frame).unwrap()[0];
+            let without_normal = graph.evaluate(&roots[..1], &Point::at(x, y, z), &frame)[0];
             prop_assert!(same(without_normal, duals.at(point.position).value));
             for place in 0..roots.len() {
                 prop_assert!(same(expected[place], found[place]), "{} is not {}\n{tape}", found[place], expected[place]);
@@ -193,7 +193,7 @@ proptest! {
         let tape = tape_of(&graph, &[root], 8);
         let frame = frame();
         let sides = ends.map(|[a, b]| Interval::new(a.min(b), a.max(b)));
-        let bounds = graph.bounds(root, sides, &frame).unwrap();
+        let bounds = graph.bounds(root, sides, &frame);
         let mut points = PointEvaluator::new(&tape, &frame);
         for along in along {
             let inside = std::array::from_fn(|place| {
@@ -290,9 +290,9 @@ fn deep_expressions_need_no_stack_and_few_registers() {
     );
     let frame = FrameInputs::default();
     let point = Point::at(0.25, 0.0, 0.0);
-    let expected = graph.evaluate(&[left, right], &point, &frame).unwrap();
+    let expected = graph.evaluate(&[left, right], &point, &frame);
     assert_eq!(PointEvaluator::new(&tape, &frame).at(&point), expected);
-    assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).unwrap().lines().count() > 200_000);
+    assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).lines().count() > 200_000);
 }
 
 /// A balanced tree over 2^10 leaves of x, y and z takes one register per level. With fewer registers it spills.
@@ -312,7 +312,7 @@ fn spilling_uses_memory_only_where_registers_run_out() {
     }
     let frame = FrameInputs::default();
     let point = Point::at(0.1, 0.2, 0.3);
-    let expected = graph.evaluate(&row, &point, &frame).unwrap()[0];
+    let expected = graph.evaluate(&row, &point, &frame)[0];
     for (registers, memory) in [(256, 0), (16, 0), (14, 0), (5, 1), (2, 1)] {
         let tape = tape_of(&graph, &row, registers);
         assert!(
@@ -391,7 +391,7 @@ fn limits_are_reached() {
 fn glsl_is_written_from_the_operators() {
     let mut graph = Graph::new();
     let root = ring(&mut graph);
-    let text = glsl::function(&graph, &[root], "distance_to_scene", glsl::Sampling::None).unwrap();
+    let text = glsl::function(&graph, &[root], "distance_to_scene", glsl::Sampling::None);
     let expected = "float distance_to_scene(vec3 p, vec3 n) {
     float v2 = (p.x * p.x);
     float v3 = (p.y * p.y);
@@ -426,7 +426,7 @@ fn glsl_is_written_from_the_operators() {
     }
     let texel = graph.input(Input::Param(6));
     let texel = graph.texture(2, 1, root, texel);
-    let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None).unwrap();
+    let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None);
     assert!(text.starts_with("void colours(vec3 p, vec3 n, out float r0, out float r1) {"), "{text}");
     assert!(
         text.contains("    vec4 s0 = read_texture(2, v10, frame_params[1].z);\n    float v12 = s0.y;\n"),
@@ -440,11 +440,10 @@ fn glsl_guards_divisions_only_if_the_divisor_may_be_zero() {
     let mut graph = Graph::new();
     let (x, y, three) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(3.0));
     let (by_three, by_y) = (graph.div(x, three), graph.div(x, y));
-    let text = glsl::function(&graph, &[by_three], "f", glsl::Sampling::None).unwrap();
+    let text = glsl::function(&graph, &[by_three], "f", glsl::Sampling::None);
     assert!(text.contains(&format!("= (p.x * {:?});", 3.0_f32.recip())), "{text}");
     assert!(
         glsl::function(&graph, &[by_y], "f", glsl::Sampling::None)
-            .unwrap()
             .contains("= (p.y == 0.0 ? 0.0 : p.x / p.y);")
     );
 }
@@ -457,7 +456,7 @@ fn glsl_guards_roots_of_possibly_negative_values() {
     let (squares, other) = (graph.add(xx, yy), graph.sub(x, y));
     for (inside, guarded) in [(squares, false), (other, true)] {
         let root = graph.sqrt(inside);
-        let text = glsl::function(&graph, &[root], "f", glsl::Sampling::None).unwrap();
+        let text = glsl::function(&graph, &[root], "f", glsl::Sampling::None);
         assert_eq!(text.contains("sqrt(max("), guarded, "{text}");
     }
 }

@@ -19,7 +19,7 @@ use std::rc::Rc;
 
 use super::cells::{NESTED, PIECES, below, nested, pieces, sixty_fourths};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, NodeId, Result};
+use crate::graph::{FrameInputs, Graph, NodeId};
 use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of};
 
 /// Surfaces farther than about this from the origin leave a scene without bounds.
@@ -73,16 +73,13 @@ struct Search<'a> {
 
 /// Returns a box around the surfaces of a distance in all frames of `any`; `None` if the surfaces are unbounded or may
 /// be in every cell. The outermost cell at a face is divided until it is thin enough.
-///
-/// # Errors
-/// Fails if the graph has too many nodes.
-pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Result<Option<Bounds>> {
-    let (distance, whole) = EveryFrame::new(graph, distance, any)?;
+pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Option<Bounds> {
+    let (distance, whole) = EveryFrame::new(graph, distance, any);
     let steps = STEPS_MAX.max(WHOLE_RUNS_MAX * whole.len());
     let mut search = Search { distance, left: steps };
-    let Some(around) = search.outermost(&whole) else { return Ok(None) };
+    let around = search.outermost(&whole)?;
     search.left = steps;
-    Ok(search.box_around(&whole, around))
+    search.box_around(&whole, around)
 }
 
 impl Search<'_> {
@@ -364,7 +361,7 @@ mod tests {
 
     fn bounds(text: &str) -> Option<Bounds> {
         let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        find(&scene.graph, scene.distance, &crate::world::any_frame(&scene)).unwrap()
+        find(&scene.graph, scene.distance, &crate::world::any_frame(&scene))
     }
 
     fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], fraction: f32) {

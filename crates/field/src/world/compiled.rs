@@ -48,7 +48,7 @@ impl World {
     /// # Errors
     /// Fails if the graph exceeds its limit, or if naga rejects the text, which is a bug in the generator.
     pub fn compiled_glsl(&self) -> Result<String, WorldError> {
-        let generated = self.generated_functions()?;
+        let generated = self.generated_functions();
         validate(&generated).map_err(|reason| WorldError::Refused { scene: self.name.clone(), reason })?;
         Ok(generated + &self.contract())
     }
@@ -77,20 +77,18 @@ impl World {
         functions
     }
 
-    fn generated_functions(&self) -> Result<String, WorldError> {
+    fn generated_functions(&self) -> String {
         let graph = &self.graph;
         let functions = self.functions();
         let written = functions.iter().map(|of| glsl::function(graph, &of.roots, &of.name, of.sampling));
-        let written =
-            written.collect::<Result<Vec<String>, _>>().map_err(WorldError::of(&self.name))?.concat();
+        let written = written.collect();
         let all: Vec<NodeId> = functions.into_iter().flat_map(|of| of.roots).collect();
-        let nodes = graph.order(&all).map_err(WorldError::of(&self.name))?.nodes;
-        let inputs = nodes.into_iter().filter_map(|id| match graph.node(id) {
+        let inputs = graph.order(&all).into_iter().filter_map(|id| match graph.node(id) {
             Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
             Node::Input(input) => Some(input),
             _ => None,
         });
-        Ok(with_copies(written, inputs))
+        with_copies(written, inputs)
     }
 
     /// The count of numbers that the shaders read from a material.
@@ -225,8 +223,8 @@ impl FrameTape {
             picture: tape(&scene.picture.numbers())?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
             feedback: Feedback::of(scene)?,
-            motions: Motions::of(&scene.graph)?,
-            screen_inputs: screen_inputs(scene)?,
+            motions: Motions::of(&scene.graph),
+            screen_inputs: screen_inputs(scene),
         })
     }
 
@@ -254,13 +252,13 @@ impl FrameTape {
     }
 }
 
-fn screen_inputs(scene: &Scene) -> Result<BTreeSet<ScreenInput>, TapeError> {
+fn screen_inputs(scene: &Scene) -> BTreeSet<ScreenInput> {
     let roots: Vec<NodeId> = scene.sky.color.into_iter().chain(scene.picture.numbers()).collect();
     let of_screen = |input: &Input| match input {
         Input::Screen(input) => Some(*input),
         _ => None,
     };
-    Ok(scene.graph.inputs_used(&roots)?.inputs.iter().filter_map(of_screen).collect())
+    scene.graph.inputs_used(&roots).inputs.iter().filter_map(of_screen).collect()
 }
 
 // Checks generated GLSL with naga, so that no driver gets invalid text.

@@ -108,7 +108,7 @@ impl FeedbackColor {
     fn new(world: &World, texture: usize, colors: impl IntoIterator<Item = NodeId>) -> Option<Self> {
         let graph = &world.scene.graph;
         let roots: Vec<NodeId> = colors.into_iter().collect();
-        let read = graph.order(&roots).ok()?.nodes.into_iter().rev().find_map(|id| match graph.node(id) {
+        let read = graph.order(&roots).into_iter().rev().find_map(|id| match graph.node(id) {
             Node::Texture { texture: number, u, v, .. } if usize::from(number) == texture => Some([u, v]),
             _ => None,
         });

@@ -5,27 +5,27 @@
 //! so shaders do not compute it at each point. Up to 256 expressions are hoisted; further ones stay in the shaders.
 
 use super::Roots;
-use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Order, Point, Result};
+use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Point};
 use crate::limits::LIMITS;
 
 /// The hoisted expressions.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
     graph: Graph,
-    order: Order,
+    order: Vec<NodeId>,
     /// Root i computes the value of `Input::Hoisted(i)`.
     roots: Vec<NodeId>,
 }
 
 impl Hoisted {
-    pub(super) fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self> {
+    pub(super) fn of(graph: &Graph, roots: &[NodeId]) -> Self {
         let mut own = Graph::new();
         let mut moved = vec![NodeId::default(); graph.len()];
-        for id in graph.order(roots)?.nodes {
+        for id in graph.order(roots) {
             copy(graph, id, &mut own, &mut moved);
         }
         let roots: Vec<NodeId> = roots.iter().map(|root| moved[root.index()]).collect();
-        Ok(Self { order: own.order(&roots)?, graph: own, roots })
+        Self { order: own.order(&roots), graph: own, roots }
     }
 
     /// Computes the values for a frame. All values are finite.
@@ -43,9 +43,9 @@ fn copy(from: &Graph, id: NodeId, to: &mut Graph, moved: &mut [NodeId]) {
 }
 
 /// Hoists the parts of the roots that do not depend on the point. All other nodes stay the same, bit for bit.
-pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted)> {
+pub(super) fn hoist(graph: &Graph, roots: &Roots) -> (Graph, Roots, Hoisted) {
     let all: Vec<NodeId> = roots.all().collect();
-    let order = graph.order(&all)?.nodes;
+    let order = graph.order(&all);
     let mut of_frame = vec![false; graph.len()];
     let mut is_read = vec![false; graph.len()];
     for &id in &order {
@@ -86,8 +86,7 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
             copy(graph, id, &mut rest, &mut moved);
         }
     }
-    rest.check()?;
-    Ok((rest, roots.map(|id| moved[id.index()]), Hoisted::of(graph, &hoisted)?))
+    (rest, roots.map(|id| moved[id.index()]), Hoisted::of(graph, &hoisted))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@
 //! texture is sampled first.
 
 use super::{Bounds, ShortPrograms, SwarmPlan, World, WorldError, WorthShortening};
-use crate::graph::{Compounds, FrameInputs, Graph, Node, NodeId, Result};
+use crate::graph::{Compounds, FrameInputs, Graph, Node, NodeId};
 use crate::lang::{Material, SURFACE_NUMBERS};
 use crate::region::MediumPlan;
 use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
@@ -87,17 +87,17 @@ pub struct Cost {
 impl SurfaceTape {
     fn build(graph: &Graph, roots: &[NodeId], over: Over) -> Result<Self, TapeError> {
         // Few programs sample textures. The others need no copy of the graph.
-        let samples = !graph.inputs_used(roots)?.textures.is_empty();
-        let separated = samples.then(|| without_coordinates(graph, roots)).transpose()?;
+        let samples = !graph.inputs_used(roots).textures.is_empty();
+        let separated = samples.then(|| without_coordinates(graph, roots));
         let (graph, mut read, textures) = match &separated {
             Some((own, roots, textures)) => (own, roots.clone(), &textures[..]),
             None => (graph, roots.to_vec(), &[][..]),
         };
         read.extend(textures.iter().flat_map(|(_, place)| place));
-        let graph = graph.fused(&mut read)?;
+        let graph = graph.fused(&mut read);
         let (roots, places) = read.split_at(roots.len());
         let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
-        let plan = SurfacePlan::new(&graph, roots, textures.len(), over)?;
+        let plan = SurfacePlan::new(&graph, roots, textures.len(), over);
         let textures = textures.iter().zip(places.as_chunks::<2>().0);
         let textures = textures.map(|((picture, _), place)| Ok((*picture, tape(place)?)));
         Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)?, plan })
@@ -153,11 +153,11 @@ type Sampled = (u16, [NodeId; 2]);
 
 /// Separates the texture coordinates from the other expressions. Returns the remaining graph and roots, and each
 /// texture's coordinates. Textures are numbered in an order in which they can be sampled.
-fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<NodeId>, Vec<Sampled>)> {
+fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>, Vec<Sampled>) {
     let mut own = Graph::new();
     let mut textures: Vec<Sampled> = Vec::new();
     let mut moved = vec![NodeId::default(); graph.len()];
-    for id in graph.order(roots)?.nodes {
+    for id in graph.order(roots) {
         let at = |id: NodeId| moved[id.index()];
         let copy = match graph.node(id) {
             Node::Texture { texture, channel, u, v } => {
@@ -175,7 +175,7 @@ fn without_coordinates(graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<No
         moved[id.index()] = copy;
     }
     let roots = roots.iter().map(|root| moved[root.index()]).collect();
-    Ok((own, roots, textures))
+    (own, roots, textures)
 }
 
 impl TapeBuffers {
@@ -290,7 +290,6 @@ impl World {
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
             MediumPlan::new(&self.graph, [density, r, g, b], self.medium_bounds)
         });
-        let medium = medium.transpose().map_err(WorldError::of(&self.name))?;
         let of_material = |material: usize| {
             let body = materials.len() + material.min(bodies - 1);
             [material, body].map(|program| PROGRAMS_OF_LIGHT + program)
@@ -304,8 +303,7 @@ impl World {
         let total = distance + object + materials + clauses(of_light);
         let functions = self.functions().into_iter();
         let statements = functions.map(|function| glsl::statements(&self.graph, &function.roots));
-        let compiled = statements.sum::<Result<usize>>().map_err(WorldError::of(&self.name))?;
-        let cost = Cost { distance, materials, total, compiled };
+        let cost = Cost { distance, materials, total, compiled: statements.sum() };
         let [on_gpu, on_processor] = {
             let tapes = programs[..run].iter().flat_map(SurfaceTape::tapes);
             let compounds = Tape::compounds_that_pay(tapes.clone());

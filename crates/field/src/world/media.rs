@@ -8,13 +8,15 @@
 //! Transfer"). Ambient light is scattered as if it came equally from all directions.
 
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Op, Result};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Op};
 use crate::lang::{FieldRange, Medium, Scene};
 use crate::region::every_frame::EveryFrame;
 
 /// Number of results of a scene's program of media: the density, scattered light in red, green and blue per unit of
 /// light and length, emitted light in red, green and blue per unit of length, and the direction of scattering.
 pub(crate) const MEDIUM_NUMBERS: usize = 8;
+/// The result that holds the phase.
+pub(super) const PHASE: usize = MEDIUM_NUMBERS - 1;
 
 /// The results of the program of media ([`MEDIUM_NUMBERS`]).
 pub(super) type MediumRoots = [NodeId; MEDIUM_NUMBERS];
@@ -32,11 +34,11 @@ const NEAREST_CUT: f32 = 1.0 / 64.0;
 const FARTHEST_CUT: f32 = 4096.0;
 
 /// Returns the sum of a scene's media; `None` if there is no medium.
-pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
+pub(super) fn sum(scene: &mut Scene) -> Option<MediumRoots> {
     if scene.media.is_empty() {
-        return Ok(None);
+        return None;
     }
-    let ambient = mean_ambient(scene)?;
+    let ambient = mean_ambient(scene);
     let media = std::mem::take(&mut scene.media);
     let graph = &mut scene.graph;
     let zero = graph.constant(0.0);
@@ -45,21 +47,20 @@ pub(super) fn sum(scene: &mut Scene) -> Result<Option<MediumRoots>> {
     let mut directed = zero;
     for medium in &media {
         let own = numbers(graph, medium);
-        directed = graph.add(directed, own[MEDIUM_NUMBERS - 1] * own[2]);
+        directed = graph.add(directed, own[PHASE] * own[2]);
         for (sum, own) in sum.iter_mut().zip(own) {
             *sum = graph.add(*sum, own);
         }
     }
     if media.len() > 1 {
         let weight = graph.max(sum[2], f32::MIN_POSITIVE);
-        sum[MEDIUM_NUMBERS - 1] = graph.div(directed, weight);
+        sum[PHASE] = graph.div(directed, weight);
     }
     for channel in 0..3 {
         sum[4 + channel] = graph.add(sum[4 + channel], sum[1 + channel] * ambient[channel]);
     }
-    graph.check()?;
     scene.media = media;
-    Ok(Some(sum))
+    Some(sum)
 }
 
 /// Returns the numbers of one medium, without ambient light.
@@ -79,38 +80,37 @@ fn clamped(graph: &mut Graph, number: NodeId, range: FieldRange) -> NodeId {
 }
 
 /// Returns the mean of the ambient light along the axes. It depends only on the frame, so the CPU computes it.
-fn mean_ambient(scene: &mut Scene) -> Result<[NodeId; 3]> {
+fn mean_ambient(scene: &mut Scene) -> [NodeId; 3] {
     let graph = &mut scene.graph;
     let mut mean = [graph.constant(0.0); 3];
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
             let mut direction = [0.0; 3];
             direction[axis] = sign;
-            let light = facing(graph, &scene.sky.ambient, direction)?;
+            let light = facing(graph, &scene.sky.ambient, direction);
             for (mean, light) in mean.iter_mut().zip(light) {
                 *mean = graph.add(*mean, light * (1.0 / 6.0));
             }
         }
     }
-    Ok(mean)
+    mean
 }
 
 /// Returns the expressions for a surface or a ray with this normal or direction.
-pub(super) fn facing(graph: &mut Graph, roots: &[NodeId], normal: [f32; 3]) -> Result<Vec<NodeId>> {
-    let order = graph.order(roots)?;
-    Ok(graph.with_inputs(roots, &order, |graph, input| {
+pub(super) fn facing(graph: &mut Graph, roots: &[NodeId], normal: [f32; 3]) -> Vec<NodeId> {
+    graph.with_inputs(roots, |graph, input| {
         let axis = [Input::NX, Input::NY, Input::NZ].iter().position(|axis| *axis == input)?;
         Some(graph.constant(normal[axis]))
-    }))
+    })
 }
 
 /// Returns a box that contains all media in all frames of `any`. A side without a bound is infinite.
 ///
 /// At each face, half-spaces at growing distances are tested at once. A second round looks only inside the box of the
 /// first one.
-pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) -> Result<Bounds> {
+pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) -> Bounds {
     let absence = absence(graph, roots);
-    let (mut search, whole) = EveryFrame::new(graph, absence, any)?;
+    let (mut search, whole) = EveryFrame::new(graph, absence, any);
     let mut found = Bounds { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY; 3] };
     for _ in 0..ROUNDS {
         for face in 0..6 {
@@ -138,7 +138,7 @@ pub(super) fn bounds(graph: &mut Graph, roots: &MediumRoots, any: &FrameInputs) 
             *found.face_mut(face) = outwards * end;
         }
     }
-    Ok(found)
+    found
 }
 
 /// Returns coordinates from far inside to far outside, which grow by equal factors on both sides of 0.
@@ -152,9 +152,7 @@ fn coarse_cuts() -> [f32; CUTS] {
 /// Returns an expression that is positive where there is no medium.
 fn absence(graph: &mut Graph, roots: &MediumRoots) -> NodeId {
     let [density, _, _, _, r, g, b, _] = *roots;
-    let light = graph.max(r, g);
-    let light = graph.max(light, b);
-    graph.sub(THINNEST, density + light)
+    graph.sub(THINNEST, density + Op::Max.pair(Op::Max.pair(r, g), b))
 }
 
 #[cfg(test)]
@@ -170,7 +168,7 @@ mod tests {
         let mut inputs = inputs.clone();
         inputs.hoisted = world.hoisted.values(&inputs);
         let [x, y, z] = place;
-        world.graph.evaluate(&roots, &Point::at(x, y, z), &inputs).unwrap()
+        world.graph.evaluate(&roots, &Point::at(x, y, z), &inputs)
     }
 
     #[test]

@@ -183,15 +183,14 @@ impl World {
     /// # Errors
     /// Fails if the scene exceeds the limits on nodes or clauses.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
-        let (planes, rest) = planes::split(&mut scene).map_err(WorldError::of(name))?;
+        let (planes, rest) = planes::split(&mut scene);
         let frame_tape = FrameTape::build(&scene, &planes).map_err(WorldError::of(name))?;
         let traced = match &rest {
             Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape).map_err(WorldError::of(name))?,
             None => Traced::default(),
         };
-        let glow =
-            nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(WorldError::of(name))?;
-        let medium = media::sum(&mut scene).map_err(WorldError::of(name))?;
+        let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz);
+        let medium = media::sum(&mut scene);
         Self::prepared(name, scene, Surfaces { planes, rest, glow, medium }, traced, frame_tape, pictures)
     }
 
@@ -235,7 +234,7 @@ impl World {
         let medium_bounds = match &medium {
             Some(medium) => {
                 let any = any_frame(&scene);
-                media::bounds(&mut scene.graph, medium, &any).map_err(WorldError::of(name))?
+                media::bounds(&mut scene.graph, medium, &any)
             }
             None => Bounds::around([0.0; 3], 0.0),
         };
@@ -253,7 +252,7 @@ impl World {
         scene.graph.check().map_err(WorldError::of(name))?;
         let Traced { bounds, non_lipschitz, slopes, is_blend } = traced;
         let features = SceneFeatures::of(&scene, has_glow, has_media, is_blend);
-        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(WorldError::of(name))?;
+        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots);
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
@@ -288,7 +287,7 @@ impl World {
     /// inside, and one can look through glass. `inputs` have the hoisted values.
     pub fn object_around(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Option<&Object> {
         let roots = [self.roots.distance[1], self.roots.object];
-        let values = self.graph.evaluate(&roots, &Point::at(x, y, z), inputs).ok()?;
+        let values = self.graph.evaluate(&roots, &Point::at(x, y, z), inputs);
         let [distance, number] = values.first_chunk()?;
         let object = self.scene.objects.get(*number as usize).filter(|_| self.has_rest && *distance < 0.0)?;
         let glass = self.scene.materials.get(object.material)?.glass;
@@ -329,7 +328,7 @@ struct Traced {
 impl Traced {
     fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
         let any = any_frame(scene);
-        let bounds = bounds::find(&scene.graph, distance, &any)?;
+        let bounds = bounds::find(&scene.graph, distance, &any);
         let Some(checked) = untrusted(scene, distance) else { return Ok(Self { bounds, ..Self::default() }) };
         let tape = Tape::build(&scene.graph, &[checked], &TapeOptions::default())?;
         let around = |inputs: &FrameInputs| match bounds {

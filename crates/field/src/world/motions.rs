@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::Hoisted;
-use crate::graph::{FrameInputs, Graph, Input, Motion, MotionState, NodeId, Op, Result, SoundInput};
+use crate::graph::{FrameInputs, Graph, Input, Motion, MotionState, NodeId, Op, SoundInput};
 
 /// The motions of a scene, in the order of their numbers. A motion reads only motions before it.
 #[derive(Debug, Clone, Default)]
@@ -27,23 +27,23 @@ pub struct Moving<'m> {
 }
 
 impl Motions {
-    pub(crate) fn of(graph: &Graph) -> Result<Self> {
+    pub(crate) fn of(graph: &Graph) -> Self {
         let motions = graph.motions();
         let roots: Vec<NodeId> = motions.iter().flat_map(|motion| motion.operands).collect();
-        let used = graph.inputs_used(&roots)?;
+        let used = graph.inputs_used(&roots);
         let sounds: BTreeSet<SoundInput> = used
             .inputs
             .iter()
             .filter_map(|input| if let Input::Sound(sound) = input { Some(*sound) } else { None })
             .collect();
-        let step = |motion: &Motion| Ok((*motion, Hoisted::of(graph, &motion.operands)?));
-        Ok(Self {
-            steps: motions.iter().map(step).collect::<Result<_>>()?,
+        let step = |motion: &Motion| (*motion, Hoisted::of(graph, &motion.operands));
+        Self {
+            steps: motions.iter().map(step).collect(),
             sounds: sounds.into_iter().collect(),
             read_levels: used.inputs.iter().any(|input| matches!(input, Input::Level(_)))
                 || used.tables.iter().any(|table| table.level_list().is_some()),
             read_parts: used.tables.contains(&Op::Part),
-        })
+        }
     }
 
     /// True if the scene has no numbers with inertia.
@@ -101,8 +101,7 @@ mod tests {
         let [slow, twice] = [SLOW, TWICE].map(|text| World::parse("test", text).unwrap());
         let radius = |world: &World| {
             let inputs = after_a_second(world);
-            let value =
-                world.graph.evaluate(&[world.roots.distance[1]], &Point::default(), &inputs).unwrap()[0];
+            let value = world.graph.evaluate(&[world.roots.distance[1]], &Point::default(), &inputs)[0];
             (-value - 1.0, inputs.motions)
         };
         let (reached, motions) = radius(&slow);
@@ -111,7 +110,7 @@ mod tests {
         let [once, again, since] = motions[..] else { panic!("{motions:?}") };
         assert!(again < once - 0.2 && (since - 0.93).abs() < 0.03, "{motions:?}");
         for world in [&slow, &twice] {
-            let used = world.graph.inputs_used(&world.roots.all().collect::<Vec<_>>()).unwrap().inputs;
+            let used = world.graph.inputs_used(&world.roots.all().collect::<Vec<_>>()).inputs;
             assert!(
                 !used.iter().any(|input| matches!(input, Input::Motion(_) | Input::Sound(_))),
                 "{used:?}"

@@ -12,7 +12,7 @@
 //! shining object within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).
 
 use super::media::facing;
-use crate::graph::{Graph, NodeId, Op, Result};
+use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Scene;
 
 /// The least reach, as in the frame's uniforms (`frame_reach`).
@@ -23,7 +23,7 @@ const SUM_MIN: f32 = 1e-30;
 /// Returns the emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if
 /// no object shines. Nearer objects have larger weights, so that there is no visible seam. An emission that depends on
 /// the normal is evaluated for a surface that faces up.
-pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Option<[NodeId; 4]>> {
+pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Option<[NodeId; 4]> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
     let shining: Vec<(NodeId, [NodeId; 3])> = objects
@@ -31,10 +31,10 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
         .filter(|(_, emission)| *emission != [zero; 3])
         .collect();
     let emissions: Vec<NodeId> = shining.iter().flat_map(|(_, emission)| *emission).collect();
-    let facing_up = facing(&mut scene.graph, &emissions, [0.0, 1.0, 0.0])?;
+    let facing_up = facing(&mut scene.graph, &emissions, [0.0, 1.0, 0.0]);
     let graph = &mut scene.graph;
     let shapes: Vec<NodeId> = shining.iter().map(|(shape, _)| *shape).collect();
-    let Some(nearest) = shapes.iter().copied().reduce(|a, b| graph.min(a, b)) else { return Ok(None) };
+    let nearest = shapes.iter().copied().reduce(|a, b| graph.min(a, b))?;
     let reach = graph.max(scene.sky.reach, REACH_MIN);
     // The shader takes no light beyond the reach, so a distance of the reach is as good as a larger one.
     let nearest = if non_lipschitz { nearest } else { graph.min(nearest, reach) };
@@ -43,12 +43,11 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
         [one] => *one,
         several => {
             let one = graph.constant(1.0);
-            let reach_square = graph.unary(Op::Square, reach);
-            let per_square = graph.div(one, reach_square);
+            let per_square = graph.div(1.0, Op::Square.of(reach));
             let weights: Vec<NodeId> = shapes
                 .iter()
                 .map(|&shape| {
-                    let square = graph.unary(Op::Square, shape);
+                    let square = graph.square(shape);
                     let window = if non_lipschitz { one } else { window(graph, square, per_square) };
                     graph.div(window, square + 1e-6)
                 })
@@ -65,15 +64,13 @@ pub(super) fn nearby_light(scene: &mut Scene, non_lipschitz: bool) -> Result<Opt
             })
         }
     };
-    graph.check()?;
     let [r, g, b] = light;
-    Ok(Some([r, g, b, nearest]))
+    Some([r, g, b, nearest])
 }
 
 /// Returns max(1 - (d / reach)², 0)², which has no kink at the reach, for the square of d and 1 / reach².
 fn window(graph: &mut Graph, square: NodeId, per_square: NodeId) -> NodeId {
-    let window = graph.max(1.0 - square * per_square, 0.0);
-    graph.unary(Op::Square, window)
+    graph.unary(Op::Square, Op::Max.pair(1.0 - square * per_square, 0.0))
 }
 
 #[cfg(test)]
@@ -84,9 +81,9 @@ mod tests {
 
     fn glow_at(text: &str, x: f32) -> Option<Vec<f32>> {
         let mut scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let roots = nearby_light(&mut scene, false).unwrap()?;
+        let roots = nearby_light(&mut scene, false)?;
         let point = Point { position: [x, 0.0, 0.0], normal: [0.3; 3] };
-        Some(scene.graph.evaluate(&roots, &point, &FrameInputs::default()).unwrap())
+        Some(scene.graph.evaluate(&roots, &point, &FrameInputs::default()))
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 
-use crate::graph::{Graph, Input, Node, NodeId, Op, Result};
+use crate::graph::{Graph, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 use crate::rays::WITHOUT_GLASS;
 
@@ -42,14 +42,14 @@ enum Shape {
 }
 
 /// Takes the planes out of a scene's shapes. The shape of an object with a `bound` stays whole.
-pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>)> {
+pub(super) fn split(scene: &mut Scene) -> (Vec<Plane>, Option<Rest>) {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
-    let kinds = kinds(&scene.graph, &shapes)?;
+    let kinds = kinds(&scene.graph, &shapes);
     let mut planes = Vec::new();
     let mut rest: Vec<Solid> = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         let glass = scene.materials.get(object.material).map(|material| material.glass);
-        let away = glass.map(|glass| away_of(&mut scene.graph, glass)).transpose()?.flatten();
+        let away = glass.and_then(|glass| away_of(&mut scene.graph, glass));
         if let Some(bound) = object.bound {
             rest.push(Solid { object: index, shape: object.shape, bound: Some(bound), away });
             continue;
@@ -68,7 +68,7 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>)> {
         }
     }
     let graph = &mut scene.graph;
-    Ok((planes, combine(graph, &rest)))
+    (planes, combine(graph, &rest))
 }
 
 struct Solid {
@@ -88,18 +88,18 @@ impl Solid {
 
 /// Returns the distance by which the penumbra moves glass away from rays. Rays to lights pass glass whose material is
 /// the same everywhere. With [`WITHOUT_GLASS`], all glass is away.
-fn away_of(graph: &mut Graph, glass: NodeId) -> Result<Option<NodeId>> {
+fn away_of(graph: &mut Graph, glass: NodeId) -> Option<NodeId> {
     if graph.as_constant(glass).is_some_and(|glass| glass <= 0.0) {
-        return Ok(None);
+        return None;
     }
-    let used = graph.inputs_used(&[glass])?;
+    let used = graph.inputs_used(&[glass]);
     let is_fixed = used.textures.is_empty() && used.inputs.iter().all(|input| input.of_point().is_none());
     let penumbra = graph.input(Input::NX);
-    Ok(Some(if is_fixed {
+    Some(if is_fixed {
         graph.mul(penumbra, CLEAR_OF_SHADOWS * glass)
     } else {
         graph.max(penumbra - 0.1 * WITHOUT_GLASS, 0.0)
-    }))
+    })
 }
 
 /// The distance of glass grows by this multiple of the penumbra, so that rays to lights pass through it.
@@ -154,9 +154,9 @@ fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
 }
 
 /// For each node below the roots, its dependence on the point. Indexed by node.
-fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>> {
+fn kinds(graph: &Graph, roots: &[NodeId]) -> Vec<Shape> {
     let mut kinds = vec![Shape::Other; graph.len()];
-    for id in graph.order(roots)?.nodes {
+    for id in graph.order(roots) {
         let kind = match graph.node(id) {
             Node::Constant(_) => Shape::Constant,
             Node::Input(Input::X | Input::Y | Input::Z) => Shape::Affine,
@@ -177,7 +177,7 @@ fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>> {
         };
         kinds[id.index()] = kind;
     }
-    Ok(kinds)
+    kinds
 }
 
 #[cfg(test)]
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn planes_are_taken_out_of_a_minimum() {
         let mut formula = scene("min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)");
-        let (planes, rest) = split(&mut formula).unwrap();
+        let (planes, rest) = split(&mut formula);
         assert_eq!(planes.len(), 1);
         assert_eq!(formula.graph.node(planes[0].shape), Node::Input(Input::Y));
         assert!(matches!(formula.graph.node(rest.unwrap().estimate), Node::Binary(Op::Sub, _, _)));
@@ -201,14 +201,14 @@ mod tests {
     #[test]
     fn a_plane_may_be_turned_moved_and_driven_by_sound() {
         let mut tilted = scene("0.6*x + (y - volume.x)*0.8 - z/2 + sin(t)");
-        let (planes, rest) = split(&mut tilted).unwrap();
+        let (planes, rest) = split(&mut tilted);
         assert_eq!((planes.len(), rest), (1, None));
     }
 
     #[test]
     fn bent_and_cut_shapes_are_not_planes() {
         for text in ["y + 0.1*sin(x)", "max(y, x)", "abs(y)", "y*y", "y*x", "1/y", "length(p) - 1"] {
-            let (planes, rest) = split(&mut scene(text)).unwrap();
+            let (planes, rest) = split(&mut scene(text));
             assert!(planes.is_empty() && rest.is_some(), "{text}");
         }
     }
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn no_more_planes_than_the_limit_are_taken_out() {
         let mut room = scene("union(for i in 0..7: y + i*x)");
-        let (planes, rest) = split(&mut room).unwrap();
+        let (planes, rest) = split(&mut room);
         assert_eq!(planes.len(), PLANES_MAX);
         assert!(rest.is_some());
     }

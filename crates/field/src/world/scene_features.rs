@@ -80,7 +80,7 @@ impl SceneFeatures {
             translucent: any(|material| material.translucent),
             sheen: any(|material| material.film) || any(|material| material.velvet),
             bounce: some(scene.sky.bounce),
-            pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
+            pixel: used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y),
         }
     }
 

@@ -102,7 +102,7 @@ impl SwarmPlan {
             for sign in [1.0, -1.0] {
                 let mut normal = [0.0; 3];
                 normal[axis] = sign;
-                ambient.extend(facing(&mut graph, &scene.sky.ambient, normal)?);
+                ambient.extend(facing(&mut graph, &scene.sky.ambient, normal));
             }
         }
         let numbers = scene.swarms.iter().flat_map(Swarm::numbers);
@@ -111,7 +111,7 @@ impl SwarmPlan {
         Ok(Some(Self {
             swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
             ambient: Tape::build(&graph, &ambient, &options)?,
-            reads: Reads::of(&graph, &all)?,
+            reads: Reads::of(&graph, &all),
             has_mirrors,
         }))
     }

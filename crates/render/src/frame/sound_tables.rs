@@ -10,8 +10,7 @@ use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 /// True if any expression of the world reads the tables.
 pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
-    // The graph of a world has been checked, so there is no error here.
-    let used = world.graph.inputs_used(&roots).unwrap_or_default();
+    let used = world.graph.inputs_used(&roots);
     Op::CURVES.iter().chain(&Op::PARTS).any(|table| used.tables.contains(table))
 }
 

@@ -59,7 +59,7 @@ impl Interpreter {
         info: &GlInfo,
     ) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
-        let own = Self { tapes, regions: plan.variant().clone(), features };
+        let own = Self { tapes, regions: plan.variant.clone(), features };
         // On a GPU, scenes with the same rare features share an interpreter, as other scenes share the universal one.
         let shared = Self { features: features.with_usual(), ..Self::universal(own.is_non_lipschitz()) };
         let is_rare = shared.features != SceneFeatures::USUAL;
@@ -101,7 +101,7 @@ impl Interpreter {
     /// # Errors
     /// [`DoesNotFit`] if a buffer exceeds a limit.
     pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
-        if !plan.runs() {
+        if !plan.runs {
             return Err(DoesNotFit::Registers);
         }
         let needed = buffers.texels_max().max(plan.whole_texels);

@@ -62,7 +62,7 @@ fn uniforms_have_the_values_of_a_viewer_of_shaders() {
         float c(vec3 p) { return iMouse.x + iMouse.z + float(iFrame); }";
     let file = parsed(text);
     let (graph, nodes) = executed(&file, &file.functions()[0]).unwrap();
-    assert!(graph.order(&nodes).unwrap().nodes.iter().any(|&node| graph.node(node) == Node::Input(Input::T)));
+    assert!(graph.order(&nodes).iter().any(|&node| graph.node(node) == Node::Input(Input::T)));
     assert_eq!(value(text, "b", [0.0; 3]), [1280.0 / 720.0 + 720.0]);
     assert_eq!(value(text, "c", [0.0; 3]), [0.0]);
 }

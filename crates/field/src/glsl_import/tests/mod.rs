@@ -44,7 +44,7 @@ fn width(of: Option<GlslType>) -> usize {
 /// Evaluates nodes at points.
 fn values(graph: &Graph, nodes: &[NodeId], points: &[[f32; 3]]) -> Vec<Vec<f32>> {
     let frame = FrameInputs::default();
-    let order = graph.order(nodes).unwrap();
+    let order = graph.order(nodes);
     points.iter().map(|&[x, y, z]| graph.evaluate_in(&order, nodes, &Point::at(x, y, z), &frame)).collect()
 }
 

@@ -159,8 +159,7 @@ impl ForeignCall<'_, '_> {
 
     /// Notes the inputs of the picture that the result of a call depends on.
     fn use_picture(&mut self, foreign: &ForeignFile, nodes: &[NodeId]) {
-        let Ok(used) = self.outer.graph.inputs_used(nodes) else { return };
-        let (mut kind, reads) = (uses::NOTHING, &used.inputs);
+        let (mut kind, reads) = (uses::NOTHING, self.outer.graph.inputs_used(nodes).inputs);
         if reads.iter().any(|input| matches!(input, Input::Screen(_))) {
             kind |= uses::SCREEN;
         }

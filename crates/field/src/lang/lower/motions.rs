@@ -69,15 +69,12 @@ impl MotionCall<'_, '_> {
         if self.outer.known(goal).is_some() && self.kind != MotionKind::Since {
             return Some(goal);
         }
-        let bounds = self.outer.graph.bounds(goal, [Interval::ANY; 6], &self.outer.any_frame()).ok()?;
+        let bounds = self.outer.graph.bounds(goal, [Interval::ANY; 6], &self.outer.any_frame());
         let graph = &mut self.outer.graph;
         let a = given.get(1).copied().unwrap_or(goal);
         let b = given.get(2).copied().unwrap_or_else(|| match self.kind {
             // The least damping without an overshoot.
-            MotionKind::Spring => {
-                let root = graph.unary(Op::Sqrt, a);
-                graph.add(root, root)
-            }
+            MotionKind::Spring => graph.add(Op::Sqrt.of(a), Op::Sqrt.of(a)),
             MotionKind::Follow | MotionKind::Since => a,
         });
         let width = bounds.hi - bounds.lo;

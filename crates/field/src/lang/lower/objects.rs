@@ -57,8 +57,7 @@ impl SceneBuilder<'_> {
     /// Blends the shapes, and mixes the materials where the distances to both shapes differ by less than `radius`.
     /// Where they are equal, half of each material is used.
     fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
-        let tiny = self.lowering.constant(1e-4);
-        let radius = self.lowering.graph.max(radius, tiny);
+        let radius = self.lowering.graph.max(radius, 1e-4);
         let shape = self.lowering.library_number("smooth_union", &[a.shape, b.shape, radius])?;
         let bound = match (a.bound, b.bound) {
             (Some(a), Some(b)) => Some(self.lowering.graph.min(a, b)),
@@ -70,13 +69,8 @@ impl SceneBuilder<'_> {
             if self.refuses_material("materials, including mixtures made by `melt`", b.span) {
                 return None;
             }
-            let difference = self.lowering.graph.sub(a.shape, b.shape);
-            let fraction = self.lowering.graph.div(difference, radius);
-            let (zero, half, one) =
-                (self.lowering.constant(0.0), self.lowering.constant(0.5), self.lowering.constant(1.0));
-            let fraction = self.lowering.graph.mul(fraction, half);
-            let fraction = self.lowering.graph.add(fraction, half);
-            let fraction = self.lowering.graph.clamp(fraction, zero, one);
+            let difference = (a.shape - b.shape) / radius;
+            let fraction = self.lowering.graph.clamp(difference * 0.5 + 0.5, 0.0, 1.0);
             let (one, other) = (self.parts.materials.get(a.material)?, self.parts.materials.get(b.material)?);
             let mixed = mixed(&mut self.lowering.graph, one, other, fraction);
             self.lowering.origins.of_mixture(self.parts.materials.len(), [a.material, b.material]);
@@ -158,7 +152,7 @@ impl SceneBuilder<'_> {
         }
         for (name, numbers) in fields {
             let Some((_, span)) = values.given(name) else { continue };
-            let Ok(used) = self.lowering.graph.inputs_used(numbers) else { continue };
+            let used = self.lowering.graph.inputs_used(numbers);
             if used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y) {
                 let message = format!("`{name}` cannot depend on `pixel`, which is a place in the picture");
                 let wrong = Diagnostic::unsupported(span, message);
@@ -249,7 +243,7 @@ impl SceneBuilder<'_> {
         let inputs = FrameInputs { params, screen, ..FrameInputs::default() };
         (1..16).all(|at| {
             let point = Point::at(80.0 * at as f32, 45.0 * at as f32, 0.0);
-            let place = self.lowering.graph.evaluate(&picture.warp, &point, &inputs).unwrap_or_default();
+            let place = self.lowering.graph.evaluate(&picture.warp, &point, &inputs);
             place.iter().all(|part| part.is_finite()) && place.iter().any(|part| !(0.0..=1.0).contains(part))
         })
     }

@@ -11,7 +11,7 @@ use super::builtins::Number;
 use super::declared::GlobalValue;
 use super::expr::is_swizzle;
 use super::lowering::Lowering;
-use crate::graph::{Graph, LevelList, NodeId, Op, PartInput, PartNumber, SongPart};
+use crate::graph::{LevelList, NodeId, Op, PartInput, PartNumber, SongPart};
 
 impl Lowering<'_> {
     /// Returns the part with this name, unless the scene declares a value of the same name.
@@ -42,7 +42,7 @@ impl Lowering<'_> {
         }
         self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);
         let numbers: Vec<NodeId> =
-            indices.into_iter().map(|index| part_number(&mut self.graph, index)).collect();
+            indices.into_iter().map(|index| self.graph.unary(Op::Part, index as f32)).collect();
         Some(Value::of(&numbers))
     }
 
@@ -63,23 +63,13 @@ impl Lowering<'_> {
         };
         let first = PartInput::first_band(part).index();
         Value::scalar(match self.level_number(LevelList::Band, index, index_span) {
-            Some(Number::Known(band)) => part_number(&mut self.graph, first + band),
+            Some(Number::Known(band)) => self.graph.unary(Op::Part, (first + band) as f32),
             Some(Number::Computed(index)) => {
-                let last = LevelList::Band.count() - 1;
-                let [least, most] = [0.0, last as f32].map(|bound| self.graph.constant(bound));
-                let band = self.graph.clamp(index, least, most);
+                let band = self.graph.clamp(index, 0.0, (LevelList::Band.count() - 1) as f32);
                 // Round before the sum, which may round up.
-                let band = self.graph.unary(Op::Floor, band);
-                let first = self.graph.constant(first as f32);
-                let number = self.graph.add(first, band);
-                self.graph.unary(Op::Part, number)
+                self.graph.unary(Op::Part, first as f32 + Op::Floor.of(band))
             }
             None => return Value::Unknown,
         })
     }
-}
-
-fn part_number(graph: &mut Graph, index: usize) -> NodeId {
-    let index = graph.constant(index as f32);
-    graph.unary(Op::Part, index)
 }

@@ -86,11 +86,10 @@ impl Read<'_, '_> {
         let number = self.last_frame_number();
         let at = self.position(0, "`pixel / resolution` is the place of the pixel that is drawn")?;
         let ([u, v], number) = ([at.part(0), at.part(1)], number?);
-        let most = self.outer.constant(LAST_LIGHT_MAX);
         let graph = &mut self.outer.graph;
         Some(Value::of(&[0, 1, 2].map(|channel| {
             let fraction = graph.texture(number, channel, u, v);
-            graph.mul(fraction, most)
+            graph.mul(fraction, LAST_LIGHT_MAX)
         })))
     }
 
@@ -203,22 +202,17 @@ impl Read<'_, '_> {
     fn distance(&mut self, number: usize, at: Vector) -> NodeId {
         let graph = &mut self.outer.graph;
         let numbers: [NodeId; SHAPE_NUMBERS] = std::array::from_fn(|place| {
-            let index = graph.constant((SHAPE_NUMBERS * number + place) as f32);
-            graph.unary(Op::ShapeNumber, index)
+            graph.unary(Op::ShapeNumber, (SHAPE_NUMBERS * number + place) as f32)
         });
         let [width, height, per_unit, column, row] = numbers;
         let [x, y] = [at.part(0), at.part(1)];
         let [across, up] = [(x, width, column), (y, height, row)].map(|(at, half, middle)| {
-            let least = graph.neg(half);
-            let inside = graph.clamp(at, least, half);
-            let scaled = graph.mul(inside, per_unit);
-            graph.add(scaled, middle)
+            let inside = graph.clamp(at, Op::Neg.of(half), half);
+            graph.add(inside * per_unit, middle)
         });
         let mut distance = graph.binary(Op::Shape, across, up);
         for (at, half) in [(y, height), (x, width)] {
-            let off = graph.abs(at);
-            let beyond = graph.sub(off, half);
-            distance = graph.max(beyond, distance);
+            distance = graph.max(Op::Abs.of(at) - half, distance);
         }
         distance
     }

@@ -324,7 +324,7 @@ impl BlockLowering<'_, '_> {
         if let Some(known) = self.outer.known(end) {
             return self.outer.reports.whole_bound(known, span).map(|known| (known, None));
         }
-        let most = self.outer.graph.bounds(end, [Interval::ANY; 6], &self.outer.any_frame()).ok()?.hi;
+        let most = self.outer.graph.bounds(end, [Interval::ANY; 6], &self.outer.any_frame()).hi;
         if most > self.outer.limits.scene_loop_max as f32 || !most.is_finite() {
             let wrong = Diagnostic::unsupported(span, "the largest number of iterations is not known");
             let hint = "let a loop's end depend on parameters only, as in `param rounds = 8 in 1 .. 12`, or clamp it";

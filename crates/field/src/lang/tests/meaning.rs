@@ -123,7 +123,7 @@ fn a_scene_has_objects_materials_lights_camera_and_sky() {
     assert_eq!(scene.materials[scene.objects[1].material].name, "default");
     assert_eq!(distance(&scene, [0.0, -0.75, 3.0]), 0.25);
     let point = Point { position: [0.0; 3], normal: [0.0, -1.0, 0.5] };
-    let at = |roots: &[_]| scene.graph.evaluate(roots, &point, &frame(&scene)).unwrap();
+    let at = |roots: &[_]| scene.graph.evaluate(roots, &point, &frame(&scene));
     let red = &scene.materials[0];
     assert_eq!(at(&red.color), [1.0, 0.0, 0.0]);
     assert_eq!(at(&[red.roughness, red.reflect]), [0.5, 0.0]);
@@ -167,7 +167,7 @@ fn textures_are_numbered_by_file() {
     let scene = scene(text);
     let names: Vec<&str> = scene.textures.iter().map(|texture| texture.name.as_str()).collect();
     assert_eq!(names, ["a.png", "b.png"]);
-    let used = scene.graph.inputs_used(&scene.materials[0].color).unwrap();
+    let used = scene.graph.inputs_used(&scene.materials[0].color);
     assert_eq!(used.textures.into_iter().collect::<Vec<_>>(), [0, 1]);
 }
 
@@ -210,6 +210,6 @@ fn eye_is_an_input_of_materials_and_sky_and_may_also_name_a_function() {
     let scene = scene(text);
     let inputs = FrameInputs { eye: [3.0, 4.0, 0.0], ..super::frame(&scene) };
     let roots = [scene.materials[0].haze, scene.sky.color[0], scene.camera.position[2]];
-    let values = scene.graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs).unwrap();
+    let values = scene.graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs);
     assert_eq!(values, [5.0, 4.0, -9.0]);
 }

@@ -79,7 +79,7 @@ pub(super) fn frame(scene: &Scene) -> FrameInputs {
 }
 
 pub(super) fn distance(scene: &Scene, at: [f32; 3]) -> f32 {
-    scene.graph.evaluate(&[scene.distance], &Point::at(at[0], at[1], at[2]), &frame(scene)).unwrap()[0]
+    scene.graph.evaluate(&[scene.distance], &Point::at(at[0], at[1], at[2]), &frame(scene))[0]
 }
 
 pub(super) fn value(text: &str, at: [f32; 3]) -> f32 {

@@ -10,7 +10,7 @@ pub(super) const SCREEN: Screen = Screen { size: [200.0, 100.0], pointer: [0.25,
 
 pub(super) fn color_on(scene: &Scene, [x, y]: [f32; 2], screen: Screen) -> Vec<f32> {
     let frame = FrameInputs { screen, time: 2.0, ..FrameInputs::default() };
-    scene.graph.evaluate(&scene.sky.color, &Point::at(x, y, 0.0), &frame).unwrap()
+    scene.graph.evaluate(&scene.sky.color, &Point::at(x, y, 0.0), &frame)
 }
 
 pub(super) fn with_glsl(text: &str, glsl: &str) -> Scene {
@@ -59,7 +59,7 @@ fn a_shader_sees_the_picture_in_the_sky_and_a_fixed_size_in_a_shape() {
     let text = "include \"a.glsl\"\nobject a { shape = wide(p) }\nsky { color = vec3(wide(vec3(0))) }";
     let both = with_glsl(text, glsl);
     let shape = both.graph.evaluate(&[both.distance], &Point::at(1.0, 0.0, 0.0), &FrameInputs::default());
-    assert_eq!(shape.unwrap(), [1281.0]);
+    assert_eq!(shape, [1281.0]);
     assert_eq!(color_on(&both, [0.0; 2], SCREEN), [250.0; 3]);
 }
 

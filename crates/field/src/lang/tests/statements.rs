@@ -93,7 +93,7 @@ fn a_parameter_can_be_the_number_of_iterations() {
     for (rounds, expected) in [(0.0, 0.5), (3.0, 3.5), (4.2, 5.5), (6.0, 6.5)] {
         let frame = FrameInputs { params: vec![rounds], ..FrameInputs::default() };
         let at = Point::at(AT[0], AT[1], AT[2]);
-        let found = scene.graph.evaluate(&[scene.distance], &at, &frame).unwrap()[0];
+        let found = scene.graph.evaluate(&[scene.distance], &at, &frame)[0];
         assert_eq!(found, expected, "{rounds} rounds");
     }
     let too_many = "param rounds = 3 in 0 .. 60000\n{ let s = x  for i in 0..rounds { s += 1 }  s }";
@@ -132,8 +132,8 @@ proptest! {
         let frame = FrameInputs { params: vec![low + share * width], ..FrameInputs::default() };
         let text = "param a = 0 in -9 .. 9\nround(a * a - 2)";
         let scene = super::scene(text);
-        let value = scene.graph.evaluate(&[scene.distance], &Point::default(), &frame).unwrap()[0];
-        let Interval { lo, hi } = scene.graph.bounds(scene.distance, [Interval::ANY; 6], &any).unwrap();
+        let value = scene.graph.evaluate(&[scene.distance], &Point::default(), &frame)[0];
+        let Interval { lo, hi } = scene.graph.bounds(scene.distance, [Interval::ANY; 6], &any);
         prop_assert!(lo <= value && value <= hi, "{} is not in {}..{}", value, lo, hi);
     }
 }

@@ -38,7 +38,8 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     let lines = [a, b].map(|camera| LineOfSight::of(graph, camera));
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
     let turn = graph.sub(lines[1].yaw, lines[0].yaw);
-    let turn = shorter_turn(graph, turn);
+    // The shorter way around.
+    let turn = turn - Op::Floor.of(turn / TAU + 0.5) * TAU;
     let line = LineOfSight {
         yaw: graph.add(lines[0].yaw, turn * s),
         pitch: graph.mix(lines[0].pitch, lines[1].pitch, s),
@@ -58,16 +59,10 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     }
 }
 
-fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
-    let circles = graph.unary(Op::Floor, turn / TAU + 0.5);
-    graph.sub(turn, circles * TAU)
-}
-
 /// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. If the focus
 /// distance is infinite, the camera focuses on its target.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
-    let size = graph.abs(camera.focus);
-    let is_finite = graph.binary(Op::LessEqual, size, f32::MAX);
+    let is_finite = Op::LessEqual.pair(Op::Abs.of(camera.focus), f32::MAX);
     let distance = graph.select(is_finite, camera.focus, line.length);
     graph.div(1.0, distance)
 }

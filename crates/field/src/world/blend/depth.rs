@@ -31,7 +31,7 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
     let inputs = FrameInputs { params: side.params.clone(), ..FrameInputs::default() };
     let roots = side.camera.position.into_iter().chain(side.camera.target).chain([side.camera.fov]);
     let roots: Vec<_> = roots.collect();
-    let camera = graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs).ok()?;
+    let camera = graph.evaluate(&roots, &Point::default(), &inputs);
     let [x, y, z, tx, ty, tz, fov] = camera[..] else { return None };
     let (eye, view) = ([x, y, z], [tx - x, ty - y, tz - z]);
     let inputs = FrameInputs { eye, ..inputs };

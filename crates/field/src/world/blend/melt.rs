@@ -18,7 +18,7 @@
 //! the first and last [`BEGIN`] of the fraction.
 
 use super::depth;
-use super::side::{Side, Steps};
+use super::side::{self, Side, Steps};
 use crate::graph::{Graph, NodeId, Op};
 use crate::world::PLANES_MAX;
 
@@ -72,10 +72,7 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     let [own_a, own_b] = if are_traced { [all_a, all_b] } else { [a.rest, b.rest] };
     let left = own_a.map(|own| yielding(graph, own, all_b, lost_a));
     let right = own_b.map(|own| yielding(graph, own, all_a, lost_b));
-    let rest = match (left, right) {
-        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a.steps[part], b.steps[part]))),
-        (a, b) => a.or(b).map(|one| one.steps),
-    };
+    let rest = side::nearer(graph, left.map(|left| left.steps), right.map(|right| right.steps));
     let offset = [left, right].map(|side| side.map(|side| side.offset));
     let [owner, haze] = owner(graph, &planes, owner_of_planes, haze, offset, s);
     Melt { planes, rest, owner, haze }
@@ -85,8 +82,7 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
 /// then the fraction of the solids' own side.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // If the solids' own fraction is 0.2, q is half of the depth.
-    let own_fraction = graph.max(own_fraction, LEAST);
-    graph.mul(other_fraction / own_fraction, 0.125 * depth)
+    graph.mul(other_fraction / Op::Max.pair(own_fraction, LEAST), 0.125 * depth)
 }
 
 #[derive(Clone, Copy)]
@@ -116,10 +112,8 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
 
 /// Returns the distance from the other side beyond which no solids are left, if remote solids lose the depth `lost`.
 fn farthest(graph: &mut Graph, lost: NodeId) -> NodeId {
-    let lost = graph.max(lost, LEAST);
-    let kept = graph.div(0.5 * HOLLOW, lost);
-    let rest = graph.max(1.0 - kept, LEAST);
-    graph.div(kept * REACH, rest)
+    let kept = graph.div(0.5 * HOLLOW, Op::Max.pair(lost, LEAST));
+    graph.div(kept * REACH, Op::Max.pair(1.0 - kept, LEAST))
 }
 
 fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
@@ -140,10 +134,8 @@ fn owner(
     let mut nearer = graph.clamp(across, 0.0, 1.0);
     let mut own_haze = graph.constant(0.0);
     if let Some(plane) = planes.iter().copied().reduce(|a, b| graph.min(a, b)) {
-        let plane = graph.abs(plane);
-        let solid = graph.min(away[0], away[1]);
-        let solid = graph.abs(solid);
-        let is_plane = graph.binary(Op::Less, plane, solid);
+        let solid = Op::Abs.of(Op::Min.pair(away[0], away[1]));
+        let is_plane = graph.binary(Op::Less, Op::Abs.of(plane), solid);
         nearer = graph.select(is_plane, owner_of_planes, nearer);
         own_haze = graph.select(is_plane, haze, 0.0);
     }

@@ -25,7 +25,7 @@ mod tests;
 pub use alignment::Alignment;
 pub use portal::PortalShape;
 
-use super::media::MediumRoots;
+use super::media::{MediumRoots, PHASE};
 use super::{Bounds, FrameTape, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, Swarm, TransitionStyle};
@@ -139,9 +139,8 @@ impl World {
         let fraction_number = from.scene.params.len() + to.scene.params.len();
         let s = graph.input(Input::Param(fraction_number as u16));
         let before = Before::of(from);
-        let a =
-            Side::of(&mut graph, from, Before::default(), &Alignment::NONE).map_err(WorldError::of(&name))?;
-        let b = Side::of(&mut graph, to, before, alignment).map_err(WorldError::of(&name))?;
+        let a = Side::of(&mut graph, from, Before::default(), &Alignment::NONE);
+        let b = Side::of(&mut graph, to, before, alignment);
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
@@ -151,11 +150,10 @@ impl World {
             }
             BlendKind::Portal(shape) => {
                 let portal = portal::distance(&mut graph, shape, &to.scene, before, &camera, s);
-                portal::through(&mut graph, &a, &b, portal.map_err(WorldError::of(&name))?)
+                portal::through(&mut graph, &a, &b, portal)
             }
         };
-        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, &a, &b)).transpose();
-        let rest = rest.map_err(WorldError::of(&name))?;
+        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, &a, &b));
 
         let reach = graph.mix(a.sky.reach, b.sky.reach, s);
         let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
@@ -166,7 +164,6 @@ impl World {
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
-        graph.check().map_err(WorldError::of(&name))?;
         let scene = Scene {
             graph,
             objects: vec![whole(name.clone(), distance)],
@@ -260,24 +257,18 @@ fn check_blend(from: &World, to: &World, kind: BlendKind) -> Result<(), BlendErr
 /// Shrinks the solids until the eye is outside of them, because the eye moves between two cameras, where there may be
 /// solids. Each camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller
 /// distance. At the beginning and at the end the eye is already far enough away, so nothing changes.
-fn clear_of_the_eye(
-    graph: &mut Graph,
-    rest: Steps,
-    a: &Side,
-    b: &Side,
-) -> Result<Steps, crate::graph::GraphError> {
+fn clear_of_the_eye(graph: &mut Graph, rest: Steps, a: &Side, b: &Side) -> Steps {
     let eye = [Input::EyeX, Input::EyeY, Input::EyeZ].map(|input| graph.input(input));
-    let now = side::at(graph, rest[0], eye)?;
+    let now = side::at(graph, rest[0], eye);
     let mut distances = [graph.constant(0.0); 2];
     for (distance, side) in distances.iter_mut().zip([a, b]) {
         if let Some([bound, _]) = side.whole(graph) {
-            let own = side::at(graph, bound, side.camera.position)?;
+            let own = side::at(graph, bound, side.camera.position);
             *distance = graph.max(own, 0.0);
         }
     }
-    let wanted = graph.min(distances[0], distances[1]);
-    let missing = graph.max(wanted * 0.5 - now, 0.0);
-    Ok(rest.map(|part| graph.add(part, missing)))
+    let missing = graph.max(Op::Min.pair(distances[0], distances[1]) * 0.5 - now, 0.0);
+    rest.map(|part| graph.add(part, missing))
 }
 
 fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
@@ -316,13 +307,9 @@ fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Opti
         // The same attenuation as in `shaders/occlusion.glsl`.
         let away = graph.max(distance, 0.0);
         let near = graph.max(1.0 - away / reach, 0.0);
-        let square = graph.square(near);
-        let fraction = graph.mul(square * near, fraction);
+        let fraction = graph.mul(Op::Square.of(near) * near, fraction);
         let own = [r, g, b].map(|part| graph.mul(part, fraction));
-        light = Some(match light {
-            None => own,
-            Some(sum) => [0, 1, 2].map(|part| graph.add(sum[part], own[part])),
-        });
+        light = Some(light.map_or(own, |sum| [0, 1, 2].map(|part| graph.add(sum[part], own[part]))));
     }
     let [r, g, b] = light?;
     Some([r, g, b, graph.constant(0.0)])
@@ -332,23 +319,16 @@ fn glow(graph: &mut Graph, a: &Side, b: &Side, reach: NodeId, s: NodeId) -> Opti
 /// direction of scattering.
 fn medium(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Option<MediumRoots> {
     let rest = graph.sub(1.0, s);
-    let weighted = |graph: &mut Graph, numbers: MediumRoots, fraction: NodeId| -> MediumRoots {
-        let [.., phase] = numbers;
-        let mut own = numbers.map(|number| graph.mul(number, fraction));
-        if let Some(last) = own.last_mut() {
-            *last = phase;
-        }
-        own
+    let mut weighted = |numbers: MediumRoots, fraction: NodeId| -> MediumRoots {
+        std::array::from_fn(|at| if at == PHASE { numbers[at] } else { graph.mul(numbers[at], fraction) })
     };
-    let a = a.medium.map(|numbers| weighted(graph, numbers, rest));
-    let b = b.medium.map(|numbers| weighted(graph, numbers, s));
+    let a = a.medium.map(|numbers| weighted(numbers, rest));
+    let b = b.medium.map(|numbers| weighted(numbers, s));
     let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
-    let is_second = graph.binary(Op::Less, 0.5, s);
-    let mut sum: MediumRoots = std::array::from_fn(|number| graph.add(a[number], b[number]));
-    if let ([.., own], [.., other], Some(last)) = (a, b, sum.last_mut()) {
-        *last = graph.select(is_second, other, own);
-    }
-    Some(sum)
+    Some(std::array::from_fn(|at| match at {
+        PHASE => graph.select(Op::Less.pair(0.5, s), b[at], a[at]),
+        _ => graph.add(a[at], b[at]),
+    }))
 }
 
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
@@ -384,8 +364,7 @@ fn swarms(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Vec<Swarm> {
 
 /// Mixes image settings. The tone map cannot be mixed, so it changes at the middle.
 fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
-    let is_second = graph.binary(Op::LessEqual, 0.5, s);
-    let tone_map = graph.select(is_second, b.tone_map, a.tone_map);
+    let tone_map = graph.select(Op::LessEqual.pair(0.5, s), b.tone_map, a.tone_map);
     let mixed = Picture::of(mixed_all(graph, &a.numbers(), &b.numbers(), s));
     Picture { tone_map, ..mixed }
 }

@@ -6,7 +6,7 @@
 
 use super::alignment::Vector;
 use super::side::{self, Before, Side, Steps};
-use crate::graph::{Graph, NodeId, Op, Result};
+use crate::graph::{Graph, NodeId, Op};
 use crate::lang::{Camera, Scene};
 
 /// The shape in which the second scene appears.
@@ -66,8 +66,7 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
 
 /// Returns the portal's relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
-    let rest = graph.max(1.0 - fraction, LEFT_MIN);
-    graph.div(fraction, rest)
+    graph.div(fraction, Op::Max.pair(1.0 - fraction, LEFT_MIN))
 }
 
 fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
@@ -91,18 +90,17 @@ fn own_shape(
     shape: NodeId,
     before: Before,
     s: NodeId,
-) -> Result<NodeId> {
+) -> NodeId {
     let grown = growth(graph, s);
-    let grown = graph.max(grown, LEFT_MIN);
-    let size = graph.max(grown * seen.length, LEFT_MIN);
+    let size = graph.max(Op::Max.pair(grown, LEFT_MIN) * seen.length, LEFT_MIN);
     let point = seen.point(graph).map(|part| graph.div(part, size));
-    let value = side::copied_at(graph, &scene.graph, shape, before, point)?;
+    let value = side::copied_at(graph, &scene.graph, shape, before, point);
     let value = graph.mul(value, size);
     let filled = 1.0 - (1.0 - s) * (1.0 / QUARTER);
     let (out, filled) = (graph.min(s * (1.0 / QUARTER), 1.0), graph.max(filled, 0.0));
     let (out, filled) = (ball(graph, seen, out), ball(graph, seen, filled));
     let value = graph.max(value, out);
-    Ok(graph.min(value, filled))
+    graph.min(value, filled)
 }
 
 /// Returns the distance to the portal, negative inside. At the middle of the transition, the size of the portal is the
@@ -115,13 +113,13 @@ pub(super) fn distance(
     before: Before,
     camera: &Camera,
     s: NodeId,
-) -> Result<NodeId> {
+) -> NodeId {
     let seen = Seen::by(graph, camera);
-    Ok(match (shape, to.about.portal) {
-        (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, to, shape, before, s)?,
+    match (shape, to.about.portal) {
+        (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, to, shape, before, s),
         (PortalShape::Plane, _) => half_space(graph, &seen, s),
         (PortalShape::Ball | PortalShape::Own, _) => ball(graph, &seen, s),
-    })
+    }
 }
 
 /// Planes, other surfaces, and the values of the material.
@@ -138,10 +136,7 @@ pub(super) fn through(graph: &mut Graph, a: &Side, b: &Side, portal: NodeId) -> 
     let outside = graph.neg(portal);
     let a_rest = a_rest.map(|steps| steps.map(|part| graph.max(part, outside)));
     let b_rest = b_rest.map(|steps| steps.map(|part| graph.max(part, portal)));
-    let rest = match (a_rest, b_rest) {
-        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
-        (a, b) => a.or(b),
-    };
+    let rest = side::nearer(graph, a_rest, b_rest);
     // Do not use the sign of the portal's distance: at a cut surface it depends on rounding.
     let [a_near, b_near] = [(a, outside), (b, portal)].map(|(side, portal)| match side.whole(graph) {
         Some([_, estimate]) => graph.max(estimate, portal),

@@ -4,7 +4,7 @@ use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
-use crate::graph::{Graph, Input, Motion, Node, NodeId, Op, Result, SHAPE_NUMBERS};
+use crate::graph::{Graph, Input, Motion, Node, NodeId, Op, SHAPE_NUMBERS};
 use crate::lang::{Camera, Light, Picture, Scene, Sky, Swarm};
 use crate::world::World;
 
@@ -46,16 +46,11 @@ pub(super) struct Side {
 
 impl Side {
     /// Copies a world into the graph. `before`: how many images, parameters and shapes precede its own.
-    pub(super) fn of(
-        graph: &mut Graph,
-        world: &World,
-        before: Before,
-        alignment: &Alignment,
-    ) -> Result<Self> {
+    pub(super) fn of(graph: &mut Graph, world: &World, before: Before, alignment: &Alignment) -> Self {
         let mut scene = world.scene.clone();
-        let (planes, rest) = planes::split(&mut scene)?;
-        let glow = nearby_light::nearby_light(&mut scene, world.non_lipschitz)?;
-        let medium = media::sum(&mut scene)?;
+        let (planes, rest) = planes::split(&mut scene);
+        let glow = nearby_light::nearby_light(&mut scene, world.non_lipschitz);
+        let medium = media::sum(&mut scene);
         let own = Own::of(graph, alignment);
         // In distances, the input for the normal's x holds the penumbra (see `Roots`).
         let [moved, turned] =
@@ -63,13 +58,12 @@ impl Side {
         // The sky's point is the picture's pixel, which stays in its place.
         let in_sky = Own { point: position(graph), ..own.turned(graph, alignment) };
         let in_sky =
-            copied_roots(graph, &scene.graph, &scene.sky.color, before, &|input| in_sky.value(input))?;
+            copied_roots(graph, &scene.graph, &scene.sky.color, before, &|input| in_sky.value(input));
         let color = scene.sky.color.map(|id| at_index(&in_sky, id));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
-        let of_slope_1: Result<_, _> =
-            planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
+        let planes = planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
             [rest.bound, rest.estimate].map(|value| match world.slopes.tamed {
                 Some(tamed) => {
@@ -82,8 +76,8 @@ impl Side {
                 None => at(value),
             })
         });
-        Ok(Self {
-            planes: of_slope_1?,
+        Self {
+            planes,
             non_lipschitz: world.slopes.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
             rest,
@@ -101,7 +95,7 @@ impl Side {
                     Light { position, direction, right, up, ..light }
                 })
                 .collect(),
-            swarms: swarms(graph, &scene, before, alignment)?,
+            swarms: swarms(graph, &scene, before, alignment),
             camera: {
                 let camera = Camera::of(all(scene.camera.numbers()));
                 let [position, target] =
@@ -113,33 +107,38 @@ impl Side {
                 .collect(),
             sky: Sky { color, ..Sky::of(scene.sky.numbers().into_iter().map(on_surface)) },
             picture: Picture::of(all(scene.picture.numbers())),
-        })
+        }
     }
 
     pub(super) fn whole(&self, graph: &mut Graph) -> Option<Steps> {
         let planes = self.planes.iter().copied().reduce(|a, b| graph.min(a, b));
-        match (planes, self.rest) {
-            (Some(plane), Some(rest)) => Some(rest.map(|part| graph.min(plane, part))),
-            (plane, rest) => rest.or(plane.map(|plane| [plane; 2])),
-        }
+        nearer(graph, planes.map(|plane| [plane; 2]), self.rest)
     }
 }
 
 /// Expressions of the traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
 
+/// The steps to the nearer of two surfaces.
+pub(super) fn nearer(graph: &mut Graph, a: Option<Steps>, b: Option<Steps>) -> Option<Steps> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
+        (a, b) => a.or(b),
+    }
+}
+
 /// Copies the swarms of a scene. The number of a point is the x of its expressions, and a blend does not move it.
-fn swarms(graph: &mut Graph, scene: &Scene, before: Before, alignment: &Alignment) -> Result<Vec<Swarm>> {
+fn swarms(graph: &mut Graph, scene: &Scene, before: Before, alignment: &Alignment) -> Vec<Swarm> {
     let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
     let own = Own { point: position(graph), ..Own::of(graph, alignment) };
-    let copies = copied_roots(graph, &scene.graph, &roots, before, &|input| own.value(input))?;
+    let copies = copied_roots(graph, &scene.graph, &roots, before, &|input| own.value(input));
     let copied = scene.swarms.iter().map(|swarm| {
         let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| at_index(&copies, id)));
         let position = alignment.common_point(graph, own.position);
         let stretch = alignment.common_direction(graph, own.stretch);
         Swarm { position, stretch, ..own }
     });
-    Ok(copied.collect())
+    copied.collect()
 }
 
 #[derive(Clone, Copy)]
@@ -188,9 +187,9 @@ pub(super) fn copied_at(
     root: NodeId,
     before: Before,
     place: Vector,
-) -> Result<NodeId> {
+) -> NodeId {
     let value = |input: Input| place.get(input.of_point()?).copied();
-    Ok(at_index(&copied_roots(graph, from, &[root], before, &value)?, root))
+    at_index(&copied_roots(graph, from, &[root], before, &value), root)
 }
 
 /// Copies the roots and their operands. Returns the copies by the index of their nodes.
@@ -200,12 +199,12 @@ fn copied_roots(
     roots: &[NodeId],
     before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
-) -> Result<Vec<NodeId>> {
+) -> Vec<NodeId> {
     let mut moved = vec![NodeId::default(); from.len()];
     // The operands of motions, which the roots do not name. A motion reads only motions before it.
     let operands = from.motions().iter().map(|motion| motion.operands.as_slice());
     for roots in operands.chain([roots]) {
-        for id in from.order(roots)?.nodes {
+        for id in from.order(roots) {
             let motion = copied_motion(graph, from, from.node(id), &moved);
             let copy = copy(graph, from.node(id), before, &|input| motion.or_else(|| value(input)), &moved);
             if let Some(place) = moved.get_mut(id.index()) {
@@ -213,7 +212,7 @@ fn copied_roots(
             }
         }
     }
-    Ok(moved)
+    moved
 }
 
 /// Copies the motion that a node reads, if it reads one. The copies of the motion's operands are at `moved`.
@@ -256,13 +255,11 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
 }
 
 /// Returns the value at the point `place`, with a zero normal.
-pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId> {
+pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> NodeId {
     let zero = graph.constant(0.0);
-    let order = graph.order(&[value])?;
-    let moved = graph.with_inputs(&[value], &order, |_, input| {
-        input.of_point().map(|at| place.get(at).copied().unwrap_or(zero))
-    });
-    Ok(moved.first().copied().unwrap_or_default())
+    let moved = graph
+        .with_inputs(&[value], |_, input| input.of_point().map(|at| place.get(at).copied().unwrap_or(zero)));
+    moved.first().copied().unwrap_or_default()
 }
 
 fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
@@ -270,20 +267,20 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
 }
 
 /// Divides a plane by its slope, so that the value is comparable to a distance.
-fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId> {
+fn of_slope_1(graph: &mut Graph, plane: NodeId) -> NodeId {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    let origin = at(graph, plane, [zero; 3])?;
+    let origin = at(graph, plane, [zero; 3]);
     let mut slopes = [zero; 3];
     for (axis, slope) in slopes.iter_mut().enumerate() {
         let mut place = [zero; 3];
         if let Some(part) = place.get_mut(axis) {
             *part = one;
         }
-        let there = at(graph, plane, place)?;
+        let there = at(graph, plane, place);
         *slope = graph.sub(there, origin);
     }
     let slope = graph.length(&slopes);
-    Ok(graph.div(plane, slope))
+    graph.div(plane, slope)
 }
 
 fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: NormalizedValue) -> NodeId {
@@ -310,16 +307,14 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
 /// Returns the distance of a point from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     let off = [0, 1, 2].map(|axis| {
-        let off = graph.abs(p[axis] - 0.5 * (bounds.low[axis] + bounds.high[axis]));
-        graph.sub(off, 0.5 * (bounds.high[axis] - bounds.low[axis]))
+        let off = Op::Abs.of(p[axis] - 0.5 * (bounds.low[axis] + bounds.high[axis]));
+        graph.sub(off, 0.5 * bounds.side(axis))
     });
     let beyond = off.map(|off| graph.max(off, 0.0));
     let beyond = graph.length(&beyond);
     let [x, y, z] = off;
-    let most = graph.max(x, y);
-    let most = graph.max(most, z);
-    let inside = graph.min(most, 0.0);
-    graph.add(beyond, inside)
+    let most = Op::Max.pair(Op::Max.pair(x, y), z);
+    graph.add(beyond, Op::Min.pair(most, 0.0))
 }
 
 fn material_of_the_nearest(graph: &mut Graph, scene: &Scene, at: impl Fn(NodeId) -> NodeId) -> Vec<NodeId> {

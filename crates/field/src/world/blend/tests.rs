@@ -36,7 +36,7 @@ fn frame(from: &World, to: &World, fraction: f32) -> FrameInputs {
 }
 
 fn value(world: &World, root: NodeId, p: [f32; 3], inputs: &FrameInputs) -> f32 {
-    world.scene.graph.evaluate(&[root], &Point::at(p[0], p[1], p[2]), inputs).unwrap()[0]
+    world.scene.graph.evaluate(&[root], &Point::at(p[0], p[1], p[2]), inputs)[0]
 }
 
 fn distance(world: &World, p: [f32; 3], inputs: &FrameInputs) -> f32 {
@@ -84,7 +84,7 @@ proptest! {
             let inputs = frame(&a, &b, fraction);
             let ([x, y, z], none) = (low.map(|low| Interval::new(low, low + size)), Interval::point(0.0));
             let over = [x, y, z, none, none, none];
-            let bounds = blend.scene.graph.bounds(blend.scene.distance, over, &inputs).unwrap();
+            let bounds = blend.scene.graph.bounds(blend.scene.distance, over, &inputs);
             let mut points = PointEvaluator::new(&tape, &inputs);
             for corner in 0..27 {
                 let at = |axis: i32| low[axis as usize] + 0.5 * size * (corner / 3_i32.pow(axis as u32) % 3) as f32;
@@ -185,7 +185,7 @@ fn at_either_end_a_blend_is_the_scene_there() {
             assert_eq!(shining.collect::<Vec<_>>(), expected.lights, "{name} at {fraction}");
             let point = Point { position: [0.2, -0.5, 3.1], normal: [0.0, 1.0, 0.0] };
             let of = |world: &World, roots: &[NodeId], inputs: &FrameInputs| {
-                world.scene.graph.evaluate(roots, &point, inputs).unwrap()
+                world.scene.graph.evaluate(roots, &point, inputs)
             };
             let floor = alone.scene.objects.iter().find(|object| object.name == "floor").unwrap();
             let expected = of(alone, &alone.scene.materials[floor.material].numbers(), &silence(alone));
@@ -481,7 +481,7 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
         assert!(near(there, here), "{there} and {here} on the way {way:?}");
         let sky = |world: &World, normal: [f32; 3], inputs: &FrameInputs| {
             let point = Point { position: [0.0; 3], normal };
-            world.scene.graph.evaluate(&world.scene.sky.color, &point, inputs).unwrap()
+            world.scene.graph.evaluate(&world.scene.sky.color, &point, inputs)
         };
         let (there, here) = (sky(&melt, direction, &at(1.0)), sky(&b, own_direction, &silence(&b)));
         assert!(there.iter().zip(&here).all(|(a, b)| near(*a, *b)), "{there:?} and {here:?}");
