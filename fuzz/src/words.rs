@@ -1,7 +1,7 @@
 //! A CPU version of the interpreter shader. `mariana_field::tape::interpreter` describes the format of the texels.
 
 use mariana_field::graph::{Compound, FrameInputs, Point};
-use mariana_field::tape::{Clause, Instruction, Operand, opcode};
+use mariana_field::tape::{Instruction, Operand, opcode};
 
 /// Runs the tape that begins at a texel. Returns all registers at the end of the tape, and the two registers that END
 /// names.
@@ -25,27 +25,27 @@ pub(crate) fn run(
                 Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(_) => number,
             };
-            let [opcode, output, a, b] = word.to_le_bytes();
-            if let Some(compound) = Compound::from_number(opcode) {
+            let [code, output, a, b] = word.to_le_bytes();
+            if let Some(compound) = Compound::from_number(code) {
                 let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
                 registers[usize::from(output)] = compound.value(a, b, number, frame);
                 continue;
             }
-            let instruction = Clause::from_word(*word).decode().expect("the word is valid");
-            let (output, value) = match instruction {
-                Instruction::End if place == 1 => {
-                    let [_, _, first, second] = word.to_le_bytes();
-                    return (registers, [usize::from(first), usize::from(second)]);
-                }
-                // Word 0 as the first clause does nothing.
-                Instruction::End => continue,
+            if code == opcode::END && place == 1 {
+                return (registers, [usize::from(a), usize::from(b)]);
+            }
+            // Word 0 as the first clause does nothing.
+            if *word == 0 {
+                continue;
+            }
+            let (output, value) = match Instruction::from_word(*word).expect("the word is valid") {
                 Instruction::Load { output, .. } => (output, number),
                 Instruction::Store { register, memory: to } => {
                     memory[usize::from(to)] = registers[usize::from(register)];
                     continue;
                 }
                 Instruction::Reload { output, memory: from } => (output, memory[usize::from(from)]),
-                Instruction::Texture { output, u, v } => {
+                Instruction::Texture { output, u, v, .. } => {
                     let (texture, channel) = (immediate / 4, immediate % 4);
                     let (u, v) = (registers[usize::from(u)], registers[usize::from(v)]);
                     (output, frame.texture(texture as u16, channel as u8, u, v))
@@ -56,9 +56,6 @@ pub(crate) fn run(
                 }
                 Instruction::Binary { op, output, a, b } => {
                     (output, op.value(value(&registers, a), value(&registers, b), frame))
-                }
-                Instruction::Page(_) | Instruction::SelectTexture { .. } => {
-                    panic!("the interpreter does not support {instruction:?}")
                 }
             };
             registers[usize::from(output)] = value;

@@ -61,11 +61,11 @@ impl Programs {
         }
         let regional = tapes.iter().map(|tape| {
             // A region's inputs are x, y, z and one more number, in fixed registers.
-            let reads = |instruction| match instruction {
-                Instruction::Input { output, place } => place >= 4 || output != place,
+            let reads = |clause: &Instruction| match clause {
+                Instruction::Input { output, place } => *place >= 4 || output != place,
                 _ => false,
             };
-            tape.memory() == 0 && tape.registers() <= REGION_REGISTERS && !tape.instructions().any(reads)
+            tape.memory() == 0 && tape.registers() <= REGION_REGISTERS && !tape.clauses().iter().any(reads)
         });
         Self { texels, starts, regional: regional.collect(), variant }
     }
@@ -470,7 +470,7 @@ fn spills_and_pages_change_nothing() {
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
-    for (terms, registers, pages) in
+    for (terms, registers, many) in
         [(6, 4, false), (20, 8, false), (40, 16, false), (300, 256, true), (300, 8, true)]
     {
         let mut graph = Graph::new();
@@ -478,9 +478,9 @@ fn spills_and_pages_change_nothing() {
         let options = TapeOptions { registers, ..TapeOptions::default() };
         let tape = Tape::build(&graph, &[root], &options).unwrap();
         assert!(
-            tape.memory() > 0 && (tape.table().len() > 256) == pages,
+            tape.memory() > 0 && (tape.table().len() > 256) == many,
             "the tape of {terms} terms has no \
-            spills or the wrong number of pages"
+            spills or the wrong number of constants"
         );
         let frame = frame();
         let mut evaluator = PointEvaluator::new(&tape, &frame);

@@ -212,18 +212,16 @@ impl Oracle<'_> {
     fn over(&self, p: [Span; 3]) -> Span {
         let (mut registers, mut memory) =
             (vec![(0.0, 0.0); self.tape.registers()], vec![(0.0, 0.0); self.tape.memory()]);
-        let mut page = 0;
-        for instruction in self.tape.instructions() {
-            let entry = |number: u8| {
-                let value = f64::from(self.table[page + usize::from(number)]);
+        for clause in self.tape.clauses() {
+            let entry = |number: u32| {
+                let value = f64::from(self.table[number as usize]);
                 (value, value)
             };
             let of = |registers: &[Span], operand: Operand| match operand {
                 Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(number) => entry(number),
             };
-            match instruction {
-                Instruction::Page(number) => page = usize::from(number) * 256,
+            match *clause {
                 Instruction::Load { output, entry: number } => registers[usize::from(output)] = entry(number),
                 Instruction::Store { register, memory: to } => {
                     memory[usize::from(to)] = registers[usize::from(register)]

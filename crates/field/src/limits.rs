@@ -17,10 +17,8 @@ limits! {
     include_depth_max: usize = 16;
     /// Maximum number of distinct nodes in an expression graph (32 bytes each).
     graph_nodes_max: usize = 1 << 21;
-    /// Maximum number of clauses in a tape (each takes four bytes, or 40 while the tape is built).
+    /// Maximum number of clauses in a tape (20 bytes each, and 40 more while the tape is built).
     tape_clauses_max: usize = 1 << 21;
-    /// Maximum number of outputs of a tape. Each output keeps its slot until the end of the tape.
-    tape_outputs_max: usize = 16;
     /// Maximum number of memory slots to which the values of one tape are spilled.
     tape_memory_max: usize = 1 << 16;
     /// Maximum number of bytes in a scene's text and its included files together.

@@ -3,7 +3,7 @@
 use super::tree::{PENUMBRA_MAX, Regions};
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, gradient};
 use crate::graph::{Compound, FrameInputs, Input, Interval};
-use crate::tape::{Clause, Instruction, Operand, opcode};
+use crate::tape::{Instruction, Operand, opcode};
 
 /// A cell of the tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,7 +138,7 @@ pub(crate) fn run_texels(
                 registers[usize::from(output)] = compound.value(a, b, immediate, frame);
                 continue;
             }
-            let Some(instruction) = Clause::from_word(*word).decode() else { continue };
+            let Some(instruction) = Instruction::from_word(*word) else { continue };
             let of = |registers: &[f32; 256], operand: Operand| match operand {
                 Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(_) => immediate,
@@ -204,7 +204,7 @@ fn list(
             Operand::Register(register) => (slot(register), at(registers, register)),
             Operand::Immediate(_) => (immediate.to_string(), Interval::point(immediate)),
         };
-        match Clause::from_word(word).decode()? {
+        match Instruction::from_word(word)? {
             Instruction::Unary { op, output, a } => {
                 let bounds = op.bounds(at(registers, a), Interval::point(0.0), frame);
                 (op.name(), vec![slot(a)], output, bounds)

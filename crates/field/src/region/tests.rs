@@ -312,9 +312,9 @@ fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
         );
         for texel in &tree.texels[tree.whole_tape as usize..][..tree.stats.whole_clauses / 2] {
             for word in [texel[0], texel[2]] {
-                use crate::tape::{Clause, Instruction};
+                use crate::tape::Instruction;
                 if let Some(Instruction::Unary { op, output, .. } | Instruction::Binary { op, output, .. }) =
-                    Clause::from_word(word).decode()
+                    Instruction::from_word(word)
                 {
                     assert!(plan.variant.operators.contains(&op), "{op:?} at {time} s");
                     assert!(usize::from(output) < plan.variant.registers);

@@ -1,12 +1,11 @@
 //! Register allocation: turns the graph into clauses.
 
-use super::clause::{Clause, Instruction, Operand};
+use super::clause::{Instruction, Operand};
 use super::{TableEntry, Tape, TapeError, TapeOptions};
 use crate::graph::{Graph, Node, NodeId, Op, Properties};
 
 /// Marks a missing register, memory slot, table entry or next use.
 const NONE: u32 = u32::MAX;
-pub(super) const PAGE: usize = 256;
 /// Registers whose next uses are compared at once.
 const REGISTERS_AT_ONCE: usize = 32;
 
@@ -14,9 +13,8 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
     if !(2..=256).contains(&options.registers) {
         return Err(TapeError::RegisterCount(options.registers));
     }
-    let outputs_max = options.limits.tape_outputs_max.min(options.registers);
-    if roots.len() > outputs_max {
-        return Err(TapeError::TooManyOutputs { count: roots.len(), max: outputs_max });
+    if roots.len() > options.registers {
+        return Err(TapeError::TooManyOutputs { count: roots.len(), max: options.registers });
     }
     graph.check()?;
     let order = graph.order(roots);
@@ -32,7 +30,6 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
         free: [u64::MAX; 4],
         pinned: [0; 4],
         free_memory: Vec::new(),
-        page_start: 0,
     };
     for (&id, &uses) in order.iter().zip(&next_uses) {
         allocator.define(id, uses)?;
@@ -105,12 +102,11 @@ struct Allocator<'a> {
     /// One bit per register: 1 if the register must not be spilled now.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
-    page_start: usize,
 }
 
 impl Allocator<'_> {
     fn emit(&mut self, instruction: Instruction) {
-        self.tape.clauses.push(instruction.encode());
+        self.tape.clauses.push(instruction);
     }
 
     fn in_table(&self, id: NodeId) -> bool {
@@ -121,25 +117,17 @@ impl Allocator<'_> {
         }
     }
 
-    /// Returns the entry of the current page that holds the value. May begin a new page, so call this right before
-    /// emitting the clause.
-    fn entry(&mut self, id: NodeId) -> u8 {
-        let known = self.places[id.index()].register_or_entry;
-        if known != NONE && known as usize >= self.page_start {
-            return (known as usize - self.page_start) as u8;
+    /// Returns the entry of the table that holds the value.
+    fn entry(&mut self, id: NodeId) -> u32 {
+        let entry = &mut self.places[id.index()].register_or_entry;
+        if *entry == NONE {
+            *entry = self.tape.table.len() as u32;
+            self.tape.table.push(match self.graph.node(id) {
+                Node::Input(input) => TableEntry::Input(input),
+                node => TableEntry::Constant(node.as_constant().unwrap_or(0.0)),
+            });
         }
-        if self.tape.table.len() == self.page_start + PAGE {
-            self.page_start += PAGE;
-            // A clause adds at most two entries, so the limit on clauses keeps the page number far below 2^16.
-            self.emit(Instruction::Page((self.page_start / PAGE) as u16));
-        }
-        let entry = match self.graph.node(id) {
-            Node::Input(input) => TableEntry::Input(input),
-            node => TableEntry::Constant(node.as_constant().unwrap_or(0.0)),
-        };
-        self.places[id.index()].register_or_entry = self.tape.table.len() as u32;
-        self.tape.table.push(entry);
-        (self.tape.table.len() - 1 - self.page_start) as u8
+        *entry
     }
 
     fn is_free(&self, register: u8) -> bool {
@@ -313,8 +301,7 @@ impl Allocator<'_> {
                 self.used(first, uses.a);
                 self.used(second, uses.b);
                 let output = self.result(Some(first), Some(second))?;
-                self.emit(Instruction::SelectTexture { texture, channel });
-                self.emit(Instruction::Texture { output, u: first, v: second });
+                self.emit(Instruction::Texture { output, texture, channel, u: first, v: second });
                 output
             }
         };
@@ -366,6 +353,3 @@ impl Allocator<'_> {
         Ok(())
     }
 }
-
-/// A clause must stay four bytes.
-const _: () = assert!(std::mem::size_of::<Clause>() == 4);

@@ -1,4 +1,4 @@
-//! Clauses, their opcodes and their decoded form.
+//! Clauses, their opcodes and their words.
 
 use crate::graph::{FIRST_BINARY, Input, Op};
 
@@ -6,16 +6,12 @@ use crate::graph::{FIRST_BINARY, Input, Op};
 pub mod opcode {
     /// Ends the tape.
     pub const END: u8 = 0;
-    /// Selects the page of the table that later immediates index. The page number is in the last two bytes.
-    pub const PAGE: u8 = 1;
-    /// Copies an entry of the table's page into a register.
+    /// Copies an entry of the table into a register.
     pub const LOAD: u8 = 2;
     /// Copies a register into memory.
     pub const STORE: u8 = 3;
     /// Copies memory into a register.
     pub const RELOAD: u8 = 4;
-    /// Selects the texture and the channel that the next TEXTURE clause reads.
-    pub const SELECT_TEXTURE: u8 = 5;
     /// Reads a texture.
     pub const TEXTURE: u8 = 6;
     /// The first of the six inputs of the point, X.
@@ -26,42 +22,28 @@ pub mod opcode {
     pub const IMMEDIATE_REGISTER: u8 = 128;
 }
 
-/// One clause (Abt 2022, section 4.3).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(C)]
-pub struct Clause {
-    /// The operation.
-    pub opcode: u8,
-    /// The register that is written.
-    pub output: u8,
-    /// First operand.
-    pub input_a: u8,
-    /// Second operand.
-    pub input_b: u8,
-}
+/// The operand byte of an immediate. Registers with smaller numbers do not have this bit, so in variants without others
+/// the byte alone distinguishes immediates from registers.
+pub(crate) const IMMEDIATE: u8 = 0x80;
 
 /// An operand of a two-operand operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operand {
     /// A register.
     Register(u8),
-    /// An immediate: an entry of the table's current page.
-    Immediate(u8),
+    /// An immediate: an entry of the table.
+    Immediate(u32),
 }
 
-/// A decoded clause.
+/// One clause (Abt 2022, section 4.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instruction {
-    /// Ends the tape.
-    End,
-    /// Selects the page of the table that later immediates index.
-    Page(u16),
     /// register := table
     Load {
         /// Register written.
         output: u8,
-        /// Entry of the page.
-        entry: u8,
+        /// Entry of the table.
+        entry: u32,
     },
     /// memory := register
     Store {
@@ -77,17 +59,14 @@ pub enum Instruction {
         /// Memory read.
         memory: u16,
     },
-    /// Selects the texture and channel for the TEXTURE clause that follows.
-    SelectTexture {
-        /// Number of the texture in the scene.
-        texture: u16,
-        /// 0 red .. 3 alpha.
-        channel: u8,
-    },
     /// register := texture at (u, v)
     Texture {
         /// Register written.
         output: u8,
+        /// Number of the texture in the scene.
+        texture: u16,
+        /// 0 red .. 3 alpha.
+        channel: u8,
         /// Register of u.
         u: u8,
         /// Register of v.
@@ -122,89 +101,63 @@ pub enum Instruction {
     },
 }
 
-impl Clause {
-    /// Returns the clause as a word, in the layout of [`crate::tape`].
+impl Operand {
+    const fn byte(self) -> u8 {
+        match self {
+            Operand::Register(register) => register,
+            Operand::Immediate(_) => IMMEDIATE,
+        }
+    }
+}
+
+impl Instruction {
+    /// Returns the clause's word, in the layout of [`crate::tape`]. Immediates follow words, so the word has neither
+    /// entries of the table nor textures.
     #[inline]
     pub const fn word(self) -> u32 {
-        u32::from_le_bytes([self.opcode, self.output, self.input_a, self.input_b])
+        let (opcode, output, [a, b]) = match self {
+            Instruction::Load { output, .. } => (opcode::LOAD, output, [IMMEDIATE, 0]),
+            Instruction::Store { register, memory } => (opcode::STORE, register, memory.to_le_bytes()),
+            Instruction::Reload { output, memory } => (opcode::RELOAD, output, memory.to_le_bytes()),
+            Instruction::Texture { output, u, v, .. } => (opcode::TEXTURE, output, [u, v]),
+            Instruction::Input { output, place } => (opcode::FIRST_INPUT + place, output, [0; 2]),
+            Instruction::Unary { op, output, a } => (op.number(), output, [a, 0]),
+            Instruction::Binary { op, output, a, b } => {
+                let form = match (a, b) {
+                    (Operand::Register(_), Operand::Register(_)) => 0,
+                    (_, Operand::Immediate(_)) => opcode::REGISTER_IMMEDIATE,
+                    (Operand::Immediate(_), _) => opcode::IMMEDIATE_REGISTER,
+                };
+                (op.number() + form, output, [a.byte(), b.byte()])
+            }
+        };
+        u32::from_le_bytes([opcode, output, a, b])
     }
 
-    /// Returns the clause that `word` encodes.
-    pub const fn from_word(word: u32) -> Self {
-        let [opcode, output, input_a, input_b] = word.to_le_bytes();
-        Self { opcode, output, input_a, input_b }
-    }
-
-    /// Decodes the clause; `None` for an unknown opcode.
+    /// Returns the clause of a word; `None` for END and for an unknown opcode. Entries and textures are 0.
     #[inline]
-    pub const fn decode(self) -> Option<Instruction> {
-        let Self { opcode, output, input_a, input_b } = self;
-        let wide = u16::from_le_bytes([input_a, input_b]);
+    pub const fn from_word(word: u32) -> Option<Self> {
+        let [opcode, output, a, b] = word.to_le_bytes();
+        let memory = u16::from_le_bytes([a, b]);
         Some(match opcode {
-            opcode::END => Instruction::End,
-            opcode::PAGE => Instruction::Page(wide),
-            opcode::LOAD => Instruction::Load { output, entry: input_a },
-            opcode::STORE => Instruction::Store { register: output, memory: wide },
-            opcode::RELOAD => Instruction::Reload { output, memory: wide },
-            opcode::SELECT_TEXTURE => Instruction::SelectTexture { texture: wide, channel: output },
-            opcode::TEXTURE => Instruction::Texture { output, u: input_a, v: input_b },
+            opcode::LOAD => Instruction::Load { output, entry: 0 },
+            opcode::STORE => Instruction::Store { register: output, memory },
+            opcode::RELOAD => Instruction::Reload { output, memory },
+            opcode::TEXTURE => Instruction::Texture { output, texture: 0, channel: 0, u: a, v: b },
             opcode::FIRST_INPUT..=13 => Instruction::Input { output, place: opcode - opcode::FIRST_INPUT },
             _ => {
                 let form = opcode & 0xC0;
                 let number = if form == 0 { opcode } else { opcode & 0x3F | FIRST_BINARY };
                 let Some(op) = Op::from_number(number) else { return None };
-                let (a, b) = (input_a, input_b);
+                let (left, right) = (Operand::Register(a), Operand::Register(b));
                 match form {
                     0 => Instruction::Unary { op, output, a },
-                    0x40 => {
-                        Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Register(b) }
-                    }
-                    0x80 => {
-                        Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Immediate(b) }
-                    }
-                    _ => {
-                        Instruction::Binary { op, output, a: Operand::Immediate(a), b: Operand::Register(b) }
-                    }
+                    0x40 => Instruction::Binary { op, output, a: left, b: right },
+                    0x80 => Instruction::Binary { op, output, a: left, b: Operand::Immediate(0) },
+                    _ => Instruction::Binary { op, output, a: Operand::Immediate(0), b: right },
                 }
             }
         })
-    }
-}
-
-impl Instruction {
-    /// Encodes the instruction. No form has two immediates, so a second immediate is encoded as a register.
-    #[inline]
-    pub const fn encode(self) -> Clause {
-        const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {
-            let [input_a, input_b] = wide.to_le_bytes();
-            Clause { opcode, output, input_a, input_b }
-        }
-        const fn clause(opcode: u8, output: u8, input_a: u8, input_b: u8) -> Clause {
-            Clause { opcode, output, input_a, input_b }
-        }
-        match self {
-            Instruction::End => clause(opcode::END, 0, 0, 0),
-            Instruction::Page(page) => wide(opcode::PAGE, 0, page),
-            Instruction::Load { output, entry } => clause(opcode::LOAD, output, entry, 0),
-            Instruction::Store { register, memory } => wide(opcode::STORE, register, memory),
-            Instruction::Reload { output, memory } => wide(opcode::RELOAD, output, memory),
-            Instruction::SelectTexture { texture, channel } => wide(opcode::SELECT_TEXTURE, channel, texture),
-            Instruction::Texture { output, u, v } => clause(opcode::TEXTURE, output, u, v),
-            Instruction::Input { output, place } => clause(opcode::FIRST_INPUT + place, output, 0, 0),
-            Instruction::Unary { op, output, a } => clause(op.number(), output, a, 0),
-            Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Register(b) } => {
-                clause(op.number(), output, a, b)
-            }
-            Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Immediate(b) } => {
-                clause(op.number() + opcode::REGISTER_IMMEDIATE, output, a, b)
-            }
-            Instruction::Binary {
-                op,
-                output,
-                a: Operand::Immediate(a),
-                b: Operand::Register(b) | Operand::Immediate(b),
-            } => clause(op.number() + opcode::IMMEDIATE_REGISTER, output, a, b),
-        }
     }
 }
 

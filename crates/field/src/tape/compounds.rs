@@ -1,7 +1,6 @@
 //! Replaces clauses by compounds after register allocation.
 
-use super::allocate::PAGE;
-use super::interpreter::{IMMEDIATE, is_second};
+use super::interpreter::is_second;
 use super::{Instruction, Operand, Tape};
 use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
@@ -40,30 +39,18 @@ impl RunClauses {
             uses,
             held: std::array::from_fn(|register| register as u32),
         };
-        let (mut page, mut texture) = (0, 0);
-        for (word, instruction) in tape.run_clauses() {
-            let number = |entry: u8| table.get(page + usize::from(entry)).copied().unwrap_or(0.0);
+        let number = |entry: u32| table.get(entry as usize).copied().unwrap_or(0.0);
+        for instruction in tape.run_clauses() {
             let (mut immediate, mut operation) = (0, None);
-            let mut bytes = word.to_le_bytes();
             let output = match instruction {
-                Instruction::End => continue,
-                Instruction::Page(number) => {
-                    page = PAGE * usize::from(number);
-                    continue;
-                }
-                Instruction::SelectTexture { texture: number, channel } => {
-                    texture = 4 * u32::from(number) + u32::from(channel);
-                    continue;
-                }
-                Instruction::Texture { output, u, v } => {
-                    immediate = texture;
+                Instruction::Texture { output, texture, channel, u, v } => {
+                    immediate = 4 * u32::from(texture) + u32::from(channel);
                     run.read(u);
                     run.read(v);
                     Some(output)
                 }
                 Instruction::Load { output, entry } => {
                     immediate = number(entry).to_bits();
-                    bytes[2] = IMMEDIATE;
                     Some(output)
                 }
                 Instruction::Store { register, .. } => {
@@ -77,15 +64,14 @@ impl RunClauses {
                     Some(output)
                 }
                 Instruction::Binary { op, output, a, b } => {
-                    let mut arg = |place: usize, operand: Operand| match operand {
+                    let mut arg = |operand: Operand| match operand {
                         Operand::Register(register) => Arg::Value(run.read(register)),
                         Operand::Immediate(entry) => {
                             immediate = number(entry).to_bits();
-                            bytes[place] = IMMEDIATE;
                             Arg::Number(number(entry))
                         }
                     };
-                    let (a, b) = (arg(2, a), arg(3, b));
+                    let (a, b) = (arg(a), arg(b));
                     operation = Some(Operation { op, a, b });
                     Some(output)
                 }
@@ -94,7 +80,7 @@ impl RunClauses {
                 run.held[usize::from(output)] = run.uses.len() as u32;
             }
             run.uses.push(0);
-            let (word, second) = (u32::from_le_bytes(bytes), is_second(instruction));
+            let (word, second) = (instruction.word(), is_second(instruction));
             run.clauses.push(Clause { word, immediate, second, output, operation, absorbed: false });
         }
         run

@@ -5,7 +5,8 @@ use super::Tape;
 use super::clause::{Instruction, Operand};
 use crate::graph::{FrameInputs, Kernel, Op, Point, Properties};
 
-const LANES: usize = 64;
+/// Points that [`Batch`] computes at once.
+const BATCH: usize = 64;
 
 pub(super) trait Domain {
     type Value: Copy;
@@ -17,37 +18,27 @@ pub(super) trait Domain {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Machine<V> {
-    /// The decoded clauses. They are decoded once, because a tape runs at many points.
-    instructions: Vec<Instruction>,
+pub(super) struct Machine<'a, V> {
+    pub(super) tape: &'a Tape,
     pub(super) registers: Vec<V>,
     memory: Vec<V>,
     table: Vec<f32>,
 }
 
-impl<V: Copy> Machine<V> {
-    pub(super) fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
+impl<'a, V: Copy> Machine<'a, V> {
+    pub(super) fn new(tape: &'a Tape, frame: &FrameInputs, zero: V) -> Self {
         let mut table = Vec::new();
         tape.table_values(frame, &mut table);
-        Self {
-            instructions: tape.clauses.iter().filter_map(|clause| clause.decode()).collect(),
-            registers: vec![zero; tape.registers.max(1)],
-            memory: vec![zero; tape.memory],
-            table,
-        }
+        Self { tape, registers: vec![zero; tape.registers.max(1)], memory: vec![zero; tape.memory], table }
     }
 
     #[inline(always)]
     pub(super) fn run(&mut self, domain: &mut impl Domain<Value = V>) {
-        let Self { instructions, registers, memory, table } = self;
-        let mut page = 0;
-        let mut selected = (0, 0);
-        for instruction in instructions.iter() {
-            match *instruction {
-                Instruction::End => break,
-                Instruction::Page(number) => page = usize::from(number) * 256,
+        let Self { tape, registers, memory, table } = self;
+        for clause in &tape.clauses {
+            match *clause {
                 Instruction::Load { output, entry } => {
-                    registers[usize::from(output)] = domain.constant(table[page + usize::from(entry)]);
+                    registers[usize::from(output)] = domain.constant(table[entry as usize]);
                 }
                 Instruction::Store { register, memory: to } => {
                     memory[usize::from(to)] = registers[usize::from(register)]
@@ -55,15 +46,9 @@ impl<V: Copy> Machine<V> {
                 Instruction::Reload { output, memory: from } => {
                     registers[usize::from(output)] = memory[usize::from(from)];
                 }
-                Instruction::SelectTexture { texture, channel } => selected = (texture, channel),
-                Instruction::Texture { output, u, v } => {
-                    let value = domain.texture(
-                        selected.0,
-                        selected.1,
-                        &registers[usize::from(u)],
-                        &registers[usize::from(v)],
-                    );
-                    registers[usize::from(output)] = value;
+                Instruction::Texture { output, texture, channel, u, v } => {
+                    let (u, v) = (&registers[usize::from(u)], &registers[usize::from(v)]);
+                    registers[usize::from(output)] = domain.texture(texture, channel, u, v);
                 }
                 Instruction::Input { output, place } => {
                     registers[usize::from(output)] = domain.input(usize::from(place));
@@ -77,11 +62,11 @@ impl<V: Copy> Machine<V> {
                             domain.binary(op, &registers[usize::from(a)], &registers[usize::from(b)])
                         }
                         (Operand::Register(a), Operand::Immediate(b)) => {
-                            let b = domain.constant(table[page + usize::from(b)]);
+                            let b = domain.constant(table[b as usize]);
                             domain.binary(op, &registers[usize::from(a)], &b)
                         }
                         (Operand::Immediate(a), Operand::Register(b)) => {
-                            let a = domain.constant(table[page + usize::from(a)]);
+                            let a = domain.constant(table[a as usize]);
                             domain.binary(op, &a, &registers[usize::from(b)])
                         }
                         (Operand::Immediate(_), Operand::Immediate(_)) => continue,
@@ -93,41 +78,11 @@ impl<V: Copy> Machine<V> {
     }
 }
 
-struct Numbers<'a> {
-    inputs: [f32; 6],
-    frame: &'a FrameInputs,
-}
-
-impl Domain for Numbers<'_> {
-    type Value = f32;
-    #[inline(always)]
-    fn constant(&self, value: f32) -> f32 {
-        value
-    }
-    #[inline(always)]
-    fn input(&self, place: usize) -> f32 {
-        self.inputs[place]
-    }
-    #[inline(always)]
-    fn unary(&mut self, op: Op, a: &f32) -> f32 {
-        op.value(*a, 0.0, self.frame)
-    }
-    #[inline(always)]
-    fn binary(&mut self, op: Op, a: &f32, b: &f32) -> f32 {
-        op.value(*a, *b, self.frame)
-    }
-    #[inline(always)]
-    fn texture(&mut self, texture: u16, channel: u8, u: &f32, v: &f32) -> f32 {
-        self.frame.texture(texture, channel, *u, *v)
-    }
-}
-
 /// Evaluates a tape at single points, within one frame.
 #[derive(Debug, Clone)]
 pub struct PointEvaluator<'a> {
-    tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<f32>,
+    machine: Machine<'a, [f32; 1]>,
     outputs: Vec<f32>,
 }
 
@@ -135,15 +90,17 @@ impl<'a> PointEvaluator<'a> {
     /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let outputs = vec![0.0; tape.outputs.len()];
-        Self { tape, frame, machine: Machine::new(tape, frame, 0.0), outputs }
+        Self { frame, machine: Machine::new(tape, frame, [0.0]), outputs }
     }
 
     /// Returns the outputs at `point`, bit for bit equal to the graph's values.
     pub fn at(&mut self, point: &Point) -> &[f32] {
-        let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
-        self.machine.run(&mut domain);
-        for (value, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *value = self.machine.registers[usize::from(register)] + 0.0;
+        let [position, normal] =
+            [&point.position, &point.normal].map(|v| v.each_ref().map(std::slice::from_ref));
+        let points = Points { position, normal: Some(normal) };
+        self.machine.run(&mut Lanes { points, start: 0, frame: self.frame });
+        for (value, &register) in self.outputs.iter_mut().zip(&self.machine.tape.outputs) {
+            *value = self.machine.registers[usize::from(register)][0] + 0.0;
         }
         &self.outputs
     }
@@ -165,7 +122,7 @@ impl Points<'_> {
     }
 
     /// One coordinate of the points from index `start` on, padded with 0.
-    fn lanes(&self, place: usize, start: usize) -> [f32; LANES] {
+    fn lanes<const LANES: usize>(&self, place: usize, start: usize) -> [f32; LANES] {
         let slice = match place {
             0..=2 => self.position[place],
             _ => self.normal.map_or(&[][..], |normal| normal[place - 3]),
@@ -179,20 +136,21 @@ impl Points<'_> {
     }
 }
 
-struct Lanes<'a> {
+/// Several points at once.
+struct Lanes<'a, const LANES: usize> {
     points: Points<'a>,
     start: usize,
     frame: &'a FrameInputs,
 }
 
-struct LaneKernel<'a> {
+struct LaneKernel<'a, const LANES: usize> {
     a: &'a [f32; LANES],
     b: &'a [f32; LANES],
     result: [f32; LANES],
     frame: &'a FrameInputs,
 }
 
-impl Kernel<f32> for LaneKernel<'_> {
+impl<const LANES: usize> Kernel<f32> for LaneKernel<'_, LANES> {
     #[inline(always)]
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy) {
         for lane in 0..LANES {
@@ -201,7 +159,7 @@ impl Kernel<f32> for LaneKernel<'_> {
     }
 }
 
-impl Domain for Lanes<'_> {
+impl<const LANES: usize> Domain for Lanes<'_, LANES> {
     type Value = [f32; LANES];
     #[inline(always)]
     fn constant(&self, value: f32) -> Self::Value {
@@ -233,27 +191,26 @@ impl Domain for Lanes<'_> {
 /// Evaluates a tape at many points at once, within one frame.
 #[derive(Debug, Clone)]
 pub struct Batch<'a> {
-    tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<[f32; LANES]>,
+    machine: Machine<'a, [f32; BATCH]>,
 }
 
 impl<'a> Batch<'a> {
     /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        Self { tape, frame, machine: Machine::new(tape, frame, [0.0; LANES]) }
+        Self { frame, machine: Machine::new(tape, frame, [0.0; BATCH]) }
     }
 
     /// Returns the values at `points`, a vector per output, bit for bit equal to the values of [`PointEvaluator`].
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
         let count = points.count();
-        let mut outputs: Vec<Vec<f32>> =
-            self.tape.outputs.iter().map(|_| Vec::with_capacity(count)).collect();
-        for start in (0..count).step_by(LANES) {
+        let registers = &self.machine.tape.outputs;
+        let mut outputs: Vec<Vec<f32>> = registers.iter().map(|_| Vec::with_capacity(count)).collect();
+        for start in (0..count).step_by(BATCH) {
             let mut domain = Lanes { points, start, frame: self.frame };
             self.machine.run(&mut domain);
-            let lanes = LANES.min(count - start);
-            for (values, &register) in outputs.iter_mut().zip(&self.tape.outputs) {
+            let lanes = BATCH.min(count - start);
+            for (values, &register) in outputs.iter_mut().zip(registers) {
                 let row = &self.machine.registers[usize::from(register)];
                 values.extend(row[..lanes].iter().map(|value| value + 0.0));
             }

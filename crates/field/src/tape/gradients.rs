@@ -114,22 +114,21 @@ fn along(slope: f32, change: f32) -> f32 {
 /// Evaluates a tape's first output and its gradient at many points, within one frame.
 #[derive(Debug, Clone)]
 pub struct GradientBatch<'a> {
-    tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<Duals>,
+    machine: Machine<'a, Duals>,
 }
 
 impl<'a> GradientBatch<'a> {
     /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        Self { tape, frame, machine: Machine::new(tape, frame, Duals::ZERO) }
+        Self { frame, machine: Machine::new(tape, frame, Duals::ZERO) }
     }
 
     /// Replaces `duals` by the first output at each position. Normals are zero, and textures count as constants. A tape
     /// without outputs gives no duals.
     pub fn run(&mut self, positions: &[[f32; 3]], duals: &mut Vec<Dual>) {
         duals.clear();
-        let Some(&register) = self.tape.outputs.first() else { return };
+        let Some(&register) = self.machine.tape.outputs.first() else { return };
         for some in positions.chunks(LANES) {
             let mut inputs = [[0.0; LANES]; 6];
             for (lane, position) in some.iter().enumerate() {

@@ -24,6 +24,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+pub(crate) use super::clause::IMMEDIATE;
 use super::compounds::{Clause, RunClauses};
 use super::glsl::{fill, literal};
 use super::select;
@@ -32,9 +33,6 @@ use super::{Instruction, Tape, opcode};
 use crate::graph::{Compound, Compounds, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
-/// The operand byte of an immediate. Registers below [`REGISTERS_WITHOUT_BIT`] do not have this bit, so in smaller
-/// variants the byte alone distinguishes immediates from registers.
-pub(crate) const IMMEDIATE: u8 = 0x80;
 /// Number of registers without the bit of [`IMMEDIATE`].
 pub(super) const REGISTERS_WITHOUT_BIT: usize = IMMEDIATE as usize;
 /// A number to which no simplification applies.
@@ -100,13 +98,10 @@ impl Tape {
     }
 
     /// Returns the clauses, except inputs that are in their registers from the start.
-    pub(super) fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
-        self.clauses()
-            .iter()
-            .filter_map(|clause| clause.decode().map(|instruction| (clause.word(), instruction)))
-            .skip_while(|(_, instruction)| {
-                matches!(instruction, Instruction::Input { output, place } if output == place)
-            })
+    pub(super) fn run_clauses(&self) -> impl Iterator<Item = Instruction> + '_ {
+        let is_there =
+            |clause: &Instruction| matches!(clause, Instruction::Input { output, place } if output == place);
+        self.clauses.iter().copied().skip_while(is_there)
     }
 }
 
@@ -167,10 +162,10 @@ impl Variant {
             if tape.memory() > 0 {
                 variant.memory = variant.memory.max(tape.memory().next_power_of_two());
             }
-            for (_, instruction) in tape.run_clauses() {
+            for instruction in tape.run_clauses() {
                 match instruction {
                     Instruction::Input { .. } => variant.inputs = true,
-                    Instruction::SelectTexture { texture, .. } => {
+                    Instruction::Texture { texture, .. } => {
                         variant.samples = variant.samples.max(usize::from(texture) + 1);
                     }
                     _ => {}

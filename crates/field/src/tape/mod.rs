@@ -4,22 +4,21 @@
 //! the inputs that are constant within a frame; clauses take its entries as immediates. [`interpreter`] writes tapes
 //! for the GPU.
 //!
-//! **Words.** A clause is one `u32`, so an RGBA32UI texel holds two clauses and their immediates.
+//! **Words.** A clause is one `u32`, so an RGBA32UI texel holds two clauses and their immediates. The byte of an
+//! immediate is 128; a TEXTURE clause's immediate is 4 * texture + channel.
 //!
 //! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
 //! |---|---|---|---|---|
 //! | 0 | END | 0 | 0 | 0 |
-//! | 1 | PAGE: later immediates index `table[256 * page + byte]`; starts at 0 | 0 | page, low byte | page, high byte |
-//! | 2 | LOAD: register := table | register | table | 0 |
+//! | 2 | LOAD: register := immediate | register | 128 | 0 |
 //! | 3 | STORE: memory := register | register | memory, low byte | memory, high byte |
 //! | 4 | RELOAD: register := memory | register | memory, low byte | memory, high byte |
-//! | 5 | SELECT_TEXTURE: for the TEXTURE clause that follows | channel | texture, low byte | texture, high byte |
 //! | 6 | TEXTURE: register := texture(u, v) | register | register of u | register of v |
 //! | 8..=13 | X, Y, Z, NX, NY, NZ: register := input of the point | register | 0 | 0 |
 //! | 16..64 | one-operand operator with this number | register | register a | 0 |
 //! | 64..96 | two-operand operator with this number: op(register, register) | register | register a | register b |
-//! | 128..160 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
-//! | 192..224 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
+//! | 128..160 | the operator with the number opcode - 64: op(register, immediate) | register | register a | 128 |
+//! | 192..224 | the operator with the number opcode - 128: op(immediate, register) | register | 128 | register b |
 //!
 //! The opcodes 96..128 are compounds ([`Compound`]), which replace clauses when a tape is written for the
 //! interpreter.
@@ -51,7 +50,7 @@ pub mod interpreter;
 mod rounds;
 mod select;
 
-pub use clause::{Clause, Instruction, Operand, opcode};
+pub use clause::{Instruction, Operand, opcode};
 pub use evaluate::{Batch, PointEvaluator, Points};
 pub use gradients::{Dual, GradientBatch};
 
@@ -64,7 +63,7 @@ pub enum TapeError {
     /// The expression needs more clauses than the limit.
     #[error("the tape needs more than {0} clauses; make the scene smaller")]
     TooManyClauses(usize),
-    /// There are more outputs than the limit or the number of registers.
+    /// There are more outputs than registers. Each output keeps its register until the end of the tape.
     #[error(
         "a tape with {count} outputs was requested, but at most {max} can be kept at once; request fewer"
     )]
@@ -121,7 +120,7 @@ impl TableEntry {
 /// One or several expressions as clauses. The expressions may share parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tape {
-    clauses: Vec<Clause>,
+    clauses: Vec<Instruction>,
     table: Vec<TableEntry>,
     outputs: Vec<u8>,
     registers: usize,
@@ -138,16 +137,11 @@ impl Tape {
     }
 
     /// Returns the clauses, without END.
-    pub fn clauses(&self) -> &[Clause] {
+    pub fn clauses(&self) -> &[Instruction] {
         &self.clauses
     }
 
-    /// Returns the clauses, decoded.
-    pub fn instructions(&self) -> impl Iterator<Item = Instruction> + '_ {
-        self.clauses.iter().filter_map(|clause| clause.decode())
-    }
-
-    /// Returns the table that immediates index, in pages of 256 entries; the last page may be shorter.
+    /// Returns the table that immediates index.
     pub fn table(&self) -> &[TableEntry] {
         &self.table
     }
@@ -179,8 +173,8 @@ impl Tape {
     /// Returns the operators that occur.
     pub fn operators(&self) -> BTreeSet<Op> {
         let mut occurs = [false; 256];
-        for instruction in self.instructions() {
-            if let Instruction::Unary { op, .. } | Instruction::Binary { op, .. } = instruction {
+        for clause in &self.clauses {
+            if let Instruction::Unary { op, .. } | Instruction::Binary { op, .. } = *clause {
                 occurs[usize::from(op.number())] = true;
             }
         }
@@ -207,25 +201,16 @@ impl fmt::Display for Tape {
             writeln!(f, "{opcode:<14} {a:<14} {b:<14} {output}")
         };
         row("opcode", "input_A", "input_B", "output")?;
-        let mut page = 0;
         // The thesis calls registers slots.
         let register = |register: u8| format!("slot {register}");
-        for instruction in self.instructions() {
-            let immediate = |entry: u8| {
-                self.table
-                    .get(page + usize::from(entry))
-                    .map_or_else(|| "?".to_owned(), TableEntry::to_string)
-            };
-            let operand = |operand: Operand| match operand {
-                Operand::Register(number) => register(number),
-                Operand::Immediate(entry) => immediate(entry),
-            };
-            match instruction {
-                Instruction::End => row("END", "-", "-", "-")?,
-                Instruction::Page(number) => {
-                    page = usize::from(number) * 256;
-                    row("PAGE", &number.to_string(), "-", "-")?;
-                }
+        let immediate =
+            |entry: u32| self.table.get(entry as usize).map_or_else(|| "?".to_owned(), TableEntry::to_string);
+        let operand = |operand: Operand| match operand {
+            Operand::Register(number) => register(number),
+            Operand::Immediate(entry) => immediate(entry),
+        };
+        for clause in &self.clauses {
+            match *clause {
                 Instruction::Load { output, entry } => {
                     row("LOAD", &immediate(entry), "-", &register(output))?
                 }
@@ -235,12 +220,10 @@ impl fmt::Display for Tape {
                 Instruction::Reload { output, memory } => {
                     row("RELOAD", &format!("memory {memory}"), "-", &register(output))?;
                 }
-                Instruction::SelectTexture { texture, channel } => {
+                Instruction::Texture { output, texture, channel, u, v } => {
                     let channel = ["red", "green", "blue", "alpha"][usize::from(channel & 3)];
-                    row("SELECT_TEXTURE", &texture.to_string(), channel, "-")?;
-                }
-                Instruction::Texture { output, u, v } => {
-                    row("TEXTURE", &register(u), &register(v), &register(output))?
+                    let name = format!("{channel} of {texture}");
+                    row(&name, &register(u), &register(v), &register(output))?;
                 }
                 Instruction::Input { output, place } => {
                     row(&input_of_place(place).to_string(), "-", "-", &register(output))?;

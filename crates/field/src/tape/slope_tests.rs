@@ -85,16 +85,14 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let mut table = Vec::new();
     tape.table_values(frame, &mut table);
     let (mut registers, mut memory) = (vec![0.0f64; tape.registers()], vec![0.0f64; tape.memory()]);
-    let mut page = 0;
-    for instruction in tape.instructions() {
+    for clause in tape.clauses() {
         let operand = |registers: &[f64], operand: Operand| match operand {
             Operand::Register(register) => registers[usize::from(register)],
-            Operand::Immediate(entry) => f64::from(table[page + usize::from(entry)]),
+            Operand::Immediate(entry) => f64::from(table[entry as usize]),
         };
-        match instruction {
-            Instruction::Page(number) => page = usize::from(number) * 256,
+        match *clause {
             Instruction::Load { output, entry } => {
-                registers[usize::from(output)] = f64::from(table[page + usize::from(entry)]);
+                registers[usize::from(output)] = f64::from(table[entry as usize]);
             }
             Instruction::Store { register, memory: to } => {
                 memory[usize::from(to)] = registers[usize::from(register)]

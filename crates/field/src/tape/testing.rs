@@ -59,7 +59,7 @@ impl Domain for Slopes<'_> {
 pub(crate) struct GradientIntervals<'a> {
     tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<GradientInterval>,
+    machine: Machine<'a, GradientInterval>,
     outputs: Vec<GradientInterval>,
     pieces: Pieces,
 }

@@ -7,19 +7,19 @@ use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::feedback::Feedback;
+use super::hoist::Hoisted;
 use super::motions::Motions;
 use super::planes::Plane;
 use super::{World, WorldError};
 use crate::graph::{
-    CELL_HASH_GLSL, FrameInputs, Input, LEVEL_COUNT, Node, NodeId, Point, ScreenInput, SoundInput,
-    levels_glsl,
+    CELL_HASH_GLSL, FrameInputs, Input, LEVEL_COUNT, Node, NodeId, ScreenInput, SoundInput, levels_glsl,
 };
 use crate::lang::{
     Camera, Light, LightKind, Material, Picture, SURFACE_NUMBERS, Scene, Sky, material_members,
 };
-use crate::limits::{LIMITS, Limits};
+use crate::limits::LIMITS;
+use crate::tape::TapeError;
 use crate::tape::glsl::{self, Sampling};
-use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
 /// A function of the compiled program.
 pub(super) struct CompiledFunction {
@@ -168,15 +168,15 @@ fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> St
 
 // Values that the CPU computes once per frame because they do not depend on the point: camera, lights and planes.
 
-/// The tapes of the cameras, the lights, the picture and the planes, and the numbers with inertia.
+/// The numbers of the cameras, the lights, the picture and the planes, and those with inertia.
 #[derive(Debug, Clone)]
 pub struct FrameTape {
-    camera: Tape,
-    cameras: Vec<Tape>,
-    lights: Vec<(LightKind, Tape)>,
-    nearby: Tape,
-    picture: Tape,
-    planes: Vec<Tape>,
+    /// The sky's reach and bounce, then the numbers of the camera, of the named cameras, of the picture and of the
+    /// lights.
+    numbers: Hoisted,
+    cameras: usize,
+    lights: Vec<LightKind>,
+    planes: Hoisted,
     /// How frames depend on earlier frames; `None` if they do not.
     pub feedback: Option<Feedback>,
     /// The numbers with inertia.
@@ -206,22 +206,17 @@ pub struct FrameValues {
 
 impl FrameTape {
     pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
-        // The limit on outputs is for shaders, which do not run these tapes.
-        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
-        let options = TapeOptions { limits, ..TapeOptions::default() };
-        let tape = |roots: &[NodeId]| Tape::build(&scene.graph, roots, &options);
-        let light = |light: &Light| Ok((light.kind, tape(&light.numbers())?));
+        let cameras = std::iter::once(&scene.camera).chain(scene.cameras.iter().map(|(_, camera)| camera));
+        let mut numbers = vec![scene.sky.reach, scene.sky.bounce];
+        numbers.extend(cameras.flat_map(Camera::numbers));
+        numbers.extend(scene.picture.numbers());
+        numbers.extend(scene.lights.iter().flat_map(Light::numbers));
+        let planes: Vec<NodeId> = planes.iter().map(|plane| plane.shape).collect();
         Ok(Self {
-            camera: tape(&scene.camera.numbers())?,
-            cameras: scene
-                .cameras
-                .iter()
-                .map(|(_, camera)| tape(&camera.numbers()))
-                .collect::<Result<_, _>>()?,
-            lights: scene.lights.iter().map(light).collect::<Result<_, TapeError>>()?,
-            nearby: tape(&[scene.sky.reach, scene.sky.bounce])?,
-            picture: tape(&scene.picture.numbers())?,
-            planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
+            numbers: Hoisted::of(&scene.graph, &numbers),
+            cameras: scene.cameras.len(),
+            lights: scene.lights.iter().map(|light| light.kind).collect(),
+            planes: Hoisted::of(&scene.graph, &planes),
             feedback: Feedback::of(scene)?,
             motions: Motions::of(&scene.graph),
             screen_inputs: screen_inputs(scene),
@@ -230,24 +225,20 @@ impl FrameTape {
 
     /// Computes the values of a frame.
     pub fn values(&self, inputs: &FrameInputs) -> FrameValues {
-        let values = |tape: &Tape| PointEvaluator::new(tape, inputs).at(&Point::at(0.0, 0.0, 0.0)).to_vec();
-        let plane = |tape: &Tape| {
-            let mut plane = PointEvaluator::new(tape, inputs);
-            let mut at = |x, y, z| plane.at(&Point::at(x, y, z)).first().copied().unwrap_or(0.0);
-            let d = at(0.0, 0.0, 0.0);
-            [at(1.0, 0.0, 0.0) - d, at(0.0, 1.0, 0.0) - d, at(0.0, 0.0, 1.0) - d, d]
-        };
-        let [reach, bounce] = *values(&self.nearby).first_chunk().unwrap_or(&[0.0; 2]);
+        let mut numbers = self.numbers.at([0.0; 3], inputs).into_iter();
+        let [reach, bounce] = [(); 2].map(|()| numbers.next().unwrap_or_default());
         let sky = Sky { color: [0.0; 3], ambient: [0.0; 3], reach, bounce };
         let sky = sky.in_ranges(|number, range| range.clamp(number));
+        let places = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let [d, a, b, c] = places.map(|place| self.planes.at(place, inputs));
         FrameValues {
-            camera: Camera::of(values(&self.camera)),
-            cameras: self.cameras.iter().map(|tape| Camera::of(values(tape))).collect(),
+            camera: Camera::of(&mut numbers),
+            cameras: (0..self.cameras).map(|_| Camera::of(&mut numbers)).collect(),
             reach: sky.reach,
             bounce: sky.bounce,
-            picture: Picture::of(values(&self.picture)),
-            lights: self.lights.iter().map(|(kind, tape)| Light::of(*kind, values(tape))).collect(),
-            planes: self.planes.iter().map(plane).collect(),
+            picture: Picture::of(&mut numbers),
+            lights: self.lights.iter().map(|kind| Light::of(*kind, &mut numbers)).collect(),
+            planes: (0..d.len()).map(|i| [a[i] - d[i], b[i] - d[i], c[i] - d[i], d[i]]).collect(),
         }
     }
 }

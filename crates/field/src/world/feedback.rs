@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::World;
 use crate::graph::{FrameInputs, Graph, Node, NodeId, Screen, ScreenInput, SoundInputs, TextureReader};
 use crate::lang::{Diagnostic, FORGOTTEN, Picture, Scene, Span, VISIBLE, outlasting};
-use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX, LIMITS, Limits};
+use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
 use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
 
 /// Columns and rows of the cells of the grid.
@@ -112,10 +112,7 @@ impl FeedbackColor {
             Node::Texture { texture: number, u, v, .. } if usize::from(number) == texture => Some([u, v]),
             _ => None,
         });
-        // The limit on outputs is for shaders, which do not run this tape.
-        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
-        let options = TapeOptions { limits, ..TapeOptions::default() };
-        let tape = |roots: &[NodeId]| Tape::build(graph, roots, &options).ok();
+        let tape = |roots: &[NodeId]| Tape::build(graph, roots, &TapeOptions::default()).ok();
         Some(Self { colors: tape(&roots)?, place: tape(&read?)? })
     }
 

@@ -8,12 +8,12 @@ use super::Roots;
 use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Point};
 use crate::limits::LIMITS;
 
-/// The hoisted expressions.
+/// Expressions of the frame in a graph of their own.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
     graph: Graph,
     order: Vec<NodeId>,
-    /// Root i computes the value of `Input::Hoisted(i)`.
+    /// In the hoisted expressions, root i computes the value of `Input::Hoisted(i)`.
     roots: Vec<NodeId>,
 }
 
@@ -28,12 +28,16 @@ impl Hoisted {
         Self { order: own.order(&roots), graph: own, roots }
     }
 
+    /// Computes the values at a point of a frame.
+    pub(super) fn at(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Vec<f32> {
+        self.graph.evaluate_in(&self.order, &self.roots, &Point::at(x, y, z), inputs)
+    }
+
     /// Computes the values for a frame. All values are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
         // Uniforms and tables must hold the same number: an overflow becomes the largest number, a NaN becomes 0.
         let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };
-        let values = self.graph.evaluate_in(&self.order, &self.roots, &Point::default(), inputs);
-        values.into_iter().map(finite).collect()
+        self.at([0.0; 3], inputs).into_iter().map(finite).collect()
     }
 }
 

@@ -28,7 +28,6 @@ use super::media::facing;
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
 use crate::lang::{Scene, Swarm};
-use crate::limits::{LIMITS, Limits};
 use crate::region::{Reads, RegionKey};
 use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
 
@@ -93,9 +92,7 @@ impl SwarmPlan {
         if scene.swarms.is_empty() {
             return Ok(None);
         }
-        // The limit on outputs is for shaders, which do not run these tapes.
-        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
-        let options = TapeOptions { limits, ..TapeOptions::default() };
+        let options = TapeOptions::default();
         let mut graph = scene.graph.clone();
         let mut ambient = Vec::new();
         for axis in 0..3 {
