@@ -6,6 +6,7 @@ use super::super::diagnostic::Diagnostic;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Composites, Matrix, Value, Vector};
+use super::call::Call;
 use super::expr::zip;
 use super::lowering::Lowering;
 use super::motions::MotionCall;
@@ -19,19 +20,18 @@ pub(super) enum Number {
 }
 
 impl Lowering<'_> {
-    pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
+    pub(super) fn builtin(&mut self, row: &'static BuiltinRow, call: Call) -> Value {
+        let Call { name, mark, span, .. } = call;
         let count = self.arguments.len() - mark;
         let (least, most) = row.arguments;
         if count < least || count > most {
             let hint = format!("it is declared as `{}`", row.signature());
-            if let Some(symbol) = self.names.get(row.name) {
-                self.reports.count_message(symbol, count, row.arguments, hint, span);
-            }
+            self.reports.count_message(name, count, row.arguments, hint, span);
             return Value::Unknown;
         }
         match (row.builtin, self.arguments.get(mark).copied()) {
             (Builtin::Texture | Builtin::Previous | Builtin::Shape(_), _) => {
-                let mut read = Read { outer: self, name: row.name, mark, first, span };
+                let mut read = Read { outer: self, name: row.name, call };
                 let value = match row.builtin {
                     Builtin::Texture => read.texture(),
                     Builtin::Shape(call) => read.shape(call),
@@ -39,17 +39,15 @@ impl Lowering<'_> {
                 };
                 return value.unwrap_or(Value::Unknown);
             }
-            (Builtin::Motion(kind), _) => {
-                return MotionCall { outer: self, row, kind, mark, first, span }.value();
-            }
-            (Builtin::Matrix(function), _) => return self.matrix_function(row, function, mark, span),
+            (Builtin::Motion(kind), _) => return MotionCall { outer: self, row, kind, call }.value(),
+            (Builtin::Matrix(function), _) => return self.matrix_function(row, function, call),
             (Builtin::Float, Some(Value::Bool(part))) => return Value::scalar(part),
             _ => {}
         }
         let mut vectors = [None; 4];
         for (index, slot) in vectors.iter_mut().enumerate().take(count) {
             let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
-            let place = self.argument_span(first, index, span);
+            let place = self.argument_span(call, index);
             let Some(vector) = self.number(value, place, || format!("`{}`", row.name)) else {
                 return Value::Unknown;
             };
@@ -208,15 +206,9 @@ impl Lowering<'_> {
         self.reports.add(Diagnostic::new(span, message).hint(hint))
     }
 
-    /// Calls a function that makes or takes a matrix, with the arguments from `mark` on.
-    pub(super) fn matrix_function(
-        &mut self,
-        row: &BuiltinRow,
-        function: MatrixFunction,
-        mark: usize,
-        span: Span,
-    ) -> Value {
-        let arguments: Vec<Value> = self.arguments.iter().skip(mark).copied().collect();
+    /// Calls a function that makes or takes a matrix.
+    fn matrix_function(&mut self, row: &BuiltinRow, function: MatrixFunction, call: Call) -> Value {
+        let arguments: Vec<Value> = self.arguments.iter().skip(call.mark).copied().collect();
         if arguments.contains(&Value::Unknown) {
             return Value::Unknown;
         }
@@ -233,7 +225,7 @@ impl Lowering<'_> {
             _ => format!("`{}` takes a matrix, not {}", row.name, types.join(" and ")),
         };
         let hint = format!("it is declared as `{}`", row.signature());
-        self.reports.add(Diagnostic::new(span, message).hint(hint))
+        self.reports.add(Diagnostic::new(call.span, message).hint(hint))
     }
 }
 

@@ -20,6 +20,16 @@ enum Callee {
     Builtin(usize),
 }
 
+/// A call with the arguments from `mark` on.
+#[derive(Clone, Copy)]
+pub(super) struct Call {
+    pub name: Symbol,
+    pub mark: usize,
+    /// Index of the arguments' expressions in the tree's `extra`; `None` if they have no expressions.
+    pub first: Option<u32>,
+    pub span: Span,
+}
+
 impl Lowering<'_> {
     fn callee(&self, symbol: Symbol) -> Option<Callee> {
         let index = symbol.index();
@@ -41,28 +51,25 @@ impl Lowering<'_> {
             }
             _ => 0,
         };
-        let mark = self.arguments.len();
+        let call = Call { name, mark: self.arguments.len(), first: Some(first), span };
         for index in 0..count {
             self.argument(ExprId(self.ast.extra(first + index)), fold > 0, name);
         }
         let is_foreign = !matches!(callee, Some(Callee::Scene(_)))
             && self.reports.library_call.is_none()
             && self.declared.foreign.is_function(name);
-        let foreign = if is_foreign { ForeignCall { outer: self, name, mark, span }.value() } else { None };
-        if let Some(value) = foreign {
-            self.arguments.truncate(mark);
-            return value;
-        }
-        let value = match callee {
-            None if is_foreign => ForeignCall { outer: self, name, mark, span }.misfit(),
-            None => self.unknown_function(name, span),
-            Some(callee) if fold > 0 => {
+        let foreign = if is_foreign { ForeignCall { outer: self, call }.value() } else { None };
+        let value = match (foreign, callee) {
+            (Some(value), _) => value,
+            (None, None) if is_foreign => ForeignCall { outer: self, call }.misfit(),
+            (None, None) => self.unknown_function(name, span),
+            (None, Some(callee)) if fold > 0 => {
                 let has_loop = count as usize >= usize::from(fold);
-                self.fold(callee, name, mark, usize::from(fold) - 1, has_loop, span)
+                self.fold(callee, call, usize::from(fold) - 1, has_loop)
             }
-            Some(callee) => self.apply(callee, name, mark, first, span),
+            (None, Some(callee)) => self.apply(callee, call),
         };
-        self.arguments.truncate(mark);
+        self.arguments.truncate(call.mark);
         value
     }
 
@@ -132,17 +139,10 @@ impl Lowering<'_> {
         self.reports.whole_bound(value, span)
     }
 
-    /// Combines the values from `mark` on, two at a time from the left. Each call also gets the last `tail` arguments.
-    /// `has_loop` is true if too few values come from a loop without iterations.
-    fn fold(
-        &mut self,
-        callee: Callee,
-        name: Symbol,
-        mark: usize,
-        tail: usize,
-        has_loop: bool,
-        span: Span,
-    ) -> Value {
+    /// Combines the arguments, two at a time from the left. Each call also gets the last `tail` arguments. `has_loop` is
+    /// true if too few values come from a loop without iterations.
+    fn fold(&mut self, callee: Callee, call: Call, tail: usize, has_loop: bool) -> Value {
+        let Call { name, mark, span, .. } = call;
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
             return Value::Unknown;
@@ -169,11 +169,11 @@ impl Lowering<'_> {
         let mut result = self.arguments.get(mark).copied().unwrap_or(Value::Unknown);
         for index in mark + 1..values_end {
             let Some(&value) = self.arguments.get(index) else { break };
-            let at = self.arguments.len();
+            let pair = Call { mark: self.arguments.len(), first: None, ..call };
             self.arguments.extend([result, value]);
             self.arguments.extend_from_within(values_end..values_end + tail);
-            result = self.apply(callee, name, at, u32::MAX, span);
-            self.arguments.truncate(at);
+            result = self.apply(callee, pair);
+            self.arguments.truncate(pair.mark);
             if self.reports.stopped {
                 break;
             }
@@ -185,18 +185,17 @@ impl Lowering<'_> {
         result
     }
 
-    /// Calls a function with the arguments from `mark` on. For the locations in messages, `first` is the index of the
-    /// arguments' expressions in the tree's `extra`; `u32::MAX` if the arguments have no expressions.
-    fn apply(&mut self, callee: Callee, name: Symbol, mark: usize, first: u32, span: Span) -> Value {
+    fn apply(&mut self, callee: Callee, call: Call) -> Value {
+        let Call { name, mark, span, .. } = call;
         match callee {
             Callee::Builtin(index) => match BUILTINS.get(index) {
-                Some(row) => self.builtin(row, mark, first, span),
+                Some(row) => self.builtin(row, call),
                 None => Value::Unknown,
             },
             Callee::Library(index) => {
                 let library = self.library;
                 let Some(function) = library.functions.get(index) else { return Value::Unknown };
-                if !self.arguments_fit(function, callee, mark, first, span) {
+                if !self.arguments_fit(function, callee, call) {
                     return Value::Unknown;
                 }
                 self.put_in_library(function, mark, (name, span))
@@ -210,7 +209,7 @@ impl Lowering<'_> {
                 }
                 called.open = true;
                 let mut value = Value::Unknown;
-                if self.arguments_fit(function, callee, mark, first, span) {
+                if self.arguments_fit(function, callee, call) {
                     self.reports.calls.push((name, span));
                     value = self.put_in(function, mark);
                     self.reports.calls.pop();
@@ -277,26 +276,19 @@ impl Lowering<'_> {
     }
 
     /// Reports arguments whose count or types do not fit. Widens a number where a vector is expected.
-    fn arguments_fit(
-        &mut self,
-        function: &Function,
-        callee: Callee,
-        mark: usize,
-        first: u32,
-        span: Span,
-    ) -> bool {
-        let count = self.arguments.len() - mark;
+    fn arguments_fit(&mut self, function: &Function, callee: Callee, call: Call) -> bool {
+        let count = self.arguments.len() - call.mark;
         let takes = function.parameters.len();
         if count != takes {
             let name = function.name.symbol;
             let hint = format!("it is declared as `{}`", self.signature(callee, name));
-            self.reports.count_message(name, count, (takes, takes), hint, span);
+            self.reports.count_message(name, count, (takes, takes), hint, call.span);
             return false;
         }
         let mut fit = true;
         for (index, parameter) in function.parameters.iter().enumerate() {
             let Some(of) = parameter.of else { continue };
-            let Some(value) = self.arguments.get_mut(mark + index) else { continue };
+            let Some(value) = self.arguments.get_mut(call.mark + index) else { continue };
             let wide = match (of, *value) {
                 (_, Value::Unknown) => continue,
                 (Type::Vec2, Value::Vector(vector)) => vector.widened(2),
@@ -316,22 +308,18 @@ impl Lowering<'_> {
                     "`{}` takes {wanted} as `{parameter}`, not {found}",
                     self.name(function.name.symbol)
                 );
-                let place = if first == u32::MAX { span } else { self.argument_span(first, index, span) };
                 let hint = format!("it is declared as `{}`", self.signature(callee, function.name.symbol));
-                self.reports.add(Diagnostic::new(place, message).hint(hint));
+                self.reports.add(Diagnostic::new(self.argument_span(call, index), message).hint(hint));
                 fit = false;
             }
         }
         fit
     }
 
-    /// Returns the location of argument `index` of a call whose arguments begin at `first`; `call` if it is not known.
-    pub(super) fn argument_span(&self, first: u32, index: usize, call: Span) -> Span {
-        if first == u32::MAX {
-            return call;
-        }
-        let span = self.ast.span(ExprId(self.ast.extra(first + index as u32)));
-        if span == Span::default() { call } else { span }
+    /// Returns the location of an argument; that of the call if it is not known.
+    pub(super) fn argument_span(&self, call: Call, index: usize) -> Span {
+        let known = call.first.map(|first| self.ast.span(ExprId(self.ast.extra(first + index as u32))));
+        known.filter(|span| *span != Span::default()).unwrap_or(call.span)
     }
 
     #[cold]

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use super::super::builtin::uses;
 use super::super::diagnostic::{Diagnostic, Fault};
 use super::super::foreign::ForeignFile;
-use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
+use super::call::Call;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use super::reads::Read;
@@ -58,19 +58,16 @@ impl<'a> Foreign<'a> {
     }
 }
 
-/// A call of a GLSL function with the arguments from `mark` on.
+/// A call of a GLSL function.
 pub(super) struct ForeignCall<'l, 'a> {
     pub outer: &'l mut Lowering<'a>,
-    pub name: Symbol,
-    pub mark: usize,
-    pub span: Span,
+    pub call: Call,
 }
 
 impl ForeignCall<'_, '_> {
-    /// Calls the GLSL function of this name whose parameters fit the arguments from `mark` on best. `None` if none
-    /// fits.
+    /// Calls the GLSL function of this name whose parameters fit the arguments best. `None` if none fits.
     pub(super) fn value(&mut self) -> Option<Value> {
-        let (name, mark, span) = (self.name, self.mark, self.span);
+        let Call { name, mark, span, .. } = self.call;
         let arguments = self.outer.arguments.get(mark..).unwrap_or_default();
         if arguments.contains(&Value::Unknown) {
             return self.outer.declared.foreign.is_function(name).then_some(Value::Unknown);
@@ -97,24 +94,25 @@ impl ForeignCall<'_, '_> {
     fn execute(&mut self, index: usize, foreign: &ForeignFile, function: &GlslFunction) -> Value {
         let mut arguments: Vec<Vec<NodeId>> = Vec::new();
         for (offset, parameter) in function.parameters.iter().enumerate() {
-            arguments.push(match (parameter.of, self.outer.arguments.get(self.mark + offset).copied()) {
-                (Some(GlslType::Vector(size)), Some(Value::Vector(vector))) => {
-                    (0..usize::from(size)).map(|index| vector.part(index)).collect()
-                }
-                (_, Some(Value::Vector(vector))) => vec![self.outer.with_known(vector).first()],
-                (_, Some(Value::Bool(node))) => vec![node],
-                _ => Vec::new(),
-            });
+            arguments.push(
+                match (parameter.of, self.outer.arguments.get(self.call.mark + offset).copied()) {
+                    (Some(GlslType::Vector(size)), Some(Value::Vector(vector))) => {
+                        (0..usize::from(size)).map(|index| vector.part(index)).collect()
+                    }
+                    (_, Some(Value::Vector(vector))) => vec![self.outer.with_known(vector).first()],
+                    (_, Some(Value::Bool(node))) => vec![node],
+                    _ => Vec::new(),
+                },
+            );
         }
-        let (span, in_picture) = (self.span, self.is_in_picture(function));
+        let (call, in_picture) = (self.call, self.is_in_picture(function));
         let kept = |this: &mut Self, session: GlslSession| {
             let sessions = this.outer.declared.foreign.sessions.get_mut(index)?;
             Some(std::mem::replace(&mut sessions[usize::from(in_picture)], session))
         };
         let Some(mut session) = kept(self, GlslSession::default()) else { return Value::Unknown };
         if in_picture && session.last_frame.is_none() && foreign.file.reads_last_frame() {
-            let (outer, mark) = (&mut *self.outer, self.mark);
-            session.last_frame = Read { outer, name: "previous", mark, first: 0, span }.last_frame_number();
+            session.last_frame = Read { outer: self.outer, name: "previous", call }.last_frame_number();
         }
         let mut budget = Budget {
             steps: self.outer.budget.left(self.outer.limits),
@@ -128,7 +126,7 @@ impl ForeignCall<'_, '_> {
         self.outer.budget.spend(steps - budget.steps);
         for left_out in session.left_out() {
             let message = format!("`{}` leaves out {}", function.name, left_out.message);
-            let warning = Diagnostic { hint: left_out.hint, ..Diagnostic::warning(span, message) };
+            let warning = Diagnostic { hint: left_out.hint, ..Diagnostic::warning(call.span, message) };
             self.outer.reports.diagnostics.warn(warning);
         }
         kept(self, session);
@@ -137,7 +135,7 @@ impl ForeignCall<'_, '_> {
             Err(problem) => return self.problem(foreign, &problem),
         };
         if nodes.iter().any(|&node| self.outer.known(node).is_none()) && foreign.file.reads_frame() {
-            self.outer.inputs.declare(uses::FRAME, self.name, self.span, &mut self.outer.reports);
+            self.outer.inputs.declare(uses::FRAME, call.name, call.span, &mut self.outer.reports);
         }
         if in_picture {
             self.use_picture(foreign, &nodes);
@@ -166,7 +164,7 @@ impl ForeignCall<'_, '_> {
         if foreign.file.reads_pixel() && (reads.contains(&Input::X) || reads.contains(&Input::Y)) {
             kind |= uses::PIXEL;
         }
-        self.outer.inputs.declare(kind, self.name, self.span, &mut self.outer.reports);
+        self.outer.inputs.declare(kind, self.call.name, self.call.span, &mut self.outer.reports);
     }
 
     /// The scene's parameters and lets that have the names of uniforms. A text names the image of a sampler.
@@ -176,18 +174,18 @@ impl ForeignCall<'_, '_> {
             let Some(symbol) = self.outer.names.get(uniform) else { continue };
             let value = match self.outer.declared.global(symbol).value {
                 GlobalValue::Param(index) => {
-                    self.outer.inputs.declare(uses::FRAME, symbol, self.span, &mut self.outer.reports);
+                    self.outer.inputs.declare(uses::FRAME, symbol, self.call.span, &mut self.outer.reports);
                     Value::scalar(self.outer.graph.input(Input::Param(index as u16)))
                 }
-                GlobalValue::Let(index) => self.outer.global_let(index as usize, self.span),
+                GlobalValue::Let(index) => self.outer.global_let(index as usize, self.call.span),
                 GlobalValue::None => continue,
             };
             let nodes = match value {
                 // The value of a sampler is a number that only a name of an image gives.
                 Value::Vector(vector) if !foreign.file.is_sampler(uniform) => vector.parts().to_vec(),
                 Value::Text(file) if in_picture => {
-                    let (outer, mark, span) = (&mut *self.outer, self.mark, self.span);
-                    let image = Read { outer, name: "texture", mark, first: 0, span }.number(file, span);
+                    let mut read = Read { outer: self.outer, name: "texture", call: self.call };
+                    let image = read.number(file, self.call.span);
                     image.map(|image| self.outer.constant(image_sampler(image))).into_iter().collect()
                 }
                 _ => continue,
@@ -199,7 +197,7 @@ impl ForeignCall<'_, '_> {
 
     #[cold]
     fn problem(&mut self, foreign: &ForeignFile, problem: &Diagnostic) -> Value {
-        let (name, span) = (self.name, self.span);
+        let Call { name, span, .. } = self.call;
         let mut diagnostic = foreign.diagnostic(problem, span);
         let is_limit = problem.fault == Fault::OverLimit;
         if diagnostic.span != span {
@@ -214,8 +212,8 @@ impl ForeignCall<'_, '_> {
     /// Reports a call that no GLSL function of the name fits.
     #[cold]
     pub(super) fn misfit(&mut self) -> Value {
-        let (name, span) = (self.name, self.span);
-        let given = self.outer.arguments.get(self.mark..).unwrap_or_default();
+        let Call { name, mark, span, .. } = self.call;
+        let given = self.outer.arguments.get(mark..).unwrap_or_default();
         let given: Vec<&str> = given.iter().map(|value| value.described()).collect();
         let text = self.outer.name(name);
         let mut diagnostic = match given.as_slice() {

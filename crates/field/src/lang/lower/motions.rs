@@ -2,28 +2,25 @@
 
 use super::super::builtin::{BuiltinRow, uses};
 use super::super::diagnostic::Diagnostic;
-use super::super::source::Span;
 use super::super::value::{Value, Vector};
 use super::builtins::sizes_fit;
+use super::call::Call;
 use super::lowering::Lowering;
 use crate::graph::{Interval, Motion, MotionKind, NodeId, Op};
 use crate::limits::MOTION_SECONDS;
 
-/// A call, with the arguments from `mark` on.
 pub(super) struct MotionCall<'o, 'l> {
     pub outer: &'o mut Lowering<'l>,
     pub row: &'static BuiltinRow,
     pub kind: MotionKind,
-    pub mark: usize,
-    pub first: u32,
-    pub span: Span,
+    pub call: Call,
 }
 
 impl MotionCall<'_, '_> {
     /// Returns the number, or a vector of them.
     pub(super) fn value(mut self) -> Value {
-        self.outer.used(uses::FRAME, self.row.name, self.span);
-        let count = self.outer.arguments.len() - self.mark;
+        self.outer.used(uses::FRAME, self.row.name, self.call.span);
+        let count = self.outer.arguments.len() - self.call.mark;
         let mut vectors = Vec::with_capacity(count);
         for index in 0..count {
             let Some(vector) = self.argument(index) else { return Value::Unknown };
@@ -33,7 +30,7 @@ impl MotionCall<'_, '_> {
         if !sizes_fit(&vectors) || (self.kind == MotionKind::Since && len > 1) {
             let message = format!("`{}` needs one number, or vectors of the same size", self.row.name);
             let hint = format!("it is declared as `{}`", self.row.signature());
-            return self.outer.reports.add(Diagnostic::new(self.span, message).hint(hint));
+            return self.outer.reports.add(Diagnostic::new(self.call.span, message).hint(hint));
         }
         let mut moving = [NodeId::default(); 4];
         for (index, part) in moving.iter_mut().enumerate().take(len) {
@@ -46,8 +43,8 @@ impl MotionCall<'_, '_> {
 
     /// Returns an argument, which must be known for earlier moments.
     fn argument(&mut self, index: usize) -> Option<Vector> {
-        let place = self.outer.argument_span(self.first, index, self.span);
-        let value = self.outer.arguments.get(self.mark + index).copied().unwrap_or(Value::Unknown);
+        let place = self.outer.argument_span(self.call, index);
+        let value = self.outer.arguments.get(self.call.mark + index).copied().unwrap_or(Value::Unknown);
         let vector = match value {
             Value::Bool(event) if self.kind == MotionKind::Since => Vector::scalar(event),
             value => self.outer.number(value, place, || format!("`{}`", self.row.name))?,
@@ -89,7 +86,7 @@ impl MotionCall<'_, '_> {
         if graph.motions().len() > max {
             let message = format!("the scene has more than {max} numbers with inertia");
             let hint = "let several things follow the same number";
-            self.outer.reports.add(Diagnostic::over_limit(self.span, message).hint(hint));
+            self.outer.reports.add(Diagnostic::over_limit(self.call.span, message).hint(hint));
             return None;
         }
         Some(value)

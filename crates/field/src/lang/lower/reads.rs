@@ -9,26 +9,24 @@ use super::super::shape::{ShapeCall, ShapeRef, ShapeSource};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
+use super::call::Call;
 use super::lowering::Lowering;
 use crate::graph::{NodeId, Op, SHAPE_NUMBERS};
 use crate::limits::LAST_LIGHT_MAX;
 
-/// A call with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
 pub(super) struct Read<'l, 'a> {
     pub outer: &'l mut Lowering<'a>,
     pub name: &'static str,
-    pub mark: usize,
-    pub first: u32,
-    pub span: Span,
+    pub call: Call,
 }
 
 impl Read<'_, '_> {
     fn argument(&self, index: usize) -> Option<Value> {
-        self.outer.arguments.get(self.mark + index).copied()
+        self.outer.arguments.get(self.call.mark + index).copied()
     }
 
     fn place(&self, argument: usize) -> Span {
-        let place = self.outer.argument_span(self.first, argument, self.span);
+        let place = self.outer.argument_span(self.call, argument);
         self.outer.reports.library_call.map_or(place, |call| call.1)
     }
 
@@ -72,7 +70,7 @@ impl Read<'_, '_> {
 
     /// Reads a texture.
     pub(super) fn texture(&mut self) -> Option<Value> {
-        self.outer.used(uses::TEXTURE, "texture", self.span);
+        self.outer.used(uses::TEXTURE, "texture", self.call.span);
         let file = self.text(0, "a file's name in quotes", "write `texture(\"wood.png\", uv)`")?;
         let at = self.position(1, "take two components, as in `p.xz`")?;
         let number = self.number(file, self.place(0))?;
@@ -95,8 +93,8 @@ impl Read<'_, '_> {
 
     /// Returns the number of the texture that holds the last frame.
     pub(super) fn last_frame_number(&mut self) -> Option<u16> {
-        self.outer.used(uses::TEXTURE, "previous", self.span);
-        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
+        self.outer.used(uses::TEXTURE, "previous", self.call.span);
+        let place = self.outer.reports.library_call.map_or(self.call.span, |call| call.1);
         self.numbered(TextureRef::last_frame(place))
     }
 
@@ -162,7 +160,7 @@ impl Read<'_, '_> {
         let place = self.place(0);
         match (call, words) {
             (ShapeCall::Song(what), _) => {
-                self.outer.used(uses::FRAME, self.name, self.span);
+                self.outer.used(uses::FRAME, self.name, self.call.span);
                 Some(ShapeSource::Song { what, font })
             }
             (ShapeCall::Image, Some(file)) => self.path(file, "file", place).map(ShapeSource::Image),
