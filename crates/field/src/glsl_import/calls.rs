@@ -138,6 +138,8 @@ pub(super) struct Executor<'m, 'g> {
     pub one: NodeId,
     pub frame: CallFrame<'m>,
     pub budget: &'g mut Budget,
+    /// The place in the user's text of the statement or expression that is being executed.
+    pub here: Span,
     pub session: &'g mut GlslSession,
     /// The condition under which the pixel is not drawn.
     pub discarded: NodeId,
@@ -195,19 +197,20 @@ impl GlslSession {
             Some(globals) => executor.memory.parts = globals,
             None => executor.start(given)?,
         }
+        executor.here = place;
         let globals = executor.memory.parts.clone();
         let mut passed = Vec::with_capacity(arguments.len());
         for (parts, argument) in arguments.iter().zip(&called.arguments) {
             let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
             let kind = kind.unwrap_or(ScalarKind::Float);
             let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
-            let parts = parts.iter().map(|&node| executor.convert(from, kind, Part::Node(node), place));
+            let parts = parts.iter().map(|&node| executor.convert(from, kind, Part::Node(node)));
             passed.push(Argument::Parts(parts.collect::<Result<_>>()?));
         }
-        let result = executor.call(function.handle, passed, place);
+        let result = executor.call(function.handle, passed);
         let result = result.and_then(|parts| {
             let nodes = parts.into_iter().map(|part| {
-                let node = executor.node(part, place)?;
+                let node = executor.node(part)?;
                 Ok(executor.graph.select(executor.discarded, executor.zero, node))
             });
             nodes.collect()
@@ -230,8 +233,21 @@ impl<'m, 'g> Executor<'m, 'g> {
     ) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
         let frame = CallFrame::new(function, one);
-        let (memory, open) = (Memory::default(), Vec::new());
-        Self { file, graph, memory, live: one, zero, one, frame, budget, session, discarded: zero, open }
+        let (memory, open, here) = (Memory::default(), Vec::new(), Span::default());
+        Self {
+            file,
+            graph,
+            memory,
+            live: one,
+            zero,
+            one,
+            frame,
+            budget,
+            here,
+            session,
+            discarded: zero,
+            open,
+        }
     }
 
     /// Gives the globals their values.
@@ -239,7 +255,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         let file = self.file;
         let mut kept = Vec::new();
         for (handle, global) in file.module.global_variables.iter() {
-            let place = file.written.source_range(range(file.module.global_variables.get_span(handle)));
+            self.here = file.written.source_range(range(file.module.global_variables.get_span(handle)));
             let start = self.memory.parts.len();
             let name = global.name.as_deref().unwrap_or("");
             let Some(len) = size(&file.module, global.ty) else {
@@ -271,24 +287,24 @@ impl<'m, 'g> Executor<'m, 'g> {
                     let unset = || vec![Part::Unset(handle.index() as u32); len];
                     known.map_or_else(unset, |nodes| nodes.into_iter().map(Part::Node).collect())
                 }
-                (None, None, Some(init)) => self.global_value(init, place)?,
+                (None, None, Some(init)) => self.global_value(init)?,
                 (None, None, None) => {
-                    let parts = self.zeros(global.ty, place)?;
-                    self.step(parts.len(), || place)?;
+                    let parts = self.zeros(global.ty)?;
+                    self.step(parts.len())?;
                     parts
                 }
             };
             self.memory.parts.extend(parts);
             self.memory.parts.resize(start + len, Part::Node(self.zero));
             if self.memory.parts.len() > self.budget.memory_max {
-                return Err(too_large(place));
+                return Err(self.too_large());
             }
         }
         for &start in &file.starts {
             // A global whose value cannot be computed is only a mistake if a function reads it.
             let before = self.memory.parts.clone();
-            let place = file.written.source_range(range(file.module.functions.get_span(start)));
-            if let Err(problem) = self.call(start, Vec::new(), place) {
+            self.here = file.written.source_range(range(file.module.functions.get_span(start)));
+            if let Err(problem) = self.call(start, Vec::new()) {
                 if problem.fault == Fault::OverLimit {
                     return Err(problem);
                 }
@@ -319,8 +335,8 @@ impl<'m, 'g> Executor<'m, 'g> {
         Pointer { start, len, indices: Vec::new() }
     }
 
-    /// Counts `count` operations. The error points to `place`.
-    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Span) -> Result<()> {
+    /// Counts `count` operations.
+    pub(super) fn step(&mut self, count: usize) -> Result<()> {
         match self.budget.steps.checked_sub(count.max(1)) {
             Some(left) => {
                 self.budget.steps = left;
@@ -328,7 +344,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             }
             None => {
                 self.budget.steps = 0;
-                Err(Diagnostic::over_limit(place(), "this GLSL expands to too many operations")
+                Err(Diagnostic::over_limit(self.here, "this GLSL expands to too many operations")
                     .hint("shorten its loops, or call fewer functions in them"))
             }
         }
@@ -339,39 +355,44 @@ impl<'m, 'g> Executor<'m, 'g> {
         self.file.written.source_range(range(self.frame.function.expressions.get_span(of)))
     }
 
+    /// Runs a part of the execution that has this place.
+    pub(super) fn at<T>(&mut self, place: Span, run: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
+        let outside = std::mem::replace(&mut self.here, place);
+        let result = run(self);
+        self.here = outside;
+        result
+    }
+
     /// Calls a function. Returns the parts of its result.
-    pub(super) fn call(
-        &mut self,
-        handle: Handle<Function>,
-        arguments: Vec<Argument>,
-        place: Span,
-    ) -> Result<Vec<Part>> {
+    pub(super) fn call(&mut self, handle: Handle<Function>, arguments: Vec<Argument>) -> Result<Vec<Part>> {
         let file = self.file;
         let Ok(function) = file.module.functions.try_get(handle) else { return Ok(Vec::new()) };
         let name = function.name.as_deref().unwrap_or("");
         match file.special.get(&handle) {
             Some(Special::Broken(index)) => {
-                let missing = || Diagnostic::new(place, "this function has a mistake");
+                let missing = || Diagnostic::new(self.here, "this function has a mistake");
                 return Err(file.problems.get(*index).cloned().unwrap_or_else(missing));
             }
-            Some(special) => return SamplerRead { of: self }.colour(*special, &arguments, place),
+            Some(special) => return SamplerRead { of: self }.colour(*special, &arguments),
             None => {}
         }
         if self.open.iter().any(|(open, _)| *open == handle) {
             let message = format!("`{name}` calls itself");
-            return Err(Diagnostic::unsupported(place, message).hint("write a loop instead of the recursion"));
+            return Err(
+                Diagnostic::unsupported(self.here, message).hint("write a loop instead of the recursion")
+            );
         }
         if self.open.len() >= CALLS_MAX {
             let message = format!("functions call each other more than {CALLS_MAX} deep");
-            return Err(Diagnostic::over_limit(place, message).hint("merge some of them"));
+            return Err(Diagnostic::over_limit(self.here, message).hint("merge some of them"));
         }
         let is_defined =
             function.body.iter().any(|statement| !matches!(statement, Statement::Return { value: None }));
         if !is_defined && function.result.is_some() {
             let message = format!("`{name}` is declared, but has no body");
-            return Err(Diagnostic::new(place, message).hint("add the function to this file"));
+            return Err(Diagnostic::new(self.here, message).hint("add the function to this file"));
         }
-        self.step(1, || place)?;
+        self.step(1)?;
         let known = self.session.infos.entry(handle);
         let infos = known.or_insert_with(|| Rc::from(infos(&file.module, function))).clone();
         let mark = self.memory.mark();
@@ -386,7 +407,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         let outside = (std::mem::replace(&mut self.frame, frame), self.live);
         self.live = self.one;
         self.open.push((handle, [outside.0.outer, outside.1]));
-        let done = self.run(function, place);
+        let done = self.run(function);
         self.open.pop();
         let frame = std::mem::replace(&mut self.frame, outside.0);
         self.live = outside.1;
@@ -400,27 +421,27 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// Runs the body of the current frame's function.
-    fn run(&mut self, function: &'m Function, place: Span) -> Result<()> {
+    fn run(&mut self, function: &'m Function) -> Result<()> {
         for (_, local) in function.local_variables.iter() {
             let parts = match local.init {
                 Some(init) => self.parts_of(init)?,
-                None => self.zeros(local.ty, place)?,
+                None => self.zeros(local.ty)?,
             };
-            self.step(parts.len(), || place)?;
+            self.step(parts.len())?;
             self.memory.parts.extend(parts);
             if self.memory.parts.len() > self.budget.memory_max {
-                return Err(too_large(place));
+                return Err(self.too_large());
             }
         }
         self.block(&function.body)?;
         if self.live != self.zero {
-            self.leave_function(Vec::new(), place)?;
+            self.leave_function(Vec::new())?;
         }
         Ok(())
     }
-}
 
-fn too_large(place: Span) -> Diagnostic {
-    let message = format!("the variables of this GLSL have more than {PARTS_MAX} numbers");
-    Diagnostic::over_limit(place, message).hint("make its arrays smaller")
+    fn too_large(&self) -> Diagnostic {
+        let message = format!("the variables of this GLSL have more than {PARTS_MAX} numbers");
+        Diagnostic::over_limit(self.here, message).hint("make its arrays smaller")
+    }
 }

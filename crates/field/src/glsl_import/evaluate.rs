@@ -6,7 +6,7 @@ use super::Result;
 use super::calls::{Argument, Executor, Pointer};
 use super::layout::{Info, Part, member, size};
 use crate::graph::{Input, NodeId, Op};
-use crate::lang::{Diagnostic, Span};
+use crate::lang::Diagnostic;
 
 impl Executor<'_, '_> {
     pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info> {
@@ -46,17 +46,19 @@ impl Executor<'_, '_> {
         self.info(of)?;
         match value {
             Argument::Parts(parts) => Ok(parts),
-            Argument::Pointer(pointer) => {
-                let place = self.place(of);
-                self.load(&pointer, || place)
-            }
+            Argument::Pointer(pointer) => self.at(self.place(of), |this| this.load(&pointer)),
         }
     }
 
     pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>> {
-        let place = self.place(of);
-        let parts = self.parts_of(of)?;
-        parts.into_iter().map(|part| self.node(part, place)).collect()
+        let parts = self.parts_of(of)?.into_iter();
+        self.at(self.place(of), |this| parts.map(|part| this.node(part)).collect())
+    }
+
+    /// Returns a part of an expression's value as a node of the graph.
+    pub(super) fn node_of(&mut self, of: Handle<Expression>, index: usize) -> Result<NodeId> {
+        let part = self.part(of, index)?;
+        self.at(self.place(of), |this| this.node(part))
     }
 
     pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer> {
@@ -74,26 +76,30 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a part as a node of the graph.
-    pub(super) fn node(&mut self, part: Part, place: Span) -> Result<NodeId> {
+    pub(super) fn node(&mut self, part: Part) -> Result<NodeId> {
         Ok(match part {
             Part::Node(node) => node,
             Part::Int(value) => self.graph.constant(value as f32),
             Part::Uint(value) => self.graph.constant(value as f32),
-            Part::Unset(index) => return Err(self.unset(index, place)),
+            Part::Unset(index) => return Err(self.unset(index)),
         })
     }
 
-    fn unset(&self, index: u32, place: Span) -> Diagnostic {
+    fn unset(&self, index: u32) -> Diagnostic {
         let mut globals = self.file.module.global_variables.iter();
         let name = globals.nth(index as usize).and_then(|(_, global)| global.name.clone());
         let name = name.unwrap_or_default();
         let message = format!("`{name}` comes from outside of the GLSL, and has no value here");
-        Diagnostic::unsupported(place, message).hint(format!(
+        Diagnostic::unsupported(self.here, message).hint(format!(
             "declare `let {name} = …` or `param {name} = 1` in the scene, or give it a value in the GLSL"
         ))
     }
 
     pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<()> {
+        self.at(self.place(of), |this| this.evaluate_here(of))
+    }
+
+    fn evaluate_here(&mut self, of: Handle<Expression>) -> Result<()> {
         let function = self.frame.function;
         let Ok(expression) = function.expressions.try_get(of) else { return Ok(()) };
         match expression {
@@ -112,35 +118,32 @@ impl Executor<'_, '_> {
             Expression::FunctionArgument(index) => {
                 match self.frame.arguments.get(*index as usize).cloned() {
                     Some(argument) => self.put(of, argument),
-                    None => return Err(Diagnostic::new(self.place(of), "an argument is missing")),
+                    None => return Err(Diagnostic::new(self.here, "an argument is missing")),
                 }
                 return Ok(());
             }
             Expression::AccessIndex { base, index } => return self.access(of, *base, *index),
             Expression::Access { base, index } => {
-                let place = self.place(*index);
                 let part = self.part(*index, 0)?;
                 if let Some(index) = self.whole(part) {
                     return self.access(of, *base, u32::try_from(index).unwrap_or(0));
                 }
-                let index = self.node(part, place)?;
+                let index = self.node_of(*index, 0)?;
                 return self.access_computed(of, *base, index);
             }
             Expression::CallResult(_) => {
-                return Err(Diagnostic::unsupported(self.place(of), "this call has no result"));
+                return Err(Diagnostic::unsupported(self.here, "this call has no result"));
             }
             _ => {}
         }
-        let parts = self.value(expression, of)?;
-        let place = self.place(of);
-        self.step(parts.len(), || place)?;
+        let parts = self.value(expression)?;
+        self.step(parts.len())?;
         self.put(of, Argument::Parts(parts));
         Ok(())
     }
 
-    fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>> {
-        let place = self.place(of);
-        if let Some(parts) = self.composed(expression, place, |this, of, _| this.parts_of(of))? {
+    fn value(&mut self, expression: &Expression) -> Result<Vec<Part>> {
+        if let Some(parts) = self.composed(expression, Self::parts_of)? {
             return Ok(parts);
         }
         Ok(match expression {
@@ -151,48 +154,48 @@ impl Executor<'_, '_> {
             }
             Expression::Load { pointer } => {
                 let pointer = self.pointer_of(*pointer)?;
-                self.load(&pointer, || place)?
+                self.load(&pointer)?
             }
             Expression::Unary { op, expr } => {
                 let kind = self.info(*expr)?.kind;
                 let parts = self.parts_of(*expr)?;
-                parts.into_iter().map(|part| self.unary(*op, kind, part, place)).collect::<Result<_>>()?
+                parts.into_iter().map(|part| self.unary(*op, kind, part)).collect::<Result<_>>()?
             }
-            Expression::Binary { op, left, right } => self.binary(*op, *left, *right, place)?,
-            Expression::Select { condition, accept, reject } => {
-                self.choice(*condition, *accept, *reject, place)?
-            }
+            Expression::Binary { op, left, right } => self.binary(*op, *left, *right)?,
+            Expression::Select { condition, accept, reject } => self.choice(*condition, *accept, *reject)?,
             Expression::Relational { fun, argument } => {
                 let nodes = self.nodes_of(*argument)?;
-                self.relational(*fun, &nodes, place)?
+                self.relational(*fun, &nodes)?
             }
             Expression::Math { fun, arg, arg1, arg2, arg3 } => {
-                let others = [*arg1, *arg2, *arg3];
-                self.math(*fun, *arg, others, place)?
+                self.math(*fun, *arg, [*arg1, *arg2, *arg3])?
             }
-            Expression::As { expr, kind, convert } => {
-                self.converted(*expr, *kind, convert.is_some(), place)?
-            }
+            Expression::As { expr, kind, convert } => self.converted(*expr, *kind, convert.is_some())?,
             Expression::ArrayLength(_) => {
-                return Err(Diagnostic::unsupported(place, "an array needs a known size"));
+                return Err(Diagnostic::unsupported(self.here, "an array needs a known size"));
             }
             Expression::Derivative { axis, expr, .. } if self.session.in_picture => {
                 let nodes = self.nodes_of(*expr)?;
-                self.derivative(*axis, &nodes, place)?
+                self.derivative(*axis, &nodes)?
             }
             Expression::Derivative { .. } => {
                 return Err(Diagnostic::unsupported(
-                    place,
+                    self.here,
                     "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
                 )
                 .hint("use it in the sky's colour, or pass the size of the detail as a parameter"));
             }
-            _ => return Err(Diagnostic::unsupported(place, "this expression has no meaning in a formula")),
+            _ => {
+                return Err(Diagnostic::unsupported(
+                    self.here,
+                    "this expression has no meaning in a formula",
+                ));
+            }
         })
     }
 
     /// The difference of each value between this pixel and the next one.
-    fn derivative(&mut self, axis: DerivativeAxis, nodes: &[NodeId], place: Span) -> Result<Vec<Part>> {
+    fn derivative(&mut self, axis: DerivativeAxis, nodes: &[NodeId]) -> Result<Vec<Part>> {
         let inputs = match axis {
             DerivativeAxis::X => &[Input::X][..],
             DerivativeAxis::Y => &[Input::Y],
@@ -200,7 +203,7 @@ impl Executor<'_, '_> {
         };
         let mut sums = vec![self.zero; nodes.len()];
         for &input in inputs {
-            self.step(self.graph.order(nodes).len(), || place)?;
+            self.step(self.graph.order(nodes).len())?;
             let pixel = self.graph.input(input);
             let beside =
                 self.graph.with_inputs(nodes, |graph, own| (own == input).then(|| graph.add(pixel, 1.0)));
@@ -220,30 +223,22 @@ impl Executor<'_, '_> {
         condition: Handle<Expression>,
         accept: Handle<Expression>,
         reject: Handle<Expression>,
-        place: Span,
     ) -> Result<Vec<Part>> {
         let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
         let choose = |index| {
-            let part = self.part(condition, index)?;
-            let condition = self.node(part, place)?;
+            let condition = self.node_of(condition, index)?;
             let (then, otherwise) = (self.part(accept, index)?, self.part(reject, index)?);
             self.select(condition, then, otherwise)
         };
         (0..len).map(choose).collect()
     }
 
-    fn converted(
-        &mut self,
-        of: Handle<Expression>,
-        kind: ScalarKind,
-        converts: bool,
-        place: Span,
-    ) -> Result<Vec<Part>> {
+    fn converted(&mut self, of: Handle<Expression>, kind: ScalarKind, converts: bool) -> Result<Vec<Part>> {
         let from = self.info(of)?.kind;
         let parts = self.parts_of(of)?.into_iter();
         let converted = parts.map(|part| match converts {
-            true => self.convert(from, kind, part, place),
-            false => self.reinterpret(from, kind, part, place),
+            true => self.convert(from, kind, part),
+            false => self.reinterpret(from, kind, part),
         });
         converted.collect()
     }
@@ -256,13 +251,13 @@ impl Executor<'_, '_> {
             if index >= info.count {
                 let message =
                     format!("the index {index} is outside of this value, which has {} parts", info.count);
-                return Err(Diagnostic::new(self.place(of), message).hint("count from 0"));
+                return Err(Diagnostic::new(self.here, message).hint("count from 0"));
             }
             (index * info.stride, info.stride)
         } else {
             let found = info.of.and_then(|of| member(&self.file.module, of, index));
             let Some(found) = found else {
-                return Err(Diagnostic::new(self.place(of), "this value has no parts"));
+                return Err(Diagnostic::new(self.here, "this value has no parts"));
             };
             found
         };
@@ -272,7 +267,7 @@ impl Executor<'_, '_> {
             }
             Argument::Parts(parts) => {
                 let (offset, len) = (offset as usize, len as usize);
-                self.step(1, Span::default)?;
+                self.step(1)?;
                 Argument::Parts(parts.get(offset..offset + len).unwrap_or_default().to_vec())
             }
         };
@@ -290,7 +285,7 @@ impl Executor<'_, '_> {
         self.ready(base)?;
         let info = self.info(base)?;
         if info.count == 0 {
-            return Err(Diagnostic::new(self.place(of), "this value has no elements"));
+            return Err(Diagnostic::new(self.here, "this value has no elements"));
         }
         let parts = match self.argument(base)? {
             Argument::Pointer(mut pointer) => {
@@ -302,7 +297,7 @@ impl Executor<'_, '_> {
             Argument::Parts(parts) => parts,
         };
         let stride = info.stride as usize;
-        self.step(parts.len(), Span::default)?;
+        self.step(parts.len())?;
         let mut result = parts.get(..stride).unwrap_or_default().to_vec();
         for element in 1..info.count as usize {
             let number = self.graph.constant(element as f32);
@@ -316,7 +311,7 @@ impl Executor<'_, '_> {
         Ok(())
     }
 
-    pub(super) fn literal(&mut self, literal: Literal, place: Span) -> Result<Part> {
+    pub(super) fn literal(&mut self, literal: Literal) -> Result<Part> {
         let value = match literal {
             Literal::F32(value) => f64::from(value),
             Literal::F64(value) | Literal::AbstractFloat(value) => value,
@@ -327,22 +322,24 @@ impl Executor<'_, '_> {
             Literal::Bool(value) => return Ok(Part::Node(if value { self.one } else { self.zero })),
             _ => {
                 return Err(Diagnostic::unsupported(
-                    place,
+                    self.here,
                     "this number has a type that a formula does not have",
                 ));
             }
         };
         if !(value as f32).is_finite() {
-            return Err(Diagnostic::new(place, "this number is not finite").hint("write a number below 1e38"));
+            return Err(
+                Diagnostic::new(self.here, "this number is not finite").hint("write a number below 1e38")
+            );
         }
         Ok(Part::Node(self.graph.constant(value as f32)))
     }
 
     /// Returns the value 0 of a type.
-    pub(super) fn zeros(&self, of: Handle<Type>, place: Span) -> Result<Vec<Part>> {
+    pub(super) fn zeros(&self, of: Handle<Type>) -> Result<Vec<Part>> {
         let module = &self.file.module;
         let wrong = || {
-            Diagnostic::unsupported(place, "this variable has a type that a formula does not have")
+            Diagnostic::unsupported(self.here, "this variable has a type that a formula does not have")
                 .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
         };
         let Some(len) = size(module, of) else { return Err(wrong()) };
@@ -356,10 +353,10 @@ impl Executor<'_, '_> {
             | TypeInner::Vector { scalar, .. }
             | TypeInner::Matrix { scalar, .. } => vec![zero(scalar.kind); len as usize],
             TypeInner::Array { base, size: naga::ArraySize::Constant(count), .. } => {
-                self.zeros(*base, place)?.repeat(count.get() as usize)
+                self.zeros(*base)?.repeat(count.get() as usize)
             }
             TypeInner::Struct { members, .. } => {
-                let members = members.iter().map(|member| self.zeros(member.ty, place));
+                let members = members.iter().map(|member| self.zeros(member.ty));
                 members.collect::<Result<Vec<_>>>()?.concat()
             }
             _ => return Err(wrong()),
@@ -367,12 +364,13 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a constant value of the module.
-    pub(super) fn global_value(&mut self, of: Handle<Expression>, place: Span) -> Result<Vec<Part>> {
-        self.step(1, || place)?;
+    pub(super) fn global_value(&mut self, of: Handle<Expression>) -> Result<Vec<Part>> {
+        self.step(1)?;
         let module = &self.file.module;
         let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(Vec::new()) };
-        self.composed(expression, place, Self::global_value)?
-            .ok_or_else(|| Diagnostic::unsupported(place, "this constant is computed in an unsupported way"))
+        self.composed(expression, Self::global_value)?.ok_or_else(|| {
+            Diagnostic::unsupported(self.here, "this constant is computed in an unsupported way")
+        })
     }
 
     /// Returns the value of an expression that is a constant, or is composed of others, which `parts_of` returns; `None`
@@ -380,24 +378,23 @@ impl Executor<'_, '_> {
     fn composed(
         &mut self,
         expression: &Expression,
-        place: Span,
-        mut parts_of: impl FnMut(&mut Self, Handle<Expression>, Span) -> Result<Vec<Part>>,
+        mut parts_of: impl FnMut(&mut Self, Handle<Expression>) -> Result<Vec<Part>>,
     ) -> Result<Option<Vec<Part>>> {
         Ok(Some(match expression {
-            Expression::Literal(literal) => vec![self.literal(*literal, place)?],
+            Expression::Literal(literal) => vec![self.literal(*literal)?],
             Expression::Constant(constant) => match self.file.module.constants.try_get(*constant) {
-                Ok(constant) => self.global_value(constant.init, place)?,
+                Ok(constant) => self.global_value(constant.init)?,
                 Err(_) => Vec::new(),
             },
-            Expression::ZeroValue(of) => self.zeros(*of, place)?,
+            Expression::ZeroValue(of) => self.zeros(*of)?,
             Expression::Compose { ty, components } => {
-                let parts = components.iter().map(|component| parts_of(self, *component, place));
+                let parts = components.iter().map(|component| parts_of(self, *component));
                 let mut parts = parts.collect::<Result<Vec<_>>>()?.concat();
                 // naga takes the vector of `mat2(vec4)` for each column.
                 parts.truncate(size(&self.file.module, *ty).map_or(usize::MAX, |size| size as usize));
                 parts
             }
-            Expression::Splat { size, value } => parts_of(self, *value, place)?.repeat(*size as usize),
+            Expression::Splat { size, value } => parts_of(self, *value)?.repeat(*size as usize),
             _ => return Ok(None),
         }))
     }

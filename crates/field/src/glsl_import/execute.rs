@@ -56,7 +56,7 @@ impl<'m> Executor<'m, '_> {
     /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
     fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits> {
         let changes = self.memory.changes(exits.mark);
-        self.step(changes.len(), Span::default)?;
+        self.step(changes.len())?;
         match exits.mask {
             None => {
                 for slot in changes.into_keys().filter(|slot| (*slot as usize) < end) {
@@ -89,8 +89,8 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Ends the current path with the function's result.
-    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: Span) -> Result<()> {
-        self.step(result.len(), || place)?;
+    pub(super) fn leave_function(&mut self, result: Vec<Part>) -> Result<()> {
+        self.step(result.len())?;
         let live = self.and(self.frame.outer, self.live);
         if self.frame.returns.mask.is_none() {
             self.frame.result = result;
@@ -113,15 +113,19 @@ impl<'m> Executor<'m, '_> {
             if self.live == self.zero {
                 break;
             }
-            self.statement(statement, *span)?;
+            let place = match statement {
+                Statement::Call { result, .. } if range(*span).is_empty() => {
+                    result.map_or(Span::default(), |result| self.place(result))
+                }
+                _ => self.file.written.source_range(range(*span)),
+            };
+            self.at(place, |this| this.statement(statement))?;
         }
         Ok(())
     }
 
-    fn statement(&mut self, statement: &'m Statement, span: naga::Span) -> Result<()> {
-        let file = self.file;
-        let place = || file.written.source_range(range(span));
-        self.step(1, place)?;
+    fn statement(&mut self, statement: &'m Statement) -> Result<()> {
+        self.step(1)?;
         match statement {
             Statement::Emit(emitted) => {
                 for expression in emitted.clone() {
@@ -131,9 +135,7 @@ impl<'m> Executor<'m, '_> {
             Statement::Block(block) => self.block(block)?,
             Statement::If { condition, accept, reject } => self.branch(*condition, accept, reject)?,
             Statement::Switch { selector, cases } => self.switch(*selector, cases)?,
-            Statement::Loop { body, continuing, break_if } => {
-                self.repeat(body, continuing, *break_if, place())?;
-            }
+            Statement::Loop { body, continuing, break_if } => self.repeat(body, continuing, *break_if)?,
             Statement::Break => {
                 self.leave_target()?;
                 self.frame.counts.breaks += 1;
@@ -157,25 +159,19 @@ impl<'m> Executor<'m, '_> {
                     Some(value) => self.parts_of(*value)?,
                     None => Vec::new(),
                 };
-                self.leave_function(result, place())?;
+                self.leave_function(result)?;
             }
             Statement::Store { pointer, value } => {
                 let pointer = self.pointer_of(*pointer)?;
                 let parts = self.parts_of(*value)?;
-                self.store(&pointer, &parts, place)?;
+                self.store(&pointer, &parts)?;
             }
             Statement::Call { function, arguments, result } => {
                 let mut given = Vec::with_capacity(arguments.len());
                 for argument in arguments {
                     given.push(self.argument(*argument)?);
                 }
-                let span = range(span);
-                let place = if span.is_empty() {
-                    result.map_or(Span::default(), |result| self.place(result))
-                } else {
-                    place()
-                };
-                let parts = self.call(*function, given, place)?;
+                let parts = self.call(*function, given)?;
                 if let Some(result) = result {
                     self.put(*result, Argument::Parts(parts));
                 }
@@ -188,17 +184,19 @@ impl<'m> Executor<'m, '_> {
                 self.discarded = self.or(self.discarded, condition);
             }
             Statement::Kill => {
-                return Err(Diagnostic::unsupported(place(), "`discard` has no meaning in a shape")
+                return Err(Diagnostic::unsupported(self.here, "`discard` has no meaning in a shape")
                     .hint("return a large distance instead"));
             }
-            _ => return Err(Diagnostic::unsupported(place(), "this statement has no meaning in a formula")),
+            _ => {
+                return Err(Diagnostic::unsupported(self.here, "this statement has no meaning in a formula"));
+            }
         }
         Ok(())
     }
 
     /// Writes to memory. A computed index writes to every element, where the index selects it.
-    fn store(&mut self, pointer: &Pointer, parts: &[Part], place: impl Fn() -> Span + Copy) -> Result<()> {
-        self.step(parts.len(), place)?;
+    fn store(&mut self, pointer: &Pointer, parts: &[Part]) -> Result<()> {
+        self.step(parts.len())?;
         match pointer.indices.split_last() {
             None => {
                 for (slot, part) in (pointer.start..).zip(parts) {
@@ -215,11 +213,11 @@ impl<'m> Executor<'m, '_> {
                     }
                     let start = pointer.start + element * stride;
                     let element = Pointer { start, len: pointer.len, indices: rest.to_vec() };
-                    let before = self.load(&element, place)?;
+                    let before = self.load(&element)?;
                     let pairs = parts.iter().zip(before);
                     let now = pairs.map(|(part, before)| self.select(chosen, *part, before));
                     let now = now.collect::<Result<Vec<_>>>()?;
-                    self.store(&element, &now, place)?;
+                    self.store(&element, &now)?;
                 }
                 Ok(())
             }
@@ -227,8 +225,8 @@ impl<'m> Executor<'m, '_> {
     }
 
     /// Reads memory. A computed index selects between all elements; outside the array it reads the first one.
-    pub(super) fn load(&mut self, pointer: &Pointer, place: impl Fn() -> Span + Copy) -> Result<Vec<Part>> {
-        self.step(pointer.len as usize, place)?;
+    pub(super) fn load(&mut self, pointer: &Pointer) -> Result<Vec<Part>> {
+        self.step(pointer.len as usize)?;
         let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
             let (start, len) = (pointer.start as usize, pointer.len as usize);
             return Ok(self.memory.read(start..start + len));
@@ -237,7 +235,7 @@ impl<'m> Executor<'m, '_> {
         for element in 0..count {
             let start = pointer.start + element * stride;
             let of = Pointer { start, len: pointer.len, indices: rest.to_vec() };
-            let parts = self.load(&of, place)?;
+            let parts = self.load(&of)?;
             if element == 0 {
                 result = parts;
                 continue;
@@ -252,9 +250,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     fn branch(&mut self, of: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
-        let place = self.place(of);
-        let condition = self.part(of, 0)?;
-        let condition = self.node(condition, place)?;
+        let condition = self.node_of(of, 0)?;
         if let Some(value) = self.graph.as_constant(condition) {
             let breaks = |block: &Block| matches!(block.first(), Some(Statement::Break));
             let counts = (breaks(accept) || breaks(reject)) && !is_literal(self.frame.function, of);
@@ -290,7 +286,7 @@ impl<'m> Executor<'m, '_> {
             return Ok(());
         }
         let others = self.memory.changes(mark);
-        self.step(changed.len() + others.len(), || place)?;
+        self.step(changed.len() + others.len())?;
         let slots: BTreeSet<u32> = changed.keys().chain(others.keys()).copied().collect();
         for slot in slots {
             let now = self.memory.at(slot);
@@ -309,7 +305,6 @@ impl<'m> Executor<'m, '_> {
         body: &'m Block,
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
-        place: Span,
     ) -> Result<()> {
         let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
         self.frame.outer = self.and(outer, before);
@@ -334,10 +329,10 @@ impl<'m> Executor<'m, '_> {
             if rounds > self.budget.rounds_max {
                 let max = self.budget.rounds_max;
                 let message = format!("this loop does not end after {max} rounds");
-                return Err(Diagnostic::over_limit(place, message)
+                return Err(Diagnostic::over_limit(self.here, message)
                     .hint("give it a constant number of rounds, as in `for (int i = 0; i < 8; i++)`"));
             }
-            self.step(1, || place)?;
+            self.step(1)?;
             self.memory.compact(mark);
             let start = self.memory.mark();
             if let Some(target) = self.frame.targets.last_mut() {
@@ -359,9 +354,7 @@ impl<'m> Executor<'m, '_> {
             }
             self.block(continuing)?;
             if let Some(condition) = break_if {
-                let place = self.place(condition);
-                let part = self.part(condition, 0)?;
-                let ends = self.node(part, place)?;
+                let ends = self.node_of(condition, 0)?;
                 let live = self.live;
                 self.live = self.and(live, ends);
                 if self.live != self.zero {
@@ -402,8 +395,7 @@ impl<'m> Executor<'m, '_> {
     }
 
     fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<()> {
-        let place = self.place(selector);
-        let selector = self.part(selector, 0)?;
+        let (place, selector) = (self.place(selector), self.part(selector, 0)?);
         let (before, counts) = (self.live, self.frame.counts);
         let mark = self.memory.mark();
         // The conditions of the cases. The default case takes what no other case takes.
@@ -418,7 +410,7 @@ impl<'m> Executor<'m, '_> {
                     continue;
                 }
             };
-            let equal = self.equal_whole(selector, value, place)?;
+            let equal = self.at(place, |this| this.equal_whole(selector, value))?;
             let unequal = self.graph.not(equal);
             otherwise = self.and(otherwise, unequal);
             conditions.push(Some(equal));
@@ -473,7 +465,7 @@ impl<'m> Executor<'m, '_> {
             Some(_) => return Ok(then),
             None => {}
         }
-        let (a, b) = (self.node(then, Span::default())?, self.node(otherwise, Span::default())?);
+        let (a, b) = (self.node(then)?, self.node(otherwise)?);
         Ok(Part::Node(self.select_node(condition, a, b)))
     }
 

@@ -6,7 +6,7 @@ use super::Result;
 use super::calls::Executor;
 use super::layout::Part;
 use crate::graph::{Graph, NodeId, Op, matrices};
-use crate::lang::{Diagnostic, Span};
+use crate::lang::Diagnostic;
 
 impl Executor<'_, '_> {
     pub(super) fn math(
@@ -14,11 +14,10 @@ impl Executor<'_, '_> {
         of: MathFunction,
         first: Handle<Expression>,
         others: [Option<Handle<Expression>>; 3],
-        place: Span,
     ) -> Result<Vec<Part>> {
         let info = self.info(first)?;
         if matches!(info.kind, ScalarKind::Sint | ScalarKind::Uint)
-            && let Some(parts) = self.whole_math(of, first, others, place)?
+            && let Some(parts) = self.whole_math(of, first, others)?
         {
             return Ok(parts);
         }
@@ -30,7 +29,7 @@ impl Executor<'_, '_> {
             }
         }
         let [b, c] = rest;
-        self.step(a.len() * 4, || place)?;
+        self.step(a.len() * 4)?;
         if let Some(nodes) = whole_vectors(self.graph, of, &a, &b, &c, usize::from(info.rows)) {
             return Ok(nodes.into_iter().map(Part::Node).collect());
         }
@@ -41,7 +40,7 @@ impl Executor<'_, '_> {
             });
             component(self.graph, of, a, b, c).map(Part::Node).ok_or_else(|| {
                 let message = format!("the function `{of:?}` has no meaning in a formula");
-                Diagnostic::unsupported(place, message)
+                Diagnostic::unsupported(self.here, message)
             })
         });
         parts.collect()
@@ -53,7 +52,6 @@ impl Executor<'_, '_> {
         of: MathFunction,
         first: Handle<Expression>,
         others: [Option<Handle<Expression>>; 3],
-        place: Span,
     ) -> Result<Option<Vec<Part>>> {
         let len = self.info(first)?.len as usize;
         let mut result = Vec::with_capacity(len);
@@ -83,7 +81,7 @@ impl Executor<'_, '_> {
                     | MathFunction::Dot,
                     _,
                 ) => return Ok(None),
-                _ => return Err(super::operators::bits(place)),
+                _ => return Err(super::operators::bits(self.here)),
             };
             result.push(part);
         }

@@ -11,20 +11,14 @@ use crate::graph::{Graph, Node, NodeId, Op, Term, matrices};
 use crate::lang::{Diagnostic, Span};
 
 impl Executor<'_, '_> {
-    pub(super) fn unary(
-        &mut self,
-        op: UnaryOperator,
-        kind: ScalarKind,
-        part: Part,
-        place: Span,
-    ) -> Result<Part> {
+    pub(super) fn unary(&mut self, op: UnaryOperator, kind: ScalarKind, part: Part) -> Result<Part> {
         Ok(match (op, part) {
             (UnaryOperator::Negate, Part::Int(value)) => Part::Int(value.wrapping_neg()),
             (UnaryOperator::Negate, Part::Uint(value)) => Part::Uint(value.wrapping_neg()),
             (UnaryOperator::BitwiseNot, Part::Int(value)) => Part::Int(!value),
             (UnaryOperator::BitwiseNot, Part::Uint(value)) => Part::Uint(!value),
             _ => {
-                let node = self.node(part, place)?;
+                let node = self.node(part)?;
                 Part::Node(match op {
                     UnaryOperator::Negate => self.graph.neg(node),
                     // ~a = -a - 1
@@ -42,21 +36,20 @@ impl Executor<'_, '_> {
         op: BinaryOperator,
         left: Handle<Expression>,
         right: Handle<Expression>,
-        place: Span,
     ) -> Result<Vec<Part>> {
         let (a, b) = (self.info(left)?, self.info(right)?);
         if op == BinaryOperator::Multiply && (a.columns > 0 || b.columns > 0) && a.len > 1 && b.len > 1 {
             let (x, y) = (self.nodes_of(left)?, self.nodes_of(right)?);
-            self.step(x.len() * y.len(), || place)?;
+            self.step(x.len() * y.len())?;
             let nodes = matrices::product(self.graph, &x, a.columns, &y, b.columns);
             return Ok(nodes.into_iter().map(Part::Node).collect());
         }
         let result = (0..a.len.max(b.len) as usize).map(|index| {
             let (x, y) = (self.part(left, index)?, self.part(right, index)?);
             if matches!(a.kind, ScalarKind::Sint | ScalarKind::Uint) {
-                return self.whole_binary(op, x, y, place);
+                return self.whole_binary(op, x, y);
             }
-            let (x, y) = (self.node(x, place)?, self.node(y, place)?);
+            let (x, y) = (self.node(x)?, self.node(y)?);
             Ok(Part::Node(self.node_binary(op, x, y)))
         });
         result.collect()
@@ -85,13 +78,8 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn relational(
-        &mut self,
-        of: RelationalFunction,
-        nodes: &[NodeId],
-        place: Span,
-    ) -> Result<Vec<Part>> {
-        self.step(nodes.len(), || place)?;
+    pub(super) fn relational(&mut self, of: RelationalFunction, nodes: &[NodeId]) -> Result<Vec<Part>> {
+        self.step(nodes.len())?;
         let holds = match of {
             RelationalFunction::All => nodes.iter().fold(self.one, |all, &node| self.and(all, node)),
             RelationalFunction::Any => nodes.iter().fold(self.zero, |any, &node| self.or(any, node)),
@@ -104,18 +92,12 @@ impl Executor<'_, '_> {
     }
 
     /// Converts a number to another kind of number.
-    pub(super) fn convert(
-        &mut self,
-        from: ScalarKind,
-        to: ScalarKind,
-        part: Part,
-        place: Span,
-    ) -> Result<Part> {
+    pub(super) fn convert(&mut self, from: ScalarKind, to: ScalarKind, part: Part) -> Result<Part> {
         let is_whole = matches!(from, ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Bool);
         Ok(match (to, part) {
             (ScalarKind::Bool, _) if from == ScalarKind::Bool => part,
             (ScalarKind::Bool, _) => {
-                let node = self.node(part, place)?;
+                let node = self.node(part)?;
                 Part::Node(self.graph.not(Op::Not.of(node)))
             }
             (ScalarKind::Sint, Part::Uint(value)) => Part::Int(value as i32),
@@ -126,19 +108,13 @@ impl Executor<'_, '_> {
                 None if is_whole => part,
                 None => Part::Node(self.graph.unary(Op::Trunc, node)),
             },
-            (ScalarKind::Float, _) => Part::Node(self.node(part, place)?),
+            (ScalarKind::Float, _) => Part::Node(self.node(part)?),
             _ => part,
         })
     }
 
     /// Reads the bits of a number as another kind of number.
-    pub(super) fn reinterpret(
-        &mut self,
-        from: ScalarKind,
-        to: ScalarKind,
-        part: Part,
-        place: Span,
-    ) -> Result<Part> {
+    pub(super) fn reinterpret(&mut self, from: ScalarKind, to: ScalarKind, part: Part) -> Result<Part> {
         let known = match part {
             Part::Int(value) => Some(value as u32),
             Part::Uint(value) => Some(value),
@@ -153,7 +129,7 @@ impl Executor<'_, '_> {
             (None, ScalarKind::Sint | ScalarKind::Uint) if from != ScalarKind::Float => part,
             // Only hashes read the bits of an unknown number.
             (None, _) => {
-                let node = self.node(part, place)?;
+                let node = self.node(part)?;
                 let many = self.graph.constant(65_536.0);
                 let scaled = if from == ScalarKind::Float { self.graph.mul(node, many) } else { node };
                 let random = scrambled(self.graph, &mut self.session.scrambled, scaled, many);
@@ -161,7 +137,7 @@ impl Executor<'_, '_> {
                     return Ok(random);
                 }
                 // Hashes set the exponent of a number in 1..2.
-                let random = self.node(random, place)?;
+                let random = self.node(random)?;
                 Part::Node(self.graph.add(random * RANDOM.recip(), 1.0))
             }
         })
@@ -177,14 +153,14 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn whole_binary(&mut self, op: BinaryOperator, a: Part, b: Part, place: Span) -> Result<Part> {
+    pub(super) fn whole_binary(&mut self, op: BinaryOperator, a: Part, b: Part) -> Result<Part> {
         if let Some(part) = constant(self.graph, op, a, b) {
             return Ok(part);
         }
         let (known_a, known_b) = (self.whole(a), self.whole(b));
-        let (x, y) = (self.node(a, place)?, self.node(b, place)?);
+        let (x, y) = (self.node(a)?, self.node(b)?);
         if matches!(op, BinaryOperator::And | BinaryOperator::InclusiveOr | BinaryOperator::ExclusiveOr) {
-            self.step(8 * BITS, || place)?;
+            self.step(8 * BITS)?;
         }
         let is_random = [x, y].iter().any(|node| self.session.scrambled.contains(node));
         let power = |value: Option<i64>| {
@@ -234,16 +210,16 @@ impl Executor<'_, '_> {
         Ok(Part::Node(node))
     }
 
-    pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: Span) -> Result<NodeId> {
+    pub(super) fn equal_whole(&mut self, a: Part, b: Part) -> Result<NodeId> {
         let part = match (a, b) {
             (Part::Int(a), Part::Int(b)) => truth(self.graph, a == b),
             (Part::Uint(a), Part::Uint(b)) => truth(self.graph, a == b),
             _ => {
-                let (a, b) = (self.node(a, place)?, self.node(b, place)?);
+                let (a, b) = (self.node(a)?, self.node(b)?);
                 Part::Node(self.graph.binary(Op::Equal, a, b))
             }
         };
-        self.node(part, place)
+        self.node(part)
     }
 }
 

@@ -9,7 +9,7 @@ use super::layout::Part;
 use super::outside::Channel;
 use super::parse::Special;
 use crate::graph::{Graph, Input, Node, NodeId, Op, ScreenInput, SoundInput};
-use crate::lang::{Diagnostic, Span};
+use crate::lang::Diagnostic;
 use crate::limits::LAST_LIGHT_MAX;
 
 /// Texels in a row of Shadertoy's texture of the sound.
@@ -43,16 +43,11 @@ pub(super) struct SamplerRead<'e, 'm, 'g> {
 }
 
 impl<'m> SamplerRead<'_, 'm, '_> {
-    pub(super) fn colour(
-        &mut self,
-        special: Special,
-        arguments: &[Argument],
-        place: Span,
-    ) -> Result<Vec<Part>> {
-        self.of.step(64, || place)?;
+    pub(super) fn colour(&mut self, special: Special, arguments: &[Argument]) -> Result<Vec<Part>> {
+        self.of.step(64)?;
         let [Argument::Parts(sampler), Argument::Parts(at), ..] = arguments else { return Ok(Vec::new()) };
         let number = sampler.first().and_then(|part| self.of.whole(*part)).unwrap_or(-1);
-        let at = at.iter().map(|part| self.of.node(*part, place)).collect::<Result<Vec<_>>>()?;
+        let at = at.iter().map(|part| self.of.node(*part)).collect::<Result<Vec<_>>>()?;
         if let Special::TextureSize = special {
             let size = self.of.graph.constant(FLAT);
             return Ok(vec![Part::Node(size); 2]);
@@ -65,7 +60,7 @@ impl<'m> SamplerRead<'_, 'm, '_> {
             (Channel::Noise, &[x, y, ..]) if is_texel => cell(self.of.graph, x, y),
             (Channel::Noise, &[u, v]) => flat_noise(self.of.graph, [u, v], FLAT),
             (Channel::Noise, &[u, v, w]) => [solid_noise(self.of.graph, [u, v, w]); 4],
-            (Channel::Unknown | Channel::Picture, at) => self.picture(number, at, place)?,
+            (Channel::Unknown | Channel::Picture, at) => self.picture(number, at)?,
             (Channel::LastFrame, &[u, v, ..]) => match self.of.session.last_frame {
                 Some(texture) => self.light(texture, LAST_LIGHT_MAX, [u, v], is_texel),
                 None => [self.of.zero, self.of.zero, self.of.zero, self.of.one],
@@ -130,9 +125,9 @@ impl<'m> SamplerRead<'_, 'm, '_> {
 
     /// A picture is a mistake in shapes. In pictures, a plain sky replaces the surroundings, a noise the surface of a
     /// thing, and black an image that is read near the pixel.
-    fn picture(&mut self, number: i64, at: &[NodeId], place: Span) -> Result<[NodeId; 4]> {
+    fn picture(&mut self, number: i64, at: &[NodeId]) -> Result<[NodeId; 4]> {
         if !self.of.session.in_picture {
-            return Err(Diagnostic::unsupported(place, "a shape cannot read a picture").hint(
+            return Err(Diagnostic::unsupported(self.of.here, "a shape cannot read a picture").hint(
                 "a read of noise scales the position by 1/256; otherwise use `noise`, or return a number instead",
             ));
         }
