@@ -17,12 +17,17 @@ impl Bounds {
 
     /// Half of the largest extent.
     pub fn half(&self) -> f32 {
-        (0..3).map(|axis| 0.5 * (self.high[axis] - self.low[axis])).fold(0.0, f32::max)
+        0.5 * self.size()
     }
 
     /// The largest extent.
     pub(super) fn size(&self) -> f32 {
-        (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f32::max)
+        (0..3).map(|axis| self.side(axis)).fold(0.0, f32::max)
+    }
+
+    /// The centre.
+    pub(super) fn middle(&self) -> [f32; 3] {
+        [0, 1, 2].map(|axis| 0.5 * (self.low[axis] + self.high[axis]))
     }
 
     /// The sum of the extents along the axes.

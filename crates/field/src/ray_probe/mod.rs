@@ -23,6 +23,7 @@ pub use preview::preview;
 pub use ray_faults::{RayFaults, ray_faults};
 pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
 
+use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId};
 use crate::lang::TextPlace;
 use crate::rays;
@@ -225,9 +226,10 @@ impl<'a> RayProbe<'a> {
             return None;
         }
         let mut span = 0.0_f32..rays::FAR;
-        let tree = Some((self.regions.low, add(self.regions.low, self.regions.size)));
+        let low = self.regions.low;
+        let tree = Some(Bounds { low, high: add(low, self.regions.size) });
         let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
-        for (low, high) in boxes.into_iter().flatten() {
+        for Bounds { low, high } in boxes.into_iter().flatten() {
             for axis in 0..3 {
                 let slow = ray.direction[axis] + 1e-9_f32.copysign(ray.direction[axis]);
                 let two = [low[axis], high[axis]].map(|face| (face - ray.origin[axis]) / slow);

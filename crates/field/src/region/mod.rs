@@ -67,6 +67,7 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
+use crate::bounds::Bounds;
 use crate::graph::{
     Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData, Uses,
 };
@@ -179,7 +180,7 @@ pub struct RegionPlan {
     reads: Reads,
     /// The features that an interpreter needs to run all trees of this plan.
     pub variant: RegionVariant,
-    bounds: Option<([f32; 3], [f32; 3])>,
+    bounds: Option<Bounds>,
     has_rest: bool,
     steepest: Option<f32>,
     /// True if there are enough registers for the whole tape. Otherwise there are no tapes and no cells.
@@ -193,16 +194,15 @@ impl RegionPlan {
     pub fn new(world: &World) -> Self {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
-        let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
         let steepest = world.non_lipschitz.then_some(world.slopes.steepest);
-        Self::of(&world.graph, roots, bounds, world.has_rest, steepest)
+        Self::of(&world.graph, roots, world.bounds, world.has_rest, steepest)
     }
 
     /// `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
     fn of(
         graph: &Graph,
         mut roots: [NodeId; 3],
-        bounds: Option<([f32; 3], [f32; 3])>,
+        bounds: Option<Bounds>,
         has_rest: bool,
         steepest: Option<f32>,
     ) -> Self {

@@ -345,7 +345,7 @@ fn surfaces_are_within_the_bounds_of_the_frame() {
     for (time, loud) in [(0.3, 0.0), (1.6, 0.9), (4.5, 0.4)] {
         let inputs = inputs_of(&world, time, loud);
         let tree = plan.build(&inputs, &RegionOptions::default());
-        let (low, high) = tree.bounds.expect("bounds");
+        let Bounds { low, high } = tree.bounds.expect("bounds");
         let (middle, radius) = (4.0 * time.sin(), 0.5 + inputs.levels.of(LevelList::Band)[3]);
         assert!(low[0] <= middle - radius && high[0] >= middle + radius, "{low:?} {high:?}");
         assert!(high[0] - low[0] < 3.0 * radius + 1.0, "{low:?} {high:?}: the ball moves through 8 units");
@@ -381,7 +381,7 @@ proptest! {
         let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
         let object = graph.binary(Op::Less, from_end(1), from_end(2));
         let roots = [from_end(0), from_end(3), object];
-        let bounds = (corner, corner.map(|low| low + side));
+        let bounds = Bounds { low: corner, high: corner.map(|low| low + side) };
         let plan = RegionPlan::of(&graph, roots, Some(bounds), true, None);
         let frame = FrameInputs { textures: None, ..testing::frame() };
         let tree = plan.build(&frame, &RegionOptions { texels_max: 1 << 20, ..Default::default() });
@@ -486,7 +486,8 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
         let length = graph.binary(Op::Length, remainder, zero);
         let root = graph.binary(Op::Sub, length, one);
         let roots = [root, root, zero];
-        let plan = RegionPlan::of(&graph, roots, Some(([-1.0, 0.5, -1.0], [1.0, 2.5, 1.0])), true, None);
+        let bounds = Bounds { low: [-1.0, 0.5, -1.0], high: [1.0, 2.5, 1.0] };
+        let plan = RegionPlan::of(&graph, roots, Some(bounds), true, None);
         let frame = testing::frame();
         let tree = plan.build(&frame, &RegionOptions::default());
         for number in 0..100 {

@@ -14,6 +14,7 @@ use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
 use super::reuse::{Before, Memory};
 use super::{BRICK_SIDE, Numbers, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionPlan, RegionVariant};
+use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Interval};
 use crate::rays::WITHOUT_GLASS;
 
@@ -69,8 +70,8 @@ pub struct Regions {
     pub size: [f32; 3],
     /// Number of nested roots with the same centre, each four times as wide as the next smaller one; 0 without cells.
     pub roots: usize,
-    /// Lower and upper corner of a box that contains all surfaces of the frame except planes, if known.
-    pub bounds: Option<([f32; 3], [f32; 3])>,
+    /// A box that contains all surfaces of the frame except planes, if known.
+    pub bounds: Option<Bounds>,
     /// First texel of the whole tape.
     pub whole_tape: u32,
     /// The sizes of the tree.
@@ -312,12 +313,11 @@ impl Trunk<'_> {
     }
 }
 
-fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInputs) -> ([f32; 3], [f32; 3]) {
-    let (mut low, mut high) = bounds;
+fn tightened(program: &Program, mut bounds: Bounds, frame: &FrameInputs) -> Bounds {
     let mut rows = Vec::new();
     for _ in 0..TIGHTENINGS_MAX {
-        let block =
-            Brick { low, cell: std::array::from_fn(|axis| (high[axis] - low[axis]) / BRICK_SIDE as f32) };
+        let Bounds { low, high } = bounds;
+        let block = Brick { low, cell: [0, 1, 2].map(|axis| bounds.side(axis) / BRICK_SIDE as f32) };
         let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
@@ -334,10 +334,11 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         if first == [0; 3] && last == [BRICK_SIDE; 3] || first == [BRICK_SIDE; 3] {
             break;
         }
-        high = std::array::from_fn(|axis| low[axis] + last[axis] as f32 * block.cell[axis]);
-        low = std::array::from_fn(|axis| low[axis] + first[axis] as f32 * block.cell[axis]);
+        let corner =
+            |place: [usize; 3]| [0, 1, 2].map(|axis| low[axis] + place[axis] as f32 * block.cell[axis]);
+        bounds = Bounds { low: corner(first), high: corner(last) };
     }
-    (low, high)
+    bounds
 }
 
 /// False for NaN.
@@ -345,17 +346,11 @@ fn surely_above(value: f32, limit: f32) -> bool {
     value > limit
 }
 
-fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], [f32; 3]) {
-    let (low, high) = bounds.unwrap_or((
-        center.map(|middle| middle - UNBOUNDED_REACH),
-        center.map(|middle| middle + UNBOUNDED_REACH),
-    ));
-    let sides: [f32; 3] = std::array::from_fn(|axis| high[axis] - low[axis] + 2.0 * AROUND);
-    let longest = sides.into_iter().fold(0.0, f32::max);
+fn extent(bounds: Option<Bounds>, center: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+    let bounds = bounds.unwrap_or(Bounds::around(center, UNBOUNDED_REACH));
     // A cube, because cells with equal sides give the best bounds.
-    let size = [longest; 3];
-    let low = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * size[axis]);
-    (low, size)
+    let side = bounds.size() + 2.0 * AROUND;
+    (bounds.middle().map(|middle| middle - 0.5 * side), [side; 3])
 }
 
 pub(super) fn bound_cells(

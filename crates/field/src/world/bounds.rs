@@ -217,7 +217,7 @@ impl Search<'_> {
         let mut cells = [first.cell; 64];
         for (part, cells) in batch.iter().zip(cells.as_chunks_mut().0) {
             let depths = depths(&part.cell);
-            let mut point = [0, 1, 2].map(|axis| 0.5 * (part.cell.low[axis] + part.cell.high[axis]));
+            let mut point = part.cell.middle();
             point[axis] = below(&part.cell, face, 0.5 * wanted);
             let slice = |number: usize| {
                 let [upper, lower] =

@@ -91,8 +91,8 @@ impl Growth {
     /// Returns the growths to try. No growth is tried for a scene without bounds, because it has no size.
     fn all(bounds: Option<&Bounds>) -> Vec<Self> {
         let Some(bounds) = bounds else { return vec![Self::NONE] };
-        let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
-        (0..=POWER_MAX).map(|power| Self { middle, half: bounds.half(), power }).collect()
+        let (middle, half) = (bounds.middle(), bounds.half());
+        (0..=POWER_MAX).map(|power| Self { middle, half, power }).collect()
     }
 
     fn divided(&self, sample: &Sample) -> (f32, f32) {
@@ -216,8 +216,7 @@ fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>
         let mut points: Vec<(&Bounds, [f32; 3])> = points
             .map(|(number, region)| {
                 let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
-                let side = |axis: usize| region.high[axis] - region.low[axis];
-                (region, [0, 1, 2].map(|axis| region.low[axis] + random(axis) * side(axis)))
+                (region, [0, 1, 2].map(|axis| region.low[axis] + random(axis) * region.side(axis)))
             })
             .collect();
         for step in 0..=STEPS {
@@ -247,7 +246,7 @@ impl Samples {
         }
         let sample = Sample { place, value, gradient };
         let away = value.abs() / slope;
-        let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
+        let size = region.size();
         if value >= 0.0 || away < 1e-2 * size {
             self.outside.push(sample);
         }

@@ -10,7 +10,7 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::ROOT_GROWTH;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid, Regions};
-use mariana_field::world::{LightKind, PLANES_MAX, TILE_PARTS, WIDEST, World};
+use mariana_field::world::{Bounds, LightKind, PLANES_MAX, TILE_PARTS, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
@@ -71,8 +71,8 @@ impl Frame {
         let planes = self.planes();
         let (first_row, row_span) = inputs.history.scroll();
         let lights = self.values.lights.iter().take(LIGHTS_MAX);
-        let bounds = tree.bounds.or(world.bounds.map(|bounds| (bounds.low, bounds.high)));
-        let (low, high) = bounds.unwrap_or_default();
+        let bounds = tree.bounds.or(world.bounds);
+        let Bounds { low, high } = bounds.unwrap_or(Bounds::around([0.0; 3], 0.0));
         let mut plane_objects = [0.0; 4];
         for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
             *to = plane.object as f32;
