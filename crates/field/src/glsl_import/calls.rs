@@ -3,11 +3,11 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 
-use naga::{Arena, Expression, Function, Handle, ScalarKind, Statement, Type};
+use naga::{Arena, Function, Handle, ScalarKind, Statement, Type};
 
 use super::Result;
 use super::execute::{Exits, ROUNDS_WITHOUT_COUNT};
-use super::layout::{Info, Memory, PARTS_MAX, Part, infos, size};
+use super::layout::{ExprId, Info, Memory, PARTS_MAX, Part, infos, size};
 use super::outside::{self, Channel};
 use super::parse::{GlslFile, GlslFunction, Special, range};
 use super::samplers::SamplerRead;
@@ -75,6 +75,12 @@ pub(super) struct Target {
     pub is_counted: bool,
     pub breaks: Exits,
     pub continues: Exits,
+}
+
+impl Target {
+    pub(super) fn new(is_loop: bool, mark: usize) -> Self {
+        Self { is_loop, is_counted: false, breaks: Exits::new(mark), continues: Exits::new(mark) }
+    }
 }
 
 /// The state of one call.
@@ -351,7 +357,7 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// The place in the user's text of an expression of the current function.
-    pub(super) fn place(&self, of: Handle<Expression>) -> Span {
+    pub(super) fn place(&self, of: ExprId) -> Span {
         self.file.written.source_range(range(self.frame.function.expressions.get_span(of)))
     }
 

@@ -4,12 +4,12 @@ use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, Type, TypeIn
 
 use super::Result;
 use super::calls::{Argument, Executor, Pointer};
-use super::layout::{Info, Part, member, size};
+use super::layout::{ExprId, Info, Part, member, size};
 use crate::graph::{Input, NodeId, Op};
 use crate::lang::Diagnostic;
 
 impl Executor<'_, '_> {
-    pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info> {
+    pub(super) fn info(&self, of: ExprId) -> Result<Info> {
         self.frame.infos.get(of.index()).copied().flatten().ok_or_else(|| {
             Diagnostic::unsupported(self.place(of), "this value has a type that a formula does not have")
                 .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
@@ -17,7 +17,7 @@ impl Executor<'_, '_> {
     }
 
     /// Evaluates an expression that no statement evaluates.
-    fn ready(&mut self, of: Handle<Expression>) -> Result<()> {
+    fn ready(&mut self, of: ExprId) -> Result<()> {
         match self.frame.values.get(of.index()) {
             Some(Some(_)) => Ok(()),
             _ => self.evaluate(of),
@@ -25,14 +25,14 @@ impl Executor<'_, '_> {
     }
 
     /// Returns the value of an expression, as an argument of a call.
-    pub(super) fn argument(&mut self, of: Handle<Expression>) -> Result<Argument> {
+    pub(super) fn argument(&mut self, of: ExprId) -> Result<Argument> {
         self.ready(of)?;
         let value = self.frame.values.get(of.index()).cloned().flatten();
         Ok(value.unwrap_or_else(|| Argument::Parts(Vec::new())))
     }
 
     /// Returns one part of an expression's value. Every part of a scalar is the scalar itself.
-    pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part> {
+    pub(super) fn part(&mut self, of: ExprId, index: usize) -> Result<Part> {
         self.ready(of)?;
         let Some(Some(Argument::Parts(parts))) = self.frame.values.get(of.index()) else {
             return Err(Diagnostic::unsupported(self.place(of), "this is no value"));
@@ -41,7 +41,7 @@ impl Executor<'_, '_> {
         Ok(parts.get(index).copied().unwrap_or(Part::Node(self.zero)))
     }
 
-    pub(super) fn parts_of(&mut self, of: Handle<Expression>) -> Result<Vec<Part>> {
+    pub(super) fn parts_of(&mut self, of: ExprId) -> Result<Vec<Part>> {
         let value = self.argument(of)?;
         self.info(of)?;
         match value {
@@ -50,18 +50,18 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>> {
+    pub(super) fn nodes_of(&mut self, of: ExprId) -> Result<Vec<NodeId>> {
         let parts = self.parts_of(of)?.into_iter();
         self.at(self.place(of), |this| parts.map(|part| this.node(part)).collect())
     }
 
     /// Returns a part of an expression's value as a node of the graph.
-    pub(super) fn node_of(&mut self, of: Handle<Expression>, index: usize) -> Result<NodeId> {
+    pub(super) fn node_of(&mut self, of: ExprId, index: usize) -> Result<NodeId> {
         let part = self.part(of, index)?;
         self.at(self.place(of), |this| this.node(part))
     }
 
-    pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer> {
+    pub(super) fn pointer_of(&mut self, of: ExprId) -> Result<Pointer> {
         match self.argument(of)? {
             Argument::Pointer(pointer) => Ok(pointer),
             Argument::Parts(_) => Err(Diagnostic::unsupported(self.place(of), "this cannot be assigned to")),
@@ -69,7 +69,7 @@ impl Executor<'_, '_> {
     }
 
     /// Records the value of an expression.
-    pub(super) fn put(&mut self, of: Handle<Expression>, value: Argument) {
+    pub(super) fn put(&mut self, of: ExprId, value: Argument) {
         if let Some(place) = self.frame.values.get_mut(of.index()) {
             *place = Some(value);
         }
@@ -95,11 +95,11 @@ impl Executor<'_, '_> {
         ))
     }
 
-    pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<()> {
+    pub(super) fn evaluate(&mut self, of: ExprId) -> Result<()> {
         self.at(self.place(of), |this| this.evaluate_here(of))
     }
 
-    fn evaluate_here(&mut self, of: Handle<Expression>) -> Result<()> {
+    fn evaluate_here(&mut self, of: ExprId) -> Result<()> {
         let function = self.frame.function;
         let Ok(expression) = function.expressions.try_get(of) else { return Ok(()) };
         match expression {
@@ -218,12 +218,7 @@ impl Executor<'_, '_> {
         Ok(sums.into_iter().map(Part::Node).collect())
     }
 
-    fn choice(
-        &mut self,
-        condition: Handle<Expression>,
-        accept: Handle<Expression>,
-        reject: Handle<Expression>,
-    ) -> Result<Vec<Part>> {
+    fn choice(&mut self, condition: ExprId, accept: ExprId, reject: ExprId) -> Result<Vec<Part>> {
         let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
         let choose = |index| {
             let condition = self.node_of(condition, index)?;
@@ -233,7 +228,7 @@ impl Executor<'_, '_> {
         (0..len).map(choose).collect()
     }
 
-    fn converted(&mut self, of: Handle<Expression>, kind: ScalarKind, converts: bool) -> Result<Vec<Part>> {
+    fn converted(&mut self, of: ExprId, kind: ScalarKind, converts: bool) -> Result<Vec<Part>> {
         let from = self.info(of)?.kind;
         let parts = self.parts_of(of)?.into_iter();
         let converted = parts.map(|part| match converts {
@@ -244,7 +239,7 @@ impl Executor<'_, '_> {
     }
 
     /// Selects an element with a known index.
-    fn access(&mut self, of: Handle<Expression>, base: Handle<Expression>, index: u32) -> Result<()> {
+    fn access(&mut self, of: ExprId, base: ExprId, index: u32) -> Result<()> {
         self.ready(base)?;
         let info = self.info(base)?;
         let (offset, len) = if info.count > 0 {
@@ -276,12 +271,7 @@ impl Executor<'_, '_> {
     }
 
     /// Selects an element with a computed index.
-    fn access_computed(
-        &mut self,
-        of: Handle<Expression>,
-        base: Handle<Expression>,
-        index: NodeId,
-    ) -> Result<()> {
+    fn access_computed(&mut self, of: ExprId, base: ExprId, index: NodeId) -> Result<()> {
         self.ready(base)?;
         let info = self.info(base)?;
         if info.count == 0 {
@@ -364,7 +354,7 @@ impl Executor<'_, '_> {
     }
 
     /// Returns a constant value of the module.
-    pub(super) fn global_value(&mut self, of: Handle<Expression>) -> Result<Vec<Part>> {
+    pub(super) fn global_value(&mut self, of: ExprId) -> Result<Vec<Part>> {
         self.step(1)?;
         let module = &self.file.module;
         let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(Vec::new()) };
@@ -378,7 +368,7 @@ impl Executor<'_, '_> {
     fn composed(
         &mut self,
         expression: &Expression,
-        mut parts_of: impl FnMut(&mut Self, Handle<Expression>) -> Result<Vec<Part>>,
+        mut parts_of: impl FnMut(&mut Self, ExprId) -> Result<Vec<Part>>,
     ) -> Result<Option<Vec<Part>>> {
         Ok(Some(match expression {
             Expression::Literal(literal) => vec![self.literal(*literal)?],

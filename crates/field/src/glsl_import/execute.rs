@@ -3,11 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
+use naga::{Block, Expression, Function, Statement, SwitchValue};
 
 use super::Result;
 use super::calls::{Argument, Executor, Pointer, Target};
-use super::layout::Part;
+use super::layout::{ExprId, Part};
 use super::parse::range;
 use crate::graph::{Node, NodeId, Op};
 use crate::lang::{Diagnostic, Span};
@@ -249,7 +249,7 @@ impl<'m> Executor<'m, '_> {
         Ok(result)
     }
 
-    fn branch(&mut self, of: Handle<Expression>, accept: &'m Block, reject: &'m Block) -> Result<()> {
+    fn branch(&mut self, of: ExprId, accept: &'m Block, reject: &'m Block) -> Result<()> {
         let condition = self.node_of(of, 0)?;
         if let Some(value) = self.graph.as_constant(condition) {
             let breaks = |block: &Block| matches!(block.first(), Some(Statement::Break));
@@ -300,23 +300,12 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    fn repeat(
-        &mut self,
-        body: &'m Block,
-        continuing: &'m Block,
-        break_if: Option<Handle<Expression>>,
-    ) -> Result<()> {
+    fn repeat(&mut self, body: &'m Block, continuing: &'m Block, break_if: Option<ExprId>) -> Result<()> {
         let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
         self.frame.outer = self.and(outer, before);
         self.live = self.one;
         let mark = self.memory.mark();
-        let exits = || Exits::new(mark);
-        self.frame.targets.push(Target {
-            is_loop: true,
-            is_counted: false,
-            breaks: exits(),
-            continues: exits(),
-        });
+        self.frame.targets.push(Target::new(true, mark));
         let mut rounds = 0;
         while self.live != self.zero {
             rounds += 1;
@@ -341,7 +330,8 @@ impl<'m> Executor<'m, '_> {
             let (live, counts) = (self.live, self.frame.counts);
             self.block(body)?;
             let continues = self.frame.targets.last_mut();
-            let continues = continues.map(|target| std::mem::replace(&mut target.continues, exits()));
+            let continues =
+                continues.map(|target| std::mem::replace(&mut target.continues, Exits::new(mark)));
             if let Some(continues) = continues {
                 self.meet(continues)?;
             }
@@ -394,7 +384,7 @@ impl<'m> Executor<'m, '_> {
         Ok(())
     }
 
-    fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<()> {
+    fn switch(&mut self, selector: ExprId, cases: &'m [naga::SwitchCase]) -> Result<()> {
         let (place, selector) = (self.place(selector), self.part(selector, 0)?);
         let (before, counts) = (self.live, self.frame.counts);
         let mark = self.memory.mark();
@@ -415,12 +405,7 @@ impl<'m> Executor<'m, '_> {
             otherwise = self.and(otherwise, unequal);
             conditions.push(Some(equal));
         }
-        self.frame.targets.push(Target {
-            is_loop: false,
-            is_counted: false,
-            breaks: Exits::new(mark),
-            continues: Exits::new(mark),
-        });
+        self.frame.targets.push(Target::new(false, mark));
         let mut falling = Exits::new(mark);
         for (case, condition) in cases.iter().zip(conditions) {
             let condition = condition.unwrap_or(otherwise);
@@ -483,7 +468,7 @@ impl<'m> Executor<'m, '_> {
 }
 
 /// True for a condition such as `true`.
-fn is_literal(function: &Function, of: Handle<Expression>) -> bool {
+fn is_literal(function: &Function, of: ExprId) -> bool {
     match function.expressions.try_get(of) {
         Ok(Expression::Unary { expr, .. }) => is_literal(function, *expr),
         Ok(expression) => matches!(expression, Expression::Literal(_)),

@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 
 use naga::front::Typifier;
 use naga::proc::ResolveContext;
-use naga::{Function, Handle, Module, ScalarKind, Type, TypeInner};
+use naga::{Expression, Function, Handle, Module, ScalarKind, Type, TypeInner};
 
 use crate::graph::NodeId;
+
+/// An expression of a function.
+pub(super) type ExprId = Handle<Expression>;
 
 /// One scalar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The functions of GLSL, as operators of the graph.
 
-use naga::{Expression, Handle, MathFunction, ScalarKind};
+use naga::{MathFunction, ScalarKind};
 
 use super::Result;
 use super::calls::Executor;
-use super::layout::Part;
+use super::layout::{ExprId, Part};
 use crate::graph::{Graph, NodeId, Op, matrices};
 use crate::lang::Diagnostic;
 
@@ -12,8 +12,8 @@ impl Executor<'_, '_> {
     pub(super) fn math(
         &mut self,
         of: MathFunction,
-        first: Handle<Expression>,
-        others: [Option<Handle<Expression>>; 3],
+        first: ExprId,
+        others: [Option<ExprId>; 3],
     ) -> Result<Vec<Part>> {
         let info = self.info(first)?;
         if matches!(info.kind, ScalarKind::Sint | ScalarKind::Uint)
@@ -50,8 +50,8 @@ impl Executor<'_, '_> {
     fn whole_math(
         &mut self,
         of: MathFunction,
-        first: Handle<Expression>,
-        others: [Option<Handle<Expression>>; 3],
+        first: ExprId,
+        others: [Option<ExprId>; 3],
     ) -> Result<Option<Vec<Part>>> {
         let len = self.info(first)?.len as usize;
         let mut result = Vec::with_capacity(len);

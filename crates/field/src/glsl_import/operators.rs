@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, UnaryOperator};
+use naga::{BinaryOperator, RelationalFunction, ScalarKind, UnaryOperator};
 
 use super::Result;
 use super::calls::Executor;
-use super::layout::Part;
+use super::layout::{ExprId, Part};
 use crate::graph::{Graph, Node, NodeId, Op, Term, matrices};
 use crate::lang::{Diagnostic, Span};
 
@@ -31,12 +31,7 @@ impl Executor<'_, '_> {
         })
     }
 
-    pub(super) fn binary(
-        &mut self,
-        op: BinaryOperator,
-        left: Handle<Expression>,
-        right: Handle<Expression>,
-    ) -> Result<Vec<Part>> {
+    pub(super) fn binary(&mut self, op: BinaryOperator, left: ExprId, right: ExprId) -> Result<Vec<Part>> {
         let (a, b) = (self.info(left)?, self.info(right)?);
         if op == BinaryOperator::Multiply && (a.columns > 0 || b.columns > 0) && a.len > 1 && b.len > 1 {
             let (x, y) = (self.nodes_of(left)?, self.nodes_of(right)?);
