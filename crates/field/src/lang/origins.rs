@@ -39,24 +39,14 @@ struct Made {
     by: Stretch,
 }
 
-/// The values sorted by node. Values of the same node keep the order in which they were recorded. The index is built on
-/// first use, because few edits need it and building it takes a tenth of the time to compile a text to a tape.
-#[derive(Debug, Clone, Default)]
-struct ByNode(OnceLock<Vec<Made>>);
-
-/// Always equal: the index follows from the values.
-impl PartialEq for ByNode {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
 /// Maps nodes of a scene's graph to the text that they come from.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Origins {
     notes: Vec<Note>,
     made: Vec<Made>,
-    by_node: ByNode,
+    /// The values sorted by node. Values of the same node keep the order in which they were recorded. The index is built
+    /// on first use, because few edits need it and building it takes a tenth of the time to compile a text to a tape.
+    by_node: OnceLock<Vec<Made>>,
     /// For each block of each object: the notes of its text without the shape, and of its whole text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
     materials: Vec<Vec<Stretch>>,
@@ -124,7 +114,7 @@ impl Origins {
     }
 
     fn made_of(&self, node: NodeId) -> &[Made] {
-        let by_node = self.by_node.0.get_or_init(|| {
+        let by_node = self.by_node.get_or_init(|| {
             let mut made = self.made.clone();
             made.sort_by_key(|made| made.node);
             made
@@ -154,13 +144,9 @@ impl Origins {
         let mut starts = BTreeSet::new();
         let known: Vec<&[Made]> = path.iter().map(|node| self.made_of(*node)).collect();
         let last = known.iter().rposition(|made| !made.is_empty());
-        for made in known.iter().take(last.unwrap_or(0)) {
-            starts.extend(made.iter().map(|made| made.span.start));
-        }
-        if let Some(made) = last.and_then(|last| known.get(last)) {
-            starts.extend(made.iter().map(|made| made.span.start));
-            open.extend(made.iter().map(|made| made.by));
-        }
+        let known = last.map_or(&[][..], |last| &known[..=last]);
+        starts.extend(known.iter().copied().flatten().map(|made| made.span.start));
+        open.extend(known.last().copied().into_iter().flatten().map(|made| made.by));
         for (head, whole) in self.objects.get(object).into_iter().flatten() {
             open.push(if last.is_some() { *head } else { *whole });
         }

@@ -54,11 +54,10 @@ impl Lowering<'_> {
             *slot = Some(vector);
         }
         match (row.builtin, vectors) {
-            (Builtin::Each(op), [Some(a), ..]) => Value::Vector(a.map(|part| self.graph.unary(op, part))),
-            (Builtin::Float, [Some(a), ..]) if a.len() == 1 => Value::Vector(a),
-            (Builtin::OneOrTwo(op, _), [Some(a), None, ..]) => {
+            (Builtin::Each(op) | Builtin::OneOrTwo(op, _), [Some(a), None, ..]) => {
                 Value::Vector(a.map(|part| self.graph.unary(op, part)))
             }
+            (Builtin::Float, [Some(a), ..]) if a.len() == 1 => Value::Vector(a),
             (Builtin::Pair(op) | Builtin::OneOrTwo(_, op), [Some(a), Some(b), ..]) => {
                 self.pair(op, a, b, row.name, span)
             }

@@ -84,40 +84,37 @@ impl SceneBuilder<'_> {
     /// Returns the kind of a light, determined by the fields that are set. Reports invalid combinations of fields.
     pub(super) fn light_kind(&mut self, name: &str, span: Span, values: &Values) -> Option<LightKind> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
-        let wrong = match (given("position"), given("direction"), given("right"), given("up")) {
-            (Some(_), None, None, None) => return Some(LightKind::Lamp),
-            (None, Some(_), None, None) => {
-                self.warn_of_rising_light(values);
-                return Some(LightKind::Sun);
-            }
-            (Some(_), None, Some(_), Some(_)) => return Some(LightKind::Panel),
-            (Some(_), Some(second), ..) => {
-                let both = Diagnostic::new(
+        let (place, message, hint) =
+            match (given("position"), given("direction"), given("right"), given("up")) {
+                (Some(_), None, None, None) => return Some(LightKind::Lamp),
+                (None, Some(_), None, None) => {
+                    self.warn_of_rising_light(values);
+                    return Some(LightKind::Sun);
+                }
+                (Some(_), None, Some(_), Some(_)) => return Some(LightKind::Panel),
+                (Some(_), Some(second), ..) => (
                     second,
                     format!("the light `{name}` has both a position and a direction"),
-                );
-                let hint = "a lamp has a `position`; a light at infinity, such as the sun, has a `direction`";
-                both.hint(hint)
-            }
-            (None, Some(_), Some(side), _) | (None, Some(_), _, Some(side)) => {
-                let sun = Diagnostic::new(side, format!("the light `{name}` has both a direction and sides"));
-                sun.hint("a panel has a `position`, its centre, and shines towards cross(right, up)")
-            }
-            (_, _, Some(side), None) | (_, _, None, Some(side)) => {
-                let half =
-                    Diagnostic::new(side, format!("the panel `{name}` has only one of `right` and `up`"));
-                half.hint(
+                    "a lamp has a `position`; a light at infinity, such as the sun, has a `direction`",
+                ),
+                (None, Some(_), Some(side), _) | (None, Some(_), _, Some(side)) => (
+                    side,
+                    format!("the light `{name}` has both a direction and sides"),
+                    "a panel has a `position`, its centre, and shines towards cross(right, up)",
+                ),
+                (_, _, Some(side), None) | (_, _, None, Some(side)) => (
+                    side,
+                    format!("the panel `{name}` has only one of `right` and `up`"),
                     "set both: the vectors from the centre to the middle of the right and of the upper side",
-                )
-            }
-            (None, None, ..) if values.broken => return None,
-            (None, None, ..) => {
-                let missing =
-                    Diagnostic::new(span, format!("the light `{name}` has no position or direction"));
-                missing.hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun")
-            }
-        };
-        self.report(wrong);
+                ),
+                (None, None, ..) if values.broken => return None,
+                (None, None, ..) => (
+                    span,
+                    format!("the light `{name}` has no position or direction"),
+                    "write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun",
+                ),
+            };
+        self.report(Diagnostic::new(place, message).hint(hint));
         None
     }
 

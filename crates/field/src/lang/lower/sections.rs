@@ -296,39 +296,25 @@ impl SceneBuilder<'_> {
     }
 
     fn field_value(&mut self, value: Value, holds: Holds, name: &str, span: Span) -> Value {
-        if holds == Holds::Place {
-            return match value {
-                Value::Vector(vector) if vector.len() == 2 => value,
-                Value::Unknown => Value::Unknown,
-                other => {
-                    let message = format!("`{name}` must be a vec2, but this is {}", other.described());
-                    let hint = "write a place in the picture, as in `pixel / resolution + vec2(0, 0.01)`";
-                    self.report(Diagnostic::new(span, message).hint(hint))
-                }
-            };
-        }
-        if holds != Holds::Vector {
-            let hint = if holds == Holds::Shape { A_DISTANCE } else { A_NUMBER };
-            return match self.lowering.one_number(value, &format!("`{name}`"), hint, span) {
-                Some(part) => Value::scalar(part),
-                None => Value::Unknown,
-            };
-        }
-        match value {
-            Value::Unknown => Value::Unknown,
-            Value::Vector(vector) if matches!(vector.len(), 1 | 3) => Value::Vector(vector),
-            other => {
-                let message = format!("`{name}` must be a vec3, but this is {}", other.described());
-                let wrong = Diagnostic::new(span, message);
-                let wrong = match self.lowering.scope.composites.type_of(other) {
-                    Some(super::super::ast::Type::Vec4) => {
-                        wrong.hint("take three components: `.rgb` or `.xyz`")
-                    }
-                    _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
-                };
-                self.report(wrong)
+        let (wanted, hint) = match (holds, value) {
+            (Holds::Place, Value::Vector(vector)) if vector.len() == 2 => return value,
+            (Holds::Vector, Value::Vector(vector)) if matches!(vector.len(), 1 | 3) => return value,
+            (Holds::Place | Holds::Vector, Value::Unknown) => return value,
+            (Holds::Place, _) => {
+                ("a vec2", "write a place in the picture, as in `pixel / resolution + vec2(0, 0.01)`")
             }
-        }
+            (Holds::Vector, Value::Vector(vector)) if vector.len() == 4 => {
+                ("a vec3", "take three components: `.rgb` or `.xyz`")
+            }
+            (Holds::Vector, _) => ("a vec3", "write `vec3(a, b, c)`, or one number for all three"),
+            _ => {
+                let hint = if holds == Holds::Shape { A_DISTANCE } else { A_NUMBER };
+                let part = self.lowering.one_number(value, &format!("`{name}`"), hint, span);
+                return part.map_or(Value::Unknown, Value::scalar);
+            }
+        };
+        let message = format!("`{name}` must be {wanted}, but this is {}", value.described());
+        self.report(Diagnostic::new(span, message).hint(hint))
     }
 
     fn unknown_field(&mut self, section: Section, name: Name) {

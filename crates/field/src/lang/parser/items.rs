@@ -216,11 +216,7 @@ impl Parser<'_> {
             return Habit::None;
         }
         // Qualifiers and types precede the name, as in `const float name`.
-        let is_type = |token: Token| {
-            let text = self.names.name(token.symbol);
-            token.is_name()
-                && (GLSL_TYPES.contains(&text) || GLSL_QUALIFIERS.split(' ').any(|word| word == text))
-        };
+        let is_type = |token: Token| token.is_name() && declares_glsl(self.names.name(token.symbol));
         let words = (0..GLSL_WORDS_MAX).take_while(|at| is_type(self.ahead(*at))).count();
         let named = self.ahead(words);
         if words == 0 || !named.is_name() {
@@ -333,9 +329,7 @@ impl Parser<'_> {
             let unknown = Diagnostic::unsupported(self.token().span, "every parameter is an `in`");
             self.report(unknown.hint("write its name alone, as in `fn f(p)`"));
             self.advance();
-            let is_typed =
-                self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(self.token().symbol));
-            if is_typed {
+            if self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(self.token().symbol)) {
                 self.advance();
             }
         }
