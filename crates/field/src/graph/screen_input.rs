@@ -18,13 +18,7 @@ pub enum ScreenInput {
 impl ScreenInput {
     /// Returns the name as printed in a tape.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Width => "RESOLUTION.X",
-            Self::Height => "RESOLUTION.Y",
-            Self::MouseX => "MOUSE.X",
-            Self::MouseY => "MOUSE.Y",
-            Self::MousePressed => "MOUSE.Z",
-        }
+        ["RESOLUTION.X", "RESOLUTION.Y", "MOUSE.X", "MOUSE.Y", "MOUSE.Z"][self as usize]
     }
 }
 

@@ -38,14 +38,7 @@ impl Wave {
 
     /// Returns the name in files and lists.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Sine => "sine",
-            Self::Triangle => "triangle",
-            Self::Rise => "rise",
-            Self::Fall => "fall",
-            Self::Square => "square",
-            Self::Random => "random",
-        }
+        ["sine", "triangle", "rise", "fall", "square", "random"][self as usize]
     }
 
     /// Returns the value, 0..1, after this many periods.

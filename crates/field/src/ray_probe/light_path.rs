@@ -230,15 +230,12 @@ impl RayProbe<'_> {
         for step in 0..STEPS_MAX.0 {
             let mut cell = self.cell_at(&walk, t);
             for _ in 0..rays::SKIPS_MAX {
-                let Some(known) = cell else { break };
-                let leaves = rays::past(t).max(walk.exit_of(&known, t));
-                if !(known.bound > 0.0 && sharpness * known.bound >= visible * leaves) {
+                let Some(known) = cell.filter(|cell| cell.bound > 0.0 && t < end) else { break };
+                let leaves = walk.exit_of(&known, t);
+                if sharpness * known.bound < visible * leaves {
                     break;
                 }
                 (t, previous, stride) = (leaves, NO_SPHERE, NO_SPHERE);
-                if t >= end {
-                    break;
-                }
                 cell = self.cell_at(&walk, t);
             }
             if t >= end {
@@ -267,9 +264,6 @@ impl RayProbe<'_> {
             let longest = rays::SHADOW_STEP_MAX.max(0.5 * bound).max(unseen);
             stride = bound.min(longest).max(rays::SHADOW_STEP_MIN + growth);
             t += stride;
-            if t >= end {
-                break;
-            }
         }
         visible * visible * (3.0 - 2.0 * visible)
     }
@@ -280,7 +274,7 @@ impl RayProbe<'_> {
             let mut cell = self.cell_at(&walk, t);
             for _ in 0..rays::SKIPS_MAX {
                 let Some(known) = cell.filter(|cell| cell.bound > 0.0 && t < end) else { break };
-                t = rays::past(t).max(walk.exit_of(&known, t));
+                t = walk.exit_of(&known, t);
                 cell = self.cell_at(&walk, t);
             }
             if t >= end {
@@ -295,13 +289,10 @@ impl RayProbe<'_> {
             let towards = cell.map_or(0.0, |cell| gradient::slope_towards(cell.slopes, ray.direction));
             let mut stride = if towards > 0.0 { bound / towards } else { rays::FAR };
             if let Some(cell) = &cell {
-                stride = stride.min(rays::past(t).max(walk.exit_of(cell, t)) - t);
+                stride = stride.min(walk.exit_of(cell, t) - t);
             }
             let growth = STEP_GROWTH + self.world.shadow_step_growth();
             t += stride.max(rays::SHADOW_STEP_MIN + growth * step as f32);
-            if t >= end {
-                break;
-            }
         }
         1.0
     }

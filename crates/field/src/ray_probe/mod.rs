@@ -288,7 +288,7 @@ impl<'a> RayProbe<'a> {
             for _ in 0..rays::SKIPS_MAX {
                 let Some(known) = cell.filter(|cell| cell.bound > reach * t) else { break };
                 before = 0.0;
-                t = (t + known.bound).max(rays::past(t)).max(walk.exit_of(&known, t));
+                t = (t + known.bound).max(walk.exit_of(&known, t));
                 if t >= end {
                     traced.capped = false;
                     return None;
@@ -329,7 +329,7 @@ impl<'a> RayProbe<'a> {
             for _ in 0..rays::SKIPS_MAX {
                 let Some(known) = cell.filter(|cell| cell.bound > 0.0 && inside.is_none()) else { break };
                 outside = (t, 0.0);
-                t = rays::past(t).max(walk.exit_of(&known, t));
+                t = walk.exit_of(&known, t);
                 if t >= end {
                     return None;
                 }
@@ -357,10 +357,9 @@ impl<'a> RayProbe<'a> {
                 continue;
             }
             let (slope, leaves) = match &cell {
-                Some(cell) => (
-                    gradient::slope_towards(cell.slopes, ray.direction),
-                    rays::past(t).max(walk.exit_of(cell, t)) - t,
-                ),
+                Some(cell) => {
+                    (gradient::slope_towards(cell.slopes, ray.direction), walk.exit_of(cell, t) - t)
+                }
                 // The point is outside the tree because of rounding, so there is no cell to leave.
                 None => (f32::INFINITY, 0.0),
             };
@@ -397,6 +396,7 @@ impl<'a> Walk<'a> {
         add(self.ray.at(t), self.ahead)
     }
 
+    /// Returns the distance at which the ray, from `t` on, has left a cell.
     fn exit_of(&self, cell: &Cell, t: f32) -> f32 {
         let ray = self.ray;
         let exits = (0..3).map(|axis| {
@@ -404,7 +404,7 @@ impl<'a> Walk<'a> {
             let face = if ray.direction[axis] >= 0.0 { cell.high[axis] } else { cell.low[axis] };
             (face - ray.origin[axis]) / slow
         });
-        exits.fold(f32::INFINITY, f32::min).max(t)
+        exits.fold(f32::INFINITY, f32::min).max(rays::past(t))
     }
 }
 
