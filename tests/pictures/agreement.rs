@@ -53,11 +53,10 @@ struct Programs {
 impl Programs {
     fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
         let variant = Variant { compounds: Compounds::ALL, ..Variant::of(tapes, every_case) };
-        let (mut texels, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut texels, mut starts) = (Vec::new(), Vec::new());
         for tape in tapes {
             starts.push(texels.len() as f32);
-            tape.table_values(frame, &mut values);
-            tape.append_texels(&values, Compounds::ALL, &mut texels);
+            tape.append_texels(frame, Compounds::ALL, &mut texels);
         }
         let regional = tapes.iter().map(|tape| {
             // A region's inputs are x, y, z and one more number, in fixed registers.

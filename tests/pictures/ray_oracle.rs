@@ -419,9 +419,7 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
         let center = world.frame_tape.values(&inputs).camera.position;
         let eye = world.bounds.is_some_and(|bounds| bounds.hold(center)).then_some(center);
         let regions = plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center, eye });
-        let mut table = Vec::new();
-        tape.table_values(&inputs, &mut table);
-        let oracle = Oracle { tape: &tape, table, frame: &inputs };
+        let oracle = Oracle { tape: &tape, table: tape.table_values(&inputs), frame: &inputs };
         for _ in 0..rays / moments {
             let Some((ray, span)) = ray_of(world, &regions, &inputs, &mut random) else { continue };
             let Some(found) = traced(&regions, world, &inputs, &ray, span) else {

@@ -34,9 +34,7 @@ fn tape(text: &str) -> Tape {
 /// Returns the program for the distance in the scene `text`, as the texels that the interpreter shader reads.
 fn words(text: &str) -> Vec<[u32; 4]> {
     let mut words = Vec::new();
-    let (tape, mut numbers) = (tape(text), Vec::new());
-    tape.table_values(&FrameInputs::default(), &mut numbers);
-    tape.append_texels(&numbers, Compounds::NONE, &mut words);
+    tape(text).append_texels(&FrameInputs::default(), Compounds::NONE, &mut words);
     words
 }
 

@@ -94,9 +94,7 @@ fn tape(c: &mut Criterion) {
             b.iter(|| {
                 Tape::build(&graph, &[root], &options).map(|tape| {
                     let mut words = Vec::new();
-                    let mut numbers = Vec::new();
-                    tape.table_values(&FrameInputs::default(), &mut numbers);
-                    tape.append_texels(&numbers, Compounds::NONE, &mut words);
+                    tape.append_texels(&FrameInputs::default(), Compounds::NONE, &mut words);
                     words
                 })
             })

@@ -525,9 +525,8 @@ mod tests {
 
     fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
         let tape = Tape::build(graph, &[root], &TapeOptions::default()).unwrap();
-        let table: Vec<f32> = tape.table().iter().map(|entry| entry.constant().unwrap()).collect();
         let mut texels = Vec::new();
-        tape.append_texels(&table, compounds, &mut texels);
+        tape.append_texels(&FrameInputs::default(), compounds, &mut texels);
         let words = texels.iter().flat_map(|texel| [texel[0], texel[2]]);
         words.map(|word| word as u8).filter(|opcode| *opcode != crate::tape::opcode::END).collect()
     }

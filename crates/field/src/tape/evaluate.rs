@@ -27,9 +27,8 @@ pub(super) struct Machine<'a, V> {
 
 impl<'a, V: Copy> Machine<'a, V> {
     pub(super) fn new(tape: &'a Tape, frame: &FrameInputs, zero: V) -> Self {
-        let mut table = Vec::new();
-        tape.table_values(frame, &mut table);
-        Self { tape, registers: vec![zero; tape.registers.max(1)], memory: vec![zero; tape.memory], table }
+        let (registers, memory) = (vec![zero; tape.registers.max(1)], vec![zero; tape.memory]);
+        Self { tape, registers, memory, table: tape.table_values(frame) }
     }
 
     #[inline(always)]

@@ -30,7 +30,7 @@ use super::glsl::{fill, literal};
 use super::select;
 pub(crate) use super::select::rounded_registers;
 use super::{Instruction, Tape, opcode};
-use crate::graph::{Compound, Compounds, Op, Properties, Uses};
+use crate::graph::{Compound, Compounds, FrameInputs, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
 /// Number of registers without the bit of [`IMMEDIATE`].
@@ -52,10 +52,10 @@ pub(crate) fn end_of([first, second]: [u8; 2]) -> u32 {
 }
 
 impl Tape {
-    /// Appends the tape as texels. `table` holds the numbers of its table ([`Tape::table_values`]).
-    pub fn append_texels(&self, table: &[f32], compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
+    /// Appends the tape as texels, with the numbers of a frame.
+    pub fn append_texels(&self, frame: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
         let mut first: Option<[u32; 2]> = None;
-        let mut clauses = RunClauses::of(self, table);
+        let mut clauses = RunClauses::of(self, &self.table_values(frame));
         clauses.compound(compounds, self.outputs());
         for Clause { word, immediate, second, .. } in clauses.kept() {
             match first.take() {

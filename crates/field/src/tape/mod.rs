@@ -146,13 +146,13 @@ impl Tape {
         &self.table
     }
 
-    /// Replaces `values` by the table's numbers in a frame.
-    pub fn table_values(&self, frame: &FrameInputs, values: &mut Vec<f32>) {
-        values.clear();
-        values.extend(self.table.iter().map(|entry| match *entry {
+    /// Returns the table's numbers in a frame.
+    pub fn table_values(&self, frame: &FrameInputs) -> Vec<f32> {
+        let number = |entry: &TableEntry| match *entry {
             TableEntry::Constant(value) => value,
             TableEntry::Input(input) => frame.value(input),
-        }));
+        };
+        self.table.iter().map(number).collect()
     }
 
     /// Returns the registers that hold the values of the roots at the end.

@@ -82,8 +82,7 @@ fn tape_of(steps: &[Step]) -> Tape {
 }
 
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
-    let mut table = Vec::new();
-    tape.table_values(frame, &mut table);
+    let table = tape.table_values(frame);
     let (mut registers, mut memory) = (vec![0.0f64; tape.registers()], vec![0.0f64; tape.memory()]);
     for clause in tape.clauses() {
         let operand = |registers: &[f64], operand: Operand| match operand {

@@ -71,7 +71,7 @@ fn words_match_the_table_in_the_module_documentation() {
     // Texels omit inputs that start in their registers, and put immediates after clauses. END has the output's
     // register.
     let mut texels = Vec::new();
-    tape.append_texels(&[1.0, 0.5], Compounds::NONE, &mut texels);
+    tape.append_texels(&FrameInputs::default(), Compounds::NONE, &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
     let pairs = [
         [expected[2], 0, expected[3], 0],
@@ -127,7 +127,7 @@ fn end_and_rare_operators_are_second_in_their_texels() {
     for length in 1..=9 {
         let mut texels = Vec::new();
         let tape = tape_of(&graph, &[node], 256);
-        tape.append_texels(&[], Compounds::NONE, &mut texels);
+        tape.append_texels(&FrameInputs::default(), Compounds::NONE, &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
         // X starts in its register, so it has no texel. Each of the other clauses has a texel.

@@ -135,16 +135,13 @@ impl SurfaceTape {
         texels.push(Self::head(self.tape.outputs(), self.textures.len()));
         let heads = texels.len();
         texels.resize(heads + self.textures.len(), [0; 4]);
-        let mut numbers = Vec::new();
-        self.tape.table_values(inputs, &mut numbers);
-        self.tape.append_texels(&numbers, compounds, texels);
+        self.tape.append_texels(inputs, compounds, texels);
         for (index, (picture, tape)) in self.textures.iter().enumerate() {
             let start = texels.len() as u32;
             if let Some(head) = texels.get_mut(heads + index) {
                 *head = [u32::from(*picture), start, 0, 0];
             }
-            tape.table_values(inputs, &mut numbers);
-            tape.append_texels(&numbers, compounds, texels);
+            tape.append_texels(inputs, compounds, texels);
         }
     }
 }
