@@ -9,7 +9,7 @@ use symphonia::core::codecs::audio::{
 use symphonia::core::codecs::registry::CodecRegistry;
 use symphonia::core::errors::Error;
 
-use super::error::DecodeError;
+use super::error::Problem;
 use super::{contained, sniff};
 
 const OPUS_RATE: u32 = 48_000;
@@ -21,7 +21,7 @@ static REGISTRY: LazyLock<CodecRegistry> = LazyLock::new(|| {
     registry
 });
 
-pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn AudioDecoder>, DecodeError> {
+pub(super) fn make(params: &AudioCodecParameters) -> Result<Box<dyn AudioDecoder>, Problem> {
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();
     if params.codec == id::CODEC_ID_OPUS {
@@ -30,23 +30,19 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
         params.sample_rate = Some(OPUS_RATE);
         params.extra_data = None;
     }
-    sniff::check(name, channels, params.sample_rate.unwrap_or(OPUS_RATE))?;
+    sniff::check(channels, params.sample_rate.unwrap_or(OPUS_RATE))?;
     let options = AudioDecoderOptions::default();
-    match contained(name, || REGISTRY.make_audio_decoder(&params, &options))? {
+    match contained(|| REGISTRY.make_audio_decoder(&params, &options))? {
         Ok(decoder) => Ok(decoder),
-        Err(Error::DecodeError(what)) => Err(DecodeError::Damaged {
-            name: name.into(),
-            what: format!("its codec cannot be set up ({what})"),
-        }),
-        Err(_) => Err(DecodeError::UnsupportedCodec {
-            name: name.into(),
-            codec: match params.codec {
-                id::CODEC_ID_AAC if channels > 2 => format!("AAC with {channels} channels"),
-                id::CODEC_ID_AAC => "AAC with a profile other than LC (such as HE-AAC)".into(),
-                id::CODEC_ID_OPUS => format!("Opus with {channels} channels"),
-                codec => codec_name(codec).into(),
-            },
-        }),
+        Err(Error::DecodeError(what)) => {
+            Err(Problem::Damaged(format!("its codec cannot be set up ({what})")))
+        }
+        Err(_) => Err(Problem::UnsupportedCodec(match params.codec {
+            id::CODEC_ID_AAC if channels > 2 => format!("AAC with {channels} channels"),
+            id::CODEC_ID_AAC => "AAC with a profile other than LC (such as HE-AAC)".into(),
+            id::CODEC_ID_OPUS => format!("Opus with {channels} channels"),
+            codec => codec_name(codec).into(),
+        })),
     }
 }
 

@@ -12,7 +12,7 @@ use symphonia::core::formats::{FormatOptions, FormatReader};
 use symphonia::core::io::{MediaSource, MediaSourceStream, ReadOnlySource};
 use symphonia::core::meta::MetadataOptions;
 
-use super::error::DecodeError;
+use super::error::{DecodeError, Problem};
 use super::gapless::{Edits, edits};
 use super::mended::Mended;
 use super::old_tags::{self, OldTags};
@@ -64,28 +64,20 @@ pub(super) fn is_disk_error(error: &io::Error) -> bool {
     error.raw_os_error().is_some() && error.kind() != io::ErrorKind::InvalidInput
 }
 
-fn path_error(path: &Path, source: io::Error) -> DecodeError {
-    match source.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => DecodeError::NotFound(path.into()),
-        io::ErrorKind::PermissionDenied => DecodeError::NoPermission(path.into()),
-        _ => DecodeError::Read { name: file_name(path), reason: source },
-    }
-}
-
 impl MediaInput {
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
-        let failed = |error| path_error(path, error);
-        let metadata = std::fs::metadata(path).map_err(failed)?;
+        let failed = |problem: Problem| problem.of(&path.display().to_string());
+        let metadata = std::fs::metadata(path).map_err(|error| failed(error.into()))?;
         if metadata.is_dir() {
-            return Err(DecodeError::IsFolder(path.into()));
+            return Err(failed(Problem::IsFolder));
         }
         if !metadata.is_file() {
-            return Err(DecodeError::NotAFile(path.into()));
+            return Err(failed(Problem::NotAFile));
         }
         if metadata.len() == 0 {
-            return Err(DecodeError::Empty(file_name(path)));
+            return Err(Problem::Empty.of(&file_name(path)));
         }
-        let file = Arc::new(File::open(path).map_err(failed)?);
+        let file = Arc::new(File::open(path).map_err(|error| failed(error.into()))?);
         Ok(Self::File { path: path.to_path_buf(), file })
     }
 
@@ -105,44 +97,32 @@ impl MediaInput {
         }
     }
 
-    pub(super) fn read_error(&self, source: io::Error) -> DecodeError {
-        match self {
-            Self::File { path, .. } => path_error(path, source),
-            Self::Bytes { name, .. } => DecodeError::Read { name: name.clone(), reason: source },
-        }
-    }
-
-    pub(super) fn open(&self) -> Result<Opened, DecodeError> {
+    pub(super) fn open(&self) -> Result<Opened, Problem> {
         self.open_with(TagBytes::FOR_SOUND)
     }
 
-    pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, DecodeError> {
+    pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, Problem> {
         match self {
-            Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?, tags),
+            Self::File { file, .. } => self.probe(from_start(file)?, tags),
             Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes), tags),
         }
     }
 
-    fn probe(&self, mut source: impl MediaSource + 'static, tags: TagBytes) -> Result<Opened, DecodeError> {
-        let name = self.name();
+    fn probe(&self, mut source: impl MediaSource + 'static, tags: TagBytes) -> Result<Opened, Problem> {
         let mut head = Vec::new();
-        source
-            .by_ref()
-            .take(sniff::SNIFF_BYTES as u64)
-            .read_to_end(&mut head)
-            .map_err(|e| self.read_error(e))?;
+        source.by_ref().take(sniff::SNIFF_BYTES as u64).read_to_end(&mut head)?;
         if head.is_empty() {
-            return Err(DecodeError::Empty(name));
+            return Err(Problem::Empty);
         }
-        if let Some(error) = sniff::foreign(&name, &head).or_else(|| sniff::over_limit(&name, &head)) {
-            return Err(error);
+        if let Some(problem) = sniff::foreign(&head).or_else(|| sniff::over_limit(&head)) {
+            return Err(problem);
         }
         let edits = edits(&head, &mut source);
         let old_tags = old_tags::read(&mut source);
-        let source = Mended::new(source).map_err(|e| self.read_error(e))?;
+        let source = Mended::new(source)?;
 
         let mut hint = Hint::new();
-        if let Some(extension) = Path::new(&name).extension().and_then(|e| e.to_str()) {
+        if let Some(extension) = Path::new(&self.name()).extension().and_then(|e| e.to_str()) {
             hint.with_extension(extension);
         }
         let metadata = MetadataOptions::default()
@@ -150,7 +130,7 @@ impl MediaInput {
             .limit_visual_bytes(Limit::Maximum(tags.picture));
         let stream = MediaSourceStream::new(Box::new(source), Default::default());
         let probe = |stream| {
-            contained(&name, || {
+            contained(|| {
                 symphonia::default::get_probe().probe(&hint, stream, FormatOptions::default(), metadata)
             })
         };
@@ -162,9 +142,7 @@ impl MediaInput {
             // Many demuxers look for more data at the end, or compare lengths with the file's length, and fail if the
             // file is truncated. They skip these checks if the source cannot seek.
             let source: Box<dyn MediaSource> = match self {
-                Self::File { file, .. } => {
-                    Box::new(ReadOnlySource::new(from_start(file).map_err(|e| self.read_error(e))?))
-                }
+                Self::File { file, .. } => Box::new(ReadOnlySource::new(from_start(file)?)),
                 Self::Bytes { bytes, .. } => Box::new(ReadOnlySource::new(Cursor::new(*bytes))),
             };
             let again = probe(MediaSourceStream::new(source, Default::default()))?;
@@ -172,29 +150,25 @@ impl MediaInput {
         }
         match probed {
             Ok(format) => Ok(Opened { format, edits, old_tags }),
-            Err(error) => Err(self.probe_error(error, recognised)),
+            Err(error) => Err(probe_problem(error, recognised)),
         }
     }
+}
 
-    fn probe_error(&self, error: Error, recognised: bool) -> DecodeError {
-        let name = self.name();
-        match error {
-            Error::IoError(source) if is_disk_error(&source) => self.read_error(source),
-            _ if !recognised => DecodeError::NotAudio { name, what: "no audio data was found in it".into() },
-            Error::Unsupported(what) => {
-                DecodeError::UnsupportedFormat { name, what: format!("a variant of a known format ({what})") }
-            }
-            Error::LimitError(what) => DecodeError::OverLimit {
-                name,
-                what: format!("an oversized header ({what})"),
-                limit: "fixed by the format's reader".into(),
-            },
-            Error::IoError(_) => DecodeError::Damaged { name, what: "it ends within its header".into() },
-            Error::DecodeError(what) => {
-                DecodeError::Damaged { name, what: format!("its header cannot be read ({what})") }
-            }
-            other => DecodeError::Damaged { name, what: format!("its header cannot be read ({other})") },
+fn probe_problem(error: Error, recognised: bool) -> Problem {
+    match error {
+        Error::IoError(source) if is_disk_error(&source) => source.into(),
+        _ if !recognised => Problem::NotAudio("no audio data was found in it".into()),
+        Error::Unsupported(what) => {
+            Problem::UnsupportedFormat(format!("a variant of a known format ({what})"))
         }
+        Error::LimitError(what) => Problem::OverLimit {
+            what: format!("an oversized header ({what})"),
+            limit: "fixed by the format's reader".into(),
+        },
+        Error::IoError(_) => Problem::Damaged("it ends within its header".into()),
+        Error::DecodeError(what) => Problem::Damaged(format!("its header cannot be read ({what})")),
+        other => Problem::Damaged(format!("its header cannot be read ({other})")),
     }
 }
 

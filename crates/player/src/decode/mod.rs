@@ -33,7 +33,7 @@ mod tags;
 use containment::contained;
 pub use containment::quiet_contained_panics;
 pub(crate) use downmix::Downmix;
-pub use error::DecodeError;
+pub use error::{DecodeError, Problem};
 use tags::cover_of;
 pub use tags::{Cover, CoverKind, TrackTags, tags_of};
 
@@ -85,14 +85,17 @@ impl Decoder {
         let input = MediaInput::file(path)?;
         let name = input.name();
         let refusal = match NativeDecoder::open(input, None) {
-            Err(refusal) if refusal.is_for_ffmpeg() => refusal,
-            opened => return Ok(Self(By::Native(Box::new(opened?)))),
+            Ok(decoder) => return Ok(Self(By::Native(Box::new(decoder)))),
+            Err(refusal) => refusal,
         };
+        if !refusal.is_for_ffmpeg() {
+            return Err(refusal.of(&name));
+        }
         match FfmpegDecoder::open(path, &name, &refusal, &Programs::default()) {
             Ok(decoder) => Ok(Self(By::Ffmpeg(Box::new(decoder)))),
             // If the format is known, the error of ffmpeg explains more.
-            Err(error) if refusal.is_unsupported() => Err(error),
-            Err(_) => Err(refusal),
+            Err(error) if refusal.is_unsupported() => Err(error.of(&name)),
+            Err(_) => Err(refusal.of(&name)),
         }
     }
 
@@ -101,13 +104,17 @@ impl Decoder {
     /// # Errors
     /// Fails if the file has no such track, or its format needs ffmpeg.
     pub fn open_track(path: &Path, track: usize) -> Result<Self, DecodeError> {
-        let decoder = NativeDecoder::open(MediaInput::file(path)?, Some(track))?;
-        Ok(Self(By::Native(Box::new(decoder))))
+        Self::native(MediaInput::file(path)?, Some(track))
     }
 
     /// Opens an embedded file.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
-        let decoder = NativeDecoder::open(MediaInput::Bytes { name: name.into(), bytes }, None)?;
+        Self::native(MediaInput::Bytes { name: name.into(), bytes }, None)
+    }
+
+    fn native(input: MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
+        let name = input.name();
+        let decoder = NativeDecoder::open(input, track).map_err(|problem| problem.of(&name))?;
         Ok(Self(By::Native(Box::new(decoder))))
     }
 
@@ -133,18 +140,20 @@ impl Decoder {
     /// Appends the next frames (at most one packet) to `out` and returns their number, which is 0 at the end. An error
     /// also ends the stream. A seek restarts the stream.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
-        match &mut self.0 {
+        let decoded = match &mut self.0 {
             By::Native(decoder) => decoder.next_block(out),
             By::Ffmpeg(decoder) => decoder.next_block(out),
-        }
+        };
+        decoded.map_err(|problem| problem.of(&self.info().name))
     }
 
     /// Moves to the frame nearest to `seconds` (clamped to the stream) and returns the time reached, in seconds.
     pub fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
-        match &mut self.0 {
+        let reached = match &mut self.0 {
             By::Native(decoder) => decoder.seek(seconds),
             By::Ffmpeg(decoder) => decoder.seek(seconds),
-        }
+        };
+        reached.map_err(|problem| problem.of(&self.info().name))
     }
 }
 

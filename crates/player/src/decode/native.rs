@@ -17,7 +17,7 @@ use mariana_music::StereoFrame;
 
 use super::input::MediaInput;
 use super::packets::{Block, PacketReader};
-use super::{DecodeError, StreamInfo, sniff};
+use super::{Problem, StreamInfo, sniff};
 
 /// Gaps are filled with at most this many seconds of silence until the next seek. More would mean a broken clock.
 const HOLE_SECONDS_MAX: i64 = 10;
@@ -62,14 +62,14 @@ impl RawPlace {
 
 impl NativeDecoder {
     /// Opens the audio track with this index, or the first track that can be decoded.
-    pub(super) fn open(input: MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
+    pub(super) fn open(input: MediaInput, track: Option<usize>) -> Result<Self, Problem> {
         let mut reader = PacketReader::open(&input, track)?;
         let mut first = Vec::new();
         let Some(block) = reader.next(&mut first)? else {
-            return Err(reader.damaged("no sound in it could be decoded"));
+            return Err(Problem::Damaged("no sound in it could be decoded".into()));
         };
         let rate = block.rate;
-        sniff::check(&input.name(), reader.channels(), rate)?;
+        sniff::check(reader.channels(), rate)?;
         let (length, duration) = reader.length(rate);
         let tags = reader.tags();
         let mut decoder = Self {
@@ -102,7 +102,7 @@ impl NativeDecoder {
         Ok(decoder)
     }
 
-    pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
+    pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, Problem> {
         self.fill()?;
         let frames = self.pending.len();
         out.append(&mut self.pending);
@@ -110,7 +110,7 @@ impl NativeDecoder {
         Ok(frames)
     }
 
-    pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
+    pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, Problem> {
         let rate = f64::from(self.info.sample_rate);
         // The conversion saturates and maps NaN to 0. A quarter of the range leaves room for sums.
         let target = ((seconds * rate).round() as i64).clamp(0, i64::MAX / 4);
@@ -130,14 +130,14 @@ impl NativeDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    fn fill(&mut self) -> Result<(), DecodeError> {
+    fn fill(&mut self) -> Result<(), Problem> {
         while self.pending.is_empty() && self.advance()? {}
         Ok(())
     }
 
-    fn restart(&mut self) -> Result<(), DecodeError> {
+    fn restart(&mut self) -> Result<(), Problem> {
         self.forget();
-        self.reader = PacketReader::open(&self.input, self.reader.track())?;
+        self.reader = PacketReader::open(&self.input, self.reader.track)?;
         self.raw = RawPlace::START;
         (self.position, self.from) = (0, 0);
         Ok(())
@@ -152,7 +152,7 @@ impl NativeDecoder {
     }
 
     /// Jumps with the container's seek. Returns false if the seek is impossible or fails; the caller must then restart.
-    fn jump(&mut self, target: i64) -> Result<bool, DecodeError> {
+    fn jump(&mut self, target: i64) -> Result<bool, Problem> {
         if self.uneven {
             return Ok(false);
         }
@@ -171,7 +171,7 @@ impl NativeDecoder {
         Ok(self.pending.is_empty() || self.position == target)
     }
 
-    fn advance(&mut self) -> Result<bool, DecodeError> {
+    fn advance(&mut self) -> Result<bool, Problem> {
         if self.ended {
             return Ok(false);
         }
@@ -194,7 +194,7 @@ impl NativeDecoder {
         }
     }
 
-    fn append(&mut self, block: Block) -> Result<(), DecodeError> {
+    fn append(&mut self, block: Block) -> Result<(), Problem> {
         let padding = block.padding.min(self.scratch.len());
         self.scratch.truncate(self.scratch.len() - padding);
         if let Some(delay) = block.new_link {
@@ -256,7 +256,7 @@ impl NativeDecoder {
         }
     }
 
-    fn equalise(&mut self, rate: u32) -> Result<(), DecodeError> {
+    fn equalise(&mut self, rate: u32) -> Result<(), Problem> {
         let wanted = self.info.sample_rate;
         if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
             if self.resampler.is_none() {
@@ -266,9 +266,8 @@ impl NativeDecoder {
             self.uneven = true;
         }
         let mut converted = Vec::new();
-        let broken = |e: crate::resample::ResampleError| DecodeError::Damaged {
-            name: self.info.name.clone(),
-            what: format!("its sample rate changes to {rate} Hz ({e})"),
+        let broken = |e: crate::resample::ResampleError| {
+            Problem::Damaged(format!("its sample rate changes to {rate} Hz ({e})"))
         };
         if let Some(mut old) = self.resampler.take_if(|old| old.from_hz() != rate) {
             old.finish(&mut converted).map_err(broken)?;

@@ -25,7 +25,7 @@ use mariana_music::StereoFrame;
 
 use super::clock::Clock;
 use super::downmix::Downmix;
-use super::error::DecodeError;
+use super::error::Problem;
 use super::gapless::{Edits, TrackEdit, opus_head, parse_itun_smpb};
 use super::input::{MediaInput, is_disk_error};
 use super::loudness::Loudness;
@@ -59,13 +59,12 @@ pub(super) struct Tags {
 }
 
 pub(super) struct PacketReader {
-    name: String,
     input: MediaInput,
     format: Box<dyn FormatReader>,
     edits: Edits,
     old_tags: OldTags,
     /// Index of the chosen audio track; `None` for the first that can be decoded.
-    track: Option<usize>,
+    pub(super) track: Option<usize>,
     stream: Stream,
     /// The packet after the current one, in Matroska files with padding at the end.
     ahead: Option<Packet>,
@@ -100,13 +99,11 @@ struct Mixer {
 
 impl PacketReader {
     /// Opens the audio track with this index, or the first track that can be decoded.
-    pub(super) fn open(input: &MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
+    pub(super) fn open(input: &MediaInput, track: Option<usize>) -> Result<Self, Problem> {
         let opened = input.open()?;
-        let name = input.name();
         Ok(Self {
-            stream: Stream::choose(&name, opened.format.as_ref(), track)?,
+            stream: Stream::choose(opened.format.as_ref(), track)?,
             track,
-            name,
             input: input.clone(),
             format: opened.format,
             edits: opened.edits,
@@ -122,7 +119,7 @@ impl PacketReader {
     }
 
     /// Decodes packets until one packet yields frames, and appends the frames to `out`. Returns `None` at the end.
-    pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, DecodeError> {
+    pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, Problem> {
         loop {
             let Some(mut packet) = self.next_packet()? else { return Ok(None) };
             self.place(&mut packet);
@@ -150,7 +147,7 @@ impl PacketReader {
                 _ => {
                     self.empty_in_a_row += 1;
                     if self.empty_in_a_row > limits::BAD_PACKETS_IN_A_ROW {
-                        return Err(self.damaged(&format!(
+                        return Err(Problem::Damaged(format!(
                             "{} packets in a row could not be decoded",
                             limits::BAD_PACKETS_IN_A_ROW
                         )));
@@ -179,13 +176,13 @@ impl PacketReader {
         self.stream.end = Some(end);
     }
 
-    fn next_packet(&mut self) -> Result<Option<Packet>, DecodeError> {
+    fn next_packet(&mut self) -> Result<Option<Packet>, Problem> {
         if let Some(packet) = self.ahead.take() {
             return Ok(Some(packet));
         }
         loop {
             let format = &mut self.format;
-            match contained(&self.name, || format.next_packet())? {
+            match contained(|| format.next_packet())? {
                 Ok(None) => return Ok(None),
                 Ok(Some(packet)) => {
                     self.demuxer_failures = 0;
@@ -200,7 +197,7 @@ impl PacketReader {
                     }
                 }
                 Err(Error::IoError(e)) if e.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
-                Err(Error::IoError(e)) if is_disk_error(&e) => return Err(self.input.read_error(e)),
+                Err(Error::IoError(e)) if is_disk_error(&e) => return Err(e.into()),
                 Err(_) => {
                     self.demuxer_failures += 1;
                     if self.demuxer_failures > DEMUXER_FAILURES_MAX {
@@ -211,12 +208,8 @@ impl PacketReader {
         }
     }
 
-    pub(super) fn track(&self) -> Option<usize> {
-        self.track
-    }
-
-    fn begin_link(&mut self) -> Result<bool, DecodeError> {
-        let Ok(stream) = Stream::choose(&self.name, self.format.as_ref(), self.track) else {
+    fn begin_link(&mut self) -> Result<bool, Problem> {
+        let Ok(stream) = Stream::choose(self.format.as_ref(), self.track) else {
             return Ok(false);
         };
         self.stream = stream;
@@ -225,7 +218,7 @@ impl PacketReader {
     }
 
     /// Decodes one packet and returns its rate. Returns `None` if the packet cannot be decoded and is skipped.
-    fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
+    fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, Problem> {
         if codecs::is_mpeg_audio(self.stream.params.codec) {
             self.follow_mpeg_header(&packet.data)?;
         }
@@ -234,32 +227,32 @@ impl PacketReader {
         bare.trim_start = Duration::ZERO;
         bare.trim_end = Duration::ZERO;
         let codec = &mut self.stream.codec;
-        match contained(&self.name, || codec.decode_ref(&bare))? {
+        match contained(|| codec.decode_ref(&bare))? {
             Ok(buffer) => {
                 let rate = buffer.spec().rate();
                 if buffer.frames() > 0 {
-                    self.mixer.mix(&self.name, &buffer, self.stream.gain, out)?;
+                    self.mixer.mix(&buffer, self.stream.gain, out)?;
                 }
                 Ok(Some(rate))
             }
-            Err(Error::IoError(e)) if is_disk_error(&e) => Err(self.input.read_error(e)),
+            Err(Error::IoError(e)) if is_disk_error(&e) => Err(e.into()),
             Err(_) => Ok(None),
         }
     }
 
     /// Replaces the decoder if the format changes, because a decoder keeps the rate and channels of its first packet.
-    fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
+    fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), Problem> {
         if let [_, version, rate, mode, ..] = data {
             let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
             if self.mpeg_header.replace(header).is_some_and(|previous| previous != header) {
-                self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
+                self.stream.codec = codecs::make(&self.stream.params)?;
             }
         }
         Ok(())
     }
 
     /// The padding at the end of a packet, in frames.
-    fn padding(&mut self, packet: &Packet, rate: u32) -> Result<usize, DecodeError> {
+    fn padding(&mut self, packet: &Packet, rate: u32) -> Result<usize, Problem> {
         if self.edits.padding_ns > 0 {
             self.ahead = self.next_packet()?;
             let seconds = self.edits.padding_ns as f64 / 1e9;
@@ -399,7 +392,7 @@ impl PacketReader {
 
     /// Seeks to a packet that begins at least the codec's pre-roll before frame `raw`. Returns false if the container
     /// or its clock does not support the seek. In this case the caller must open the reader again.
-    pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
+    pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, Problem> {
         let early = raw - codecs::pre_roll(self.stream.params.codec, rate);
         // The Ogg demuxer never returns from a seek in a file with several streams.
         let lost = self.format.format_info().format == FORMAT_ID_OGG && self.format.tracks().len() > 1;
@@ -413,12 +406,12 @@ impl PacketReader {
         }
         let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.stream.track.id };
         let format = &mut self.format;
-        if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
+        if contained(|| format.seek(SeekMode::Accurate, to))?.is_err() {
             return Ok(false);
         }
         // Create a new decoder instead of resetting the old one: AAC's noise generator survives a reset, and the same
         // seek must always yield the same samples.
-        self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
+        self.stream.codec = codecs::make(&self.stream.params)?;
         (self.ahead, self.stream.end) = (None, None);
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
@@ -426,7 +419,7 @@ impl PacketReader {
     }
 
     /// ffmpeg's demuxer for the container. Fails if ffmpeg has no song demuxer that reads the container.
-    pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
+    pub(super) fn demuxer(&self) -> Result<Demuxer, Problem> {
         let format = self.format.format_info();
         match format.format {
             FORMAT_ID_ADTS => Ok(Demuxer::ADTS),
@@ -438,41 +431,32 @@ impl PacketReader {
             FORMAT_ID_MP1 | FORMAT_ID_MP2 | FORMAT_ID_MP3 => Ok(Demuxer::MP3),
             FORMAT_ID_OGG => Ok(Demuxer::OGG),
             FORMAT_ID_WAVE => Ok(Demuxer::WAV),
-            _ => Err(DecodeError::UnsupportedFormat {
-                name: self.name.clone(),
-                what: format!("in the container {}", format.long_name),
-            }),
+            _ => Err(Problem::UnsupportedFormat(format!("in the container {}", format.long_name))),
         }
     }
 
     pub(super) fn channels(&self) -> usize {
         self.mixer.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
     }
-
-    pub(super) fn damaged(&self, what: &str) -> DecodeError {
-        DecodeError::Damaged { name: self.name.clone(), what: what.into() }
-    }
 }
 
 impl Mixer {
     fn mix(
         &mut self,
-        name: &str,
         buffer: &GenericAudioBufferRef<'_>,
         gain: f32,
         out: &mut Vec<StereoFrame>,
-    ) -> Result<(), DecodeError> {
+    ) -> Result<(), Problem> {
         let (spec, frames) = (buffer.spec(), buffer.frames());
         if frames > limits::PACKET_FRAMES_MAX {
-            return Err(DecodeError::OverLimit {
-                name: name.into(),
+            return Err(Problem::OverLimit {
                 what: format!("a packet of {frames} frames"),
                 limit: format!("{} frames", limits::PACKET_FRAMES_MAX),
             });
         }
         if !self.downmix.as_ref().is_some_and(|(channels, _)| channels == spec.channels()) {
             let channels = spec.channels();
-            sniff::check(name, channels.count(), spec.rate())?;
+            sniff::check(channels.count(), spec.rate())?;
             self.downmix = Some((channels.clone(), Downmix::new(channels)));
         }
         buffer.copy_to_vecs_planar::<f32>(&mut self.planes);
@@ -486,14 +470,14 @@ impl Mixer {
 }
 
 impl Stream {
-    fn choose(name: &str, format: &dyn FormatReader, chosen: Option<usize>) -> Result<Self, DecodeError> {
+    fn choose(format: &dyn FormatReader, chosen: Option<usize>) -> Result<Self, Problem> {
         let mut tracks: Vec<&Track> = format.tracks().iter().collect();
         match chosen {
             Some(number) => {
                 tracks.retain(|track| matches!(track.codec_params, Some(CodecParameters::Audio(_)) | None));
                 tracks = tracks.into_iter().skip(number).take(1).collect();
                 if tracks.is_empty() {
-                    return Err(DecodeError::NoTrack { name: name.into(), number: number + 1 });
+                    return Err(Problem::NoTrack(number + 1));
                 }
             }
             None => tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT)),
@@ -501,13 +485,9 @@ impl Stream {
         let mut refusal = None;
         for track in tracks {
             let made = match &track.codec_params {
-                Some(CodecParameters::Audio(params)) => {
-                    codecs::make(name, params).map(|codec| (params, codec))
-                }
+                Some(CodecParameters::Audio(params)) => codecs::make(params).map(|codec| (params, codec)),
                 // A codec that the demuxer does not know may be an audio codec, so the track counts as audio.
-                None => {
-                    Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
-                }
+                None => Err(Problem::UnsupportedCodec("an unknown codec".into())),
                 Some(_) => continue,
             };
             match made {
@@ -531,6 +511,6 @@ impl Stream {
                 Err(error) => refusal = refusal.or(Some(error)),
             }
         }
-        Err(refusal.unwrap_or(DecodeError::NoAudioTrack(name.into())))
+        Err(refusal.unwrap_or(Problem::NoAudioTrack))
     }
 }

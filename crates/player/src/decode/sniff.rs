@@ -6,7 +6,7 @@ use mariana_music::limits as music_limits;
 
 use crate::limits;
 
-use super::error::DecodeError;
+use super::error::Problem;
 use super::mended::chunks;
 
 pub(super) const SNIFF_BYTES: usize = 4096;
@@ -77,15 +77,15 @@ fn is_transport_stream(head: &[u8]) -> bool {
         .any(|(first, step)| (0..4).all(|packet| head.get(first + packet * step) == Some(&0x47)))
 }
 
-pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
+pub(super) fn foreign(head: &[u8]) -> Option<Problem> {
     let transport_stream = is_transport_stream(head).then_some("an MPEG transport stream");
     if let Some(what) = transport_stream.or_else(|| marked(head, FOREIGN_MEDIA)) {
-        return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
+        return Some(Problem::UnsupportedFormat(what.into()));
     }
-    marked(head, OTHER_FILES).map(|what| DecodeError::NotAudio { name: name.into(), what: what.into() })
+    marked(head, OTHER_FILES).map(|what| Problem::NotAudio(what.into()))
 }
 
-pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
+pub(super) fn over_limit(head: &[u8]) -> Option<Problem> {
     let (channels, rate) = chunks(&mut Cursor::new(head)).iter().find_map(|chunk| {
         let body = head.get(usize::try_from(chunk.body).ok()?..)?;
         match &chunk.id {
@@ -94,11 +94,11 @@ pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
             _ => None,
         }
     })?;
-    check(name, channels, rate).err()
+    check(channels, rate).err()
 }
 
-pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), DecodeError> {
-    let over = |what: String, limit: String| DecodeError::OverLimit { name: name.into(), what, limit };
+pub(super) fn check(channels: usize, rate: u32) -> Result<(), Problem> {
+    let over = |what: String, limit: String| Problem::OverLimit { what, limit };
     if channels > usize::from(limits::CHANNELS_MAX) {
         return Err(over(format!("{channels} channels"), format!("{} channels", limits::CHANNELS_MAX)));
     }
@@ -133,28 +133,28 @@ mod tests {
     fn headers_over_the_limits_are_reported() {
         let mut wave = b"RIFF\x00\x00\x00\x00WAVEfmt \x10\x00\x00\x00\x01\x00\x40\x00".to_vec();
         wave.extend_from_slice(&48_000u32.to_le_bytes());
-        assert!(over_limit("a.wav", &wave).unwrap().to_string().contains("64 channels"));
+        assert!(over_limit(&wave).unwrap().to_string().contains("64 channels"));
         wave[22] = 2;
-        assert!(over_limit("a.wav", &wave).is_none());
+        assert!(over_limit(&wave).is_none());
         wave[24..28].fill(0);
-        assert!(over_limit("a.wav", &wave).unwrap().to_string().contains("0 Hz"));
+        assert!(over_limit(&wave).unwrap().to_string().contains("0 Hz"));
         for end in 0..wave.len() {
-            over_limit("a.wav", &wave[..end]);
+            over_limit(&wave[..end]);
         }
         let mut aiff =
             b"FORM\x00\x00\x00\x00AIFFCOMM\x00\x00\x00\x12\x00\x02\x00\x00\x00\x00\x00\x10".to_vec();
         aiff.extend_from_slice(&[0x40, 0x0E, 0xAC, 0x44, 0, 0, 0, 0, 0, 0]);
-        assert!(over_limit("a.aiff", &aiff).is_none());
+        assert!(over_limit(&aiff).is_none());
         assert_eq!(aiff_format(&aiff[20..]), Some((2, 44_100)));
         aiff[20] = 1;
-        assert!(over_limit("a.aiff", &aiff).unwrap().to_string().contains("258 channels"));
+        assert!(over_limit(&aiff).unwrap().to_string().contains("258 channels"));
     }
 
     #[test]
     fn marks_are_known() {
-        assert!(matches!(foreign("a", b"\x89PNG\r\n"), Some(DecodeError::NotAudio { .. })));
-        assert!(matches!(foreign("a", b"RIFF....AVI LIST"), Some(DecodeError::UnsupportedFormat { .. })));
-        assert!(foreign("a", b"fLaC").is_none());
-        assert!(foreign("a", b"").is_none());
+        assert!(matches!(foreign(b"\x89PNG\r\n"), Some(Problem::NotAudio(_))));
+        assert!(matches!(foreign(b"RIFF....AVI LIST"), Some(Problem::UnsupportedFormat(_))));
+        assert!(foreign(b"fLaC").is_none());
+        assert!(foreign(b"").is_none());
     }
 }

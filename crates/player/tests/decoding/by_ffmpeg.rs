@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use mariana_player::decode::{DecodeError, Decoder};
+use mariana_player::decode::{Decoder, Problem};
 use mariana_testing::wave::write_wav;
 
 use super::decoding::{
@@ -215,7 +215,7 @@ fn files_that_ffmpeg_cannot_decode_are_reported_as_damaged() {
         let bytes: Vec<u8> =
             head.iter().copied().chain((0..4000_u32).map(|n| ((n * 7919) >> 5) as u8)).collect();
         let error = refused(file, &bytes);
-        assert!(matches!(error, DecodeError::Damaged { .. }), "{error}");
+        assert!(matches!(error.problem, Problem::Damaged(_)), "{error}");
         let reported = error.to_string();
         assert!(
             reported.starts_with(file) && reported.contains("ffmpeg") && !reported.contains('\n'),
@@ -224,5 +224,5 @@ fn files_that_ffmpeg_cannot_decode_are_reported_as_damaged() {
         assert!(!reported.contains(folder.path().to_str().unwrap()), "{reported}");
     }
     let notes = refused("a.mid", b"MThd\0\0\0\x06\0\0\0\x01\0\x60MTrk\0\0\0\0");
-    assert!(matches!(notes, DecodeError::NotAudio { .. }) && notes.to_string().contains("MIDI"), "{notes}");
+    assert!(matches!(notes.problem, Problem::NotAudio(_)) && notes.to_string().contains("MIDI"), "{notes}");
 }

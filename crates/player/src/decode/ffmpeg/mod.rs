@@ -12,7 +12,7 @@ use mariana_music::StereoFrame;
 use symphonia::core::audio::{Channels, Position};
 
 use super::downmix::Downmix;
-use super::{DecodeError, StreamInfo, sniff};
+use super::{Problem, StreamInfo, sniff};
 use crate::ffmpeg::probe::{Answer, Stream};
 use crate::ffmpeg::process::{Failure, Process};
 use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source};
@@ -58,32 +58,27 @@ impl FfmpegDecoder {
     pub(super) fn open(
         path: &Path,
         name: &str,
-        refusal: &DecodeError,
+        refusal: &Problem,
         programs: &Programs,
-    ) -> Result<Self, DecodeError> {
-        let refusal = describe(refusal);
-        let failed = |failure| error(name, &refusal, failure);
-        let path = std::path::absolute(path)
-            .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
+    ) -> Result<Self, Problem> {
+        let failed = |failure| match failure {
+            Failure::Missing => Problem::NeedsFfmpeg(describe(refusal)),
+            failure => failure.into(),
+        };
+        let path = std::path::absolute(path)?;
         let ffprobe = CommandLine::of(&programs.ffprobe);
         let line = ffprobe.input(Source::File(&path), ReadBy::AnySongDemuxer, [""; 0]);
         let answer = Answer::of(line, ENTRIES, programs.patience, &path).map_err(failed)?;
-        let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack(name.to_owned()))?;
+        let stream = answer.sound().ok_or(Problem::NoAudioTrack)?;
         if !stream.is_known() {
-            return Err(DecodeError::UnsupportedCodec {
-                name: name.to_owned(),
-                codec: "an unknown codec".into(),
-            });
+            return Err(Problem::UnsupportedCodec("an unknown codec".into()));
         }
         if stream.channels == 0 || stream.rate() == 0 {
-            let what = "ffmpeg finds no audio in it".into();
-            return Err(DecodeError::Damaged { name: name.to_owned(), what });
+            return Err(Problem::Damaged("ffmpeg finds no audio in it".into()));
         }
-        sniff::check(name, stream.channels, stream.rate())?;
-        let demuxer = Demuxer::of_song(&answer.format.format_name).ok_or_else(|| DecodeError::Damaged {
-            name: name.to_owned(),
-            what: "ffmpeg finds no audio format in it".into(),
-        })?;
+        sniff::check(stream.channels, stream.rate())?;
+        let demuxer = Demuxer::of_song(&answer.format.format_name)
+            .ok_or_else(|| Problem::Damaged("ffmpeg finds no audio format in it".into()))?;
         let info = StreamInfo {
             name: name.to_owned(),
             demuxer,
@@ -116,7 +111,7 @@ impl FfmpegDecoder {
         Ok(decoder)
     }
 
-    pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
+    pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, Problem> {
         self.advance()?;
         let count = self.pending.len();
         out.append(&mut self.pending);
@@ -124,7 +119,7 @@ impl FfmpegDecoder {
         Ok(count)
     }
 
-    pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
+    pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, Problem> {
         let rate = f64::from(self.info.sample_rate);
         // NaN becomes the start. A little sound may follow the claimed end, to which seeks are limited.
         let latest = self.info.duration.unwrap_or(limits::CLAIMED_DURATION_MAX);
@@ -132,8 +127,7 @@ impl FfmpegDecoder {
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
         if self.ended || !(self.position..=self.position + near).contains(&target) {
             let time = target as f64 / rate;
-            let started = start(&self.programs, &self.path, self.stream, &self.info, time);
-            self.process = started.map_err(|failure| error(&self.info.name, "", failure))?;
+            self.process = start(&self.programs, &self.path, self.stream, &self.info, time)?;
             self.rest.clear();
             self.pending.clear();
             (self.position, self.skip, self.ended) = (target, 0, false);
@@ -144,14 +138,14 @@ impl FfmpegDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    fn advance(&mut self) -> Result<(), DecodeError> {
+    fn advance(&mut self) -> Result<(), Problem> {
         while self.pending.is_empty() && !self.ended {
             match self.process.next() {
                 Ok(Some(piece)) => self.append(&piece),
                 Ok(None) => self.ended = true,
                 Err(failure) => {
                     self.ended = true;
-                    return Err(error(&self.info.name, "", failure));
+                    return Err(failure.into());
                 }
             }
         }
@@ -200,23 +194,21 @@ fn start(
     Process::start(line, programs.patience)
 }
 
-/// The error for a failure of ffmpeg or ffprobe. `refusal` is the reason why the file needs them.
-fn error(name: &str, refusal: &str, failure: Failure) -> DecodeError {
-    let name = name.to_owned();
-    match failure {
-        Failure::Missing => DecodeError::NeedsFfmpeg { name, what: refusal.to_owned() },
-        Failure::Start(reason) => DecodeError::Read { name, reason },
-        Failure::Refused(complaint) => {
-            DecodeError::Damaged { name, what: format!("ffmpeg cannot decode it ({complaint})") }
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Missing => Self::NeedsFfmpeg("is a file".into()),
+            Failure::Start(reason) => Self::Read(reason),
+            Failure::Refused(complaint) => Self::Damaged(format!("ffmpeg cannot decode it ({complaint})")),
+            Failure::Useless(what) => Self::Damaged(what),
         }
-        Failure::Useless(what) => DecodeError::Damaged { name, what },
     }
 }
 
-fn describe(refusal: &DecodeError) -> String {
+fn describe(refusal: &Problem) -> String {
     match refusal {
-        DecodeError::UnsupportedFormat { what, .. } => format!("is {what}"),
-        DecodeError::UnsupportedCodec { codec, .. } => format!("holds sound in {codec}"),
+        Problem::UnsupportedFormat(what) => format!("is {what}"),
+        Problem::UnsupportedCodec(codec) => format!("holds sound in {codec}"),
         other => other.to_string(),
     }
 }

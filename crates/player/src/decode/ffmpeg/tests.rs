@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::*;
 
-fn refusal() -> DecodeError {
-    DecodeError::UnsupportedFormat { name: "a.wma".into(), what: "a Windows Media file".into() }
+fn refusal() -> Problem {
+    Problem::UnsupportedFormat("a Windows Media file".into())
 }
 
 fn made(folder: &Path, name: &str, seconds: &str) -> PathBuf {
@@ -26,7 +26,7 @@ fn is_running(process: u32) -> bool {
     !matches!(state.rsplit(") ").next(), None | Some("")) && !state.contains(") Z")
 }
 
-fn error(opened: Result<FfmpegDecoder, DecodeError>) -> String {
+fn error(opened: Result<FfmpegDecoder, Problem>) -> String {
     opened.err().expect("an error").to_string()
 }
 
@@ -35,7 +35,7 @@ fn without_ffmpeg_the_message_suggests_it() {
     let nowhere = Programs { ffprobe: "/nowhere/ffprobe".into(), ..Programs::default() };
     let reported = error(FfmpegDecoder::open(Path::new("a.wma"), "a.wma", &refusal(), &nowhere));
     assert!(
-        reported.contains("a.wma is a Windows Media file")
+        reported.contains("is a Windows Media file")
             && reported.contains("ffmpeg is not installed; install it"),
         "{reported}"
     );
@@ -95,7 +95,7 @@ fn a_name_is_never_an_option_an_address_or_a_list() {
     std::fs::write(&list, "ffconcat version 1.0\nfile a.wma\n").unwrap();
     let reported = error(FfmpegDecoder::open(&list, "list.wma", &refusal(), &Programs::default()));
     assert!(
-        reported.contains("list.wma is damaged") && !reported.contains(folder.path().to_str().unwrap()),
+        reported.contains("is damaged") && !reported.contains(folder.path().to_str().unwrap()),
         "{reported}"
     );
 }
