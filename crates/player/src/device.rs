@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use cpal::traits::{DeviceTrait, HostTrait};
+use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
 use mariana_music::limits as music_limits;
 use mariana_work::Latest;
@@ -70,7 +70,9 @@ pub(crate) struct Running {
     pub(crate) _connection: Option<PlaybackConnection>,
 }
 
-pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
+pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), OpenError>;
+
+pub(crate) type OpenError = (DeviceError, ErrorKind);
 
 /// Takes the reason and the kind of a failure.
 pub(crate) type OnFailure = Arc<dyn Fn(String, ErrorKind) + Send + Sync>;
@@ -112,28 +114,54 @@ pub(crate) fn sentence(error: &cpal::Error) -> String {
     error.to_string().trim_end_matches('.').to_owned()
 }
 
-pub(crate) fn refusal(
-    direction: Direction,
-    device: &str,
-    target: &Target,
-    error: &cpal::Error,
-) -> DeviceError {
-    let device = device.to_owned();
-    match error.kind() {
-        ErrorKind::DeviceBusy => DeviceError::Busy { direction, device },
-        ErrorKind::PermissionDenied => DeviceError::Denied { direction, device },
-        ErrorKind::UnsupportedConfig => DeviceError::Format { direction, device, format: "unusual".into() },
-        // The default device may be only a name, without a device.
-        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable
-            if matches!(target, Target::Default | Target::Preferred(_)) =>
-        {
-            DeviceError::NoDevice(direction)
-        }
-        _ => DeviceError::Open { direction, device, reason: sentence(error) },
+/// A device that is being opened.
+pub(crate) struct Candidate<'a> {
+    pub(crate) direction: Direction,
+    pub(crate) target: &'a Target,
+    /// The device's name in quotes.
+    pub(crate) name: String,
+}
+
+impl Candidate<'_> {
+    pub(crate) fn refused(&self, error: &cpal::Error) -> OpenError {
+        let (direction, device) = (self.direction, self.name.clone());
+        let refusal = match error.kind() {
+            ErrorKind::DeviceBusy => DeviceError::Busy(direction, device),
+            ErrorKind::PermissionDenied => DeviceError::Denied(direction, device),
+            ErrorKind::UnsupportedConfig => DeviceError::Format(direction, device, "unusual".into()),
+            // The default device may be only a name, without a device.
+            ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable
+                if matches!(self.target, Target::Default | Target::Preferred(_)) =>
+            {
+                DeviceError::NoDevice(direction)
+            }
+            _ => DeviceError::Open(direction, device, sentence(error)),
+        };
+        (refusal, error.kind())
+    }
+
+    /// Returns the rate to request: the reported rate within the limits, or the nearest limit if a server converts.
+    pub(crate) fn usable_rate(&self, rate: u32, converted: bool) -> Result<u32, OpenError> {
+        usable_rate(rate, converted).ok_or_else(|| {
+            (DeviceError::Rate(self.direction, self.name.clone(), rate), ErrorKind::UnsupportedConfig)
+        })
+    }
+
+    /// Starts a stream; `None` is a stream with samples that are not plain numbers.
+    pub(crate) fn play(
+        &self,
+        built: Option<Result<cpal::Stream, cpal::Error>>,
+        format: cpal::SampleFormat,
+    ) -> Result<cpal::Stream, OpenError> {
+        let stream = built.ok_or_else(|| {
+            let error = DeviceError::Format(self.direction, self.name.clone(), format.to_string());
+            (error, ErrorKind::UnsupportedConfig)
+        })?;
+        stream.and_then(|stream| stream.play().map(|()| stream)).map_err(|error| self.refused(&error))
     }
 }
 
-pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice, (DeviceError, ErrorKind)> {
+pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice, OpenError> {
     let none = |error| (error, ErrorKind::DeviceNotAvailable);
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
     let listed = |device| FoundDevice::of(direction, device);
@@ -160,7 +188,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice,
             let fitting =
                 devices.filter_map(listed).filter(|found| !monitors_only || found.entry.is_monitor());
             best_match(fitting.collect(), name, |found| &found.entry)
-                .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
+                .ok_or_else(|| none(DeviceError::UnknownDevice(direction, name.clone())))
         }
     }
 }
@@ -195,8 +223,7 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
 
-/// Returns the rate to request from a device: `rate` within the limits, or the nearest limit if a server converts.
-pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
+fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     let (min, max) = (music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
@@ -297,9 +324,9 @@ mod tests {
         ];
         for kind in kinds {
             for direction in [Direction::Output, Direction::Input] {
-                let error =
-                    refusal(direction, "'Box'", &Target::Named("box".into()), &cpal::Error::new(kind));
-                let text = error.to_string();
+                let device =
+                    Candidate { direction, target: &Target::Named("box".into()), name: "'Box'".into() };
+                let text = device.refused(&cpal::Error::new(kind)).0.to_string();
                 assert!(text.contains("'Box'") && text.contains(&direction.to_string()), "{kind:?}: {text}");
                 assert!(text.contains("choose") || text.contains("allow"), "{kind:?} without advice: {text}");
             }

@@ -44,128 +44,66 @@ impl std::fmt::Display for Direction {
     }
 }
 
-/// The reasons why no sound goes through a device. The show then continues in silence.
+/// The reasons why no sound goes through a device of a direction. The show then continues in silence.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum DeviceError {
     /// No output or input device exists.
     #[error("there is no sound {0} device; connect a device or start the sound server")]
     NoDevice(Direction),
-    /// The requested device does not exist.
+    /// The device with the requested name does not exist.
     #[error(
-        "there is no sound {direction} called '{name}'; 'mariana devices' lists the available devices, and \
-         '{name}' is used as soon as it appears"
+        "there is no sound {0} called '{1}'; 'mariana devices' lists the available devices, and '{1}' is used as soon \
+         as it appears"
     )]
-    UnknownDevice {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The requested name.
-        name: String,
-    },
-    /// The device was disconnected.
-    #[error(
-        "the sound {direction} '{name}' is gone; connect it again, or choose another device with --device"
-    )]
-    Gone {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        name: String,
-    },
+    UnknownDevice(Direction, String),
+    /// The device with this name was disconnected.
+    #[error("the sound {0} '{1}' is gone; connect it again, or choose another device with --device")]
+    Gone(Direction, String),
     /// The computer's own sound cannot be recorded on this system.
     #[error(
         "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; \
          install and start one of them (the package is pipewire-pulse or pulseaudio), or use --mic"
     )]
     NoLoopback,
-    /// Another program holds the device.
+    /// Another program holds the named device.
     #[error(
-        "the sound {direction} {device} is busy; close the program that uses it or choose another device with --device"
+        "the sound {0} {1} is busy; close the program that uses it or choose another device with --device"
     )]
-    Busy {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        device: String,
-    },
-    /// The system denies access to the device.
+    Busy(Direction, String),
+    /// The system denies access to the named device.
     #[error(
-        "the system denies access to the sound {direction} {device}; allow access in the privacy settings, or add \
-         your user to the group 'audio'"
+        "the system denies access to the sound {0} {1}; allow access in the privacy settings, or add your user to \
+         the group 'audio'"
     )]
-    Denied {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        device: String,
-    },
-    /// The program supports none of the device's sample formats.
+    Denied(Direction, String),
+    /// The program supports none of the sample formats that the named device offers.
     #[error(
-        "the sound {direction} {device} offers only {format} samples, which are not supported; choose another \
-         device with --device"
+        "the sound {0} {1} offers only {2} samples, which are not supported; choose another device with --device"
     )]
-    Format {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        device: String,
-        /// The formats that the device offers.
-        format: String,
-    },
-    /// The device's sample rate is out of range.
+    Format(Direction, String, String),
+    /// The sample rate of the named device, in hertz, is out of range.
     #[error(
-        "the sound {direction} {device} runs at {rate} samples per second, but only {} to {} are supported; choose \
-         another device with --device",
-        music_limits::SAMPLE_RATE_MIN,
-        music_limits::SAMPLE_RATE_MAX
+        "the sound {0} {1} runs at {2} samples per second, but only {min} to {max} are supported; choose another \
+         device with --device",
+        min = music_limits::SAMPLE_RATE_MIN,
+        max = music_limits::SAMPLE_RATE_MAX
     )]
-    Rate {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        device: String,
-        /// The device's rate, in hertz.
-        rate: u32,
-    },
-    /// The device could not be opened.
+    Rate(Direction, String, u32),
+    /// The named device could not be opened, with the system's error message.
+    #[error("the sound {0} {1} could not be opened ({2}); choose another device with --device")]
+    Open(Direction, String, String),
+    /// Opening the device took longer than this number of seconds.
     #[error(
-        "the sound {direction} {device} could not be opened ({reason}); choose another device with --device"
+        "the sound {0} did not answer within {1} s; restart the sound server or choose another device with --device"
     )]
-    Open {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The device's name.
-        device: String,
-        /// The system's error message.
-        reason: String,
-    },
-    /// Opening the device took too long.
-    #[error(
-        "the sound {direction} did not answer within {seconds} s; restart the sound server or choose \
-         another device with --device"
-    )]
-    Timeout {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The time that the program waited.
-        seconds: u64,
-    },
-    /// The device reported a failure while it was running.
-    #[error("the sound {direction} failed ({reason}); check the device or the sound server")]
-    Lost {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The system's error message.
-        reason: String,
-    },
+    Timeout(Direction, u64),
+    /// The device reported a failure while it was running, with the system's error message.
+    #[error("the sound {0} failed ({1}); check the device or the sound server")]
+    Lost(Direction, String),
     /// The device stopped requesting or delivering samples.
     #[error("the sound {0} has stalled; check the device or the sound server")]
     Stalled(Direction),
-    /// No thread could be started.
-    #[error("no thread could be started for the sound {direction} ({reason}); close other programs")]
-    Thread {
-        /// The direction of the sound.
-        direction: Direction,
-        /// The system's error message.
-        reason: String,
-    },
+    /// No thread could be started, with the system's error message.
+    #[error("no thread could be started for the sound {0} ({1}); close other programs")]
+    Thread(Direction, String),
 }

@@ -231,8 +231,8 @@ impl<P: Port> Watch<P> {
                 self.opening = Some(Opening { thread, since: Instant::now(), overdue: false });
             }
             Err(error) => {
-                let (direction, reason) = (P::DIRECTION, error.to_string());
-                self.lose(&DeviceError::Thread { direction, reason }, cpal::ErrorKind::ResourceExhausted);
+                let error = DeviceError::Thread(P::DIRECTION, error.to_string());
+                self.lose(&error, cpal::ErrorKind::ResourceExhausted);
             }
         }
     }
@@ -264,15 +264,15 @@ impl<P: Port> Watch<P> {
             Event::Refused(error, kind) if is_opening => {
                 self.opening = None;
                 let error = match (&self.had, error) {
-                    (Some(had), DeviceError::UnknownDevice { direction, .. }) => {
-                        DeviceError::Gone { direction, name: had.name.clone() }
+                    (Some(had), DeviceError::UnknownDevice(direction, _)) => {
+                        DeviceError::Gone(direction, had.name.clone())
                     }
                     (_, error) => error,
                 };
                 self.lose(&error, kind);
             }
             Event::Failed(reason, kind) if is_current => {
-                self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
+                self.lose(&DeviceError::Lost(P::DIRECTION, reason), kind);
             }
             // Events of an abandoned device are ignored. If a device fails while it opens, it stalls later, and that is
             // handled.
@@ -303,7 +303,7 @@ impl<P: Port> Watch<P> {
                 *silent_looks < SILENT_LOOKS
                     && !matches!(
                         error,
-                        DeviceError::Lost { .. } | DeviceError::Stalled(_) | DeviceError::Gone { .. }
+                        DeviceError::Lost(..) | DeviceError::Stalled(_) | DeviceError::Gone(..)
                     )
             }
             _ => false,
@@ -322,7 +322,7 @@ impl<P: Port> Watch<P> {
             && opening.since.elapsed() >= OPEN_LIMIT
         {
             opening.overdue = true;
-            let error = DeviceError::Timeout { direction: P::DIRECTION, seconds: OPEN_LIMIT.as_secs() };
+            let error = DeviceError::Timeout(P::DIRECTION, OPEN_LIMIT.as_secs());
             if !matches!(self.current, Current::Device { .. }) {
                 self.switch_to_silence(error.to_string());
             } else if self.superseded {
@@ -401,7 +401,7 @@ impl<P: Port> Watch<P> {
         let same_host = |other: &ListedDevice| other.id.split(':').next() == entry.id.split(':').next();
         let hosts_differ = !device_list.outputs.iter().chain(&device_list.inputs).any(same_host);
         let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
-        gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
+        gone.then(|| DeviceError::Gone(P::DIRECTION, entry.name.clone()))
     }
 
     fn switch_to_silence(&mut self, reason: String) {

@@ -6,17 +6,17 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::Sender;
 use std::thread::Thread;
 
-use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+use cpal::traits::DeviceTrait;
+use cpal::{BufferSize, FromSample, SampleFormat, SizedSample, StreamConfig};
 
 use super::input_callback::{InputCallback, InputCallbackLink, InputCounters};
 use crate::device::{
-    BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
-    error_callback, find, refusal, usable_rate, with_sample_type,
+    BUILD_LIMIT, Candidate, OnFailure, OpenError, OpenResult, Opened, Port, Running, Target, buffer_frames,
+    converts, error_callback, find, with_sample_type,
 };
 use crate::device_list::FoundDevice;
 use crate::devices::hush_sound_library;
-use crate::error::{DeviceError, Direction};
+use crate::error::Direction;
 use mariana_work::Latest;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not
@@ -67,19 +67,15 @@ pub(super) fn open(
     hush_sound_library();
     let direction = Direction::Input;
     let FoundDevice { device, entry } = find(direction, target)?;
-    let name = format!("'{}'", entry.name);
-    let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
+    let candidate = Candidate { direction, target, name: format!("'{}'", entry.name) };
+    let refused = |error| candidate.refused(&error);
     let converted = converts(&device);
     let supported = if device.supports_input() {
         device.default_input_config().map_err(refused)?
     } else {
         device.default_output_config().map_err(refused)?
     };
-    let reported_rate = supported.sample_rate();
-    let rate = usable_rate(reported_rate, converted).ok_or_else(|| {
-        let error = DeviceError::Rate { direction, device: name.clone(), rate: reported_rate };
-        (error, ErrorKind::UnsupportedConfig)
-    })?;
+    let rate = candidate.usable_rate(supported.sample_rate(), converted)?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
     // A server mixes down channels with known positions. Devices with more than 8 channels usually have no positions.
     let is_known = supported.channels() <= MIXED_CHANNELS_MAX;
@@ -87,7 +83,7 @@ pub(super) fn open(
     // A recorded output has the positions of its speakers.
     let is_mixed_here = !converted && is_known && !device.supports_input();
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };
-    let attempt = |buffer_size| -> Result<_, (DeviceError, ErrorKind)> {
+    let attempt = |buffer_size| -> Result<_, OpenError> {
         let config = StreamConfig { channels, sample_rate: rate, buffer_size };
         let (tap, link) = InputCallback::new(rate, listener.clone());
         let tap = if is_mixed_here { tap.mixing(channels) } else { tap };
@@ -96,14 +92,11 @@ pub(super) fn open(
             glitches.lost.fetch_add(1, Ordering::Relaxed);
         });
         let built = with_sample_type!(format, build(&device, config, tap, on_error));
-        let built = built.ok_or_else(|| {
-            let error = DeviceError::Format { direction, device: name.clone(), format: format.to_string() };
-            (error, ErrorKind::UnsupportedConfig)
-        })?;
-        Ok((built.and_then(|stream| stream.play().map(|()| stream)).map_err(refused)?, link))
+        Ok((candidate.play(built, format)?, link))
     };
     let (stream, link) = attempt(BufferSize::Fixed(frames)).or_else(|_| attempt(BufferSize::Default))?;
     let host = device.id().map_or("unknown host", |id| id.host().name());
+    let name = &candidate.name;
     let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}");
     let counters = link.counters.clone();
     let calls = Box::new(move || counters.calls.load(Ordering::Relaxed));

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, ErrorKind, FromSample, SizedSample, StreamConfig};
+use cpal::traits::DeviceTrait;
+use cpal::{BufferSize, FromSample, SizedSample, StreamConfig};
 
 use super::output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink};
 use crate::clock::SpanHistory;
 use crate::device::{
-    BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
-    error_callback, find, refusal, usable_rate, with_sample_type,
+    BUILD_LIMIT, Candidate, OnFailure, OpenError, OpenResult, Opened, Port, Running, Target, buffer_frames,
+    converts, error_callback, find, with_sample_type,
 };
 use crate::device_list::FoundDevice;
 use crate::devices::{for_playback, hush_sound_library};
-use crate::error::{DeviceError, Direction};
+use crate::error::Direction;
 use crate::supervisor::NoteReader;
 use mariana_work::{Latest, looping};
 
@@ -88,18 +88,14 @@ fn open(
     hush_sound_library();
     let direction = Direction::Output;
     let FoundDevice { device, entry } = find(direction, target)?;
-    let name = format!("'{}'", entry.name);
-    let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
+    let candidate = Candidate { direction, target, name: format!("'{}'", entry.name) };
+    let refused = |error| candidate.refused(&error);
     let (device, connection) = for_playback(device).map_err(refused)?;
     let supported = device.default_output_config().map_err(refused)?;
-    let reported_rate = supported.sample_rate();
-    let rate = usable_rate(reported_rate, converts(&device)).ok_or_else(|| {
-        let error = DeviceError::Rate { direction, device: name.clone(), rate: reported_rate };
-        (error, ErrorKind::UnsupportedConfig)
-    })?;
+    let rate = candidate.usable_rate(supported.sample_rate(), converts(&device))?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
     let format = supported.sample_format();
-    let attempt = |buffer_size| -> Result<_, (DeviceError, ErrorKind)> {
+    let attempt = |buffer_size| -> Result<_, OpenError> {
         let config = StreamConfig { buffer_size, sample_rate: rate, ..supported.config() };
         let (output_callback, link) =
             OutputCallback::new(rate, frames as usize, controls.clone(), counters.clone());
@@ -108,11 +104,7 @@ fn open(
             glitches.underruns.fetch_add(1, Ordering::Relaxed);
         });
         let built = with_sample_type!(format, build(&device, config, output_callback, on_error));
-        let built = built.ok_or_else(|| {
-            let error = DeviceError::Format { direction, device: name.clone(), format: format.to_string() };
-            (error, ErrorKind::UnsupportedConfig)
-        })?;
-        let stream = built.and_then(|stream| stream.play().map(|()| stream)).map_err(refused)?;
+        let stream = candidate.play(built, format)?;
         let buffer = match buffer_size {
             BufferSize::Fixed(frames) => format!("{frames} frames"),
             BufferSize::Default => "its own buffer".into(),
@@ -123,6 +115,7 @@ fn open(
         attempt(BufferSize::Fixed(frames)).or_else(|_| attempt(BufferSize::Default))?;
     let channels = supported.channels();
     let host = device.id().map_or("unknown host", |id| id.host().name());
+    let name = &candidate.name;
     let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
     let history = link.history.clone();
     history.set_device(&entry.id);
