@@ -4,7 +4,7 @@ pub use mariana_files::Folders;
 pub use mariana_settings::limits as setting_limits;
 pub use mariana_settings::{
     Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, LastShow,
-    PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile, Snapshot,
+    PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsFile, Snapshot, StoredFileError,
     Values, with_settings,
 };
 
@@ -50,7 +50,7 @@ pub struct Memory {
     /// The settings file.
     pub file: SettingsFile,
     /// The error from reading that file, if any.
-    pub trouble: Option<SettingsError>,
+    pub trouble: Option<StoredFileError>,
     /// The folders for other saved files.
     pub folders: Folders,
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Once};
 
-use mariana::config::{SettingsError, SettingsFile};
+use mariana::config::{SettingsFile, StoredFileError};
 use mariana_player::decode::{Decoder, quiet_contained_panics};
 use mariana_player::playlist::{Kind, Playlist, Reference};
 use mariana_player::source::FrameSource;
@@ -169,7 +169,7 @@ pub(crate) fn settings(data: &[u8]) {
     file.change(|settings| settings.microphone = Some("fuzz".into())).unwrap();
     let (again, reported) = SettingsFile::open(Some(path));
     // If the settings are from a newer version, the file keeps them, so opening the file reports them again.
-    let readable = reported.as_ref().is_none_or(|error| matches!(error, SettingsError::Newer { .. }));
+    let readable = reported.as_ref().is_none_or(|error| matches!(error, StoredFileError::Newer { .. }));
     assert!(readable, "the written settings cannot be read: {reported:?}");
     assert_eq!(again.settings(), file.settings());
     assert!(in_range(&again));

@@ -167,7 +167,6 @@ macro_rules! define_settings {
         pub struct Choices {
             $( $(#[$of_field])* pub $field: $type, )*
             /// The placement and brightness of frames on screens.
-            #[serde(skip_serializing_if = "is_default")]
             pub stage: DisplayChoices,
         }
 
@@ -210,14 +209,6 @@ impl DisplayChoices {
 
 const FADE_SECONDS: f64 = 0.5;
 
-fn is_full(percent: &u8) -> bool {
-    *percent == 100
-}
-
-fn is_usual(seconds: &f64) -> bool {
-    *seconds == FADE_SECONDS
-}
-
 fn percent<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
     let percent = u8::deserialize(deserializer)?;
     if percent <= 100 { Ok(percent) } else { Err(D::Error::custom("brightness must be 0 to 100 percent")) }
@@ -230,14 +221,6 @@ fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     } else {
         Err(D::Error::custom("a fade must take 0 to 60 seconds"))
     }
-}
-
-fn is_on(switch: &bool) -> bool {
-    *switch
-}
-
-pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 pub(super) mod by_name {

@@ -6,12 +6,13 @@ use std::time::Duration;
 
 use mariana_work::{Worker, in_order};
 
-use super::settings::{Settings, SettingsError, SettingsFile};
+use super::settings::{Settings, SettingsFile};
+use super::stored_file::StoredFileError;
 
 /// The current settings and the thread that writes them. Dropping it waits until everything is written.
 pub struct KeptSettings {
     settings: Settings,
-    writer_thread: Worker<Job, Result<Settings, SettingsError>>,
+    writer_thread: Worker<Job, Result<Settings, StoredFileError>>,
 }
 
 enum Job {
@@ -51,7 +52,7 @@ impl KeptSettings {
     }
 
     /// Takes the results of finished writes. Returns the next error, if any.
-    pub fn poll(&mut self) -> Option<SettingsError> {
+    pub fn poll(&mut self) -> Option<StoredFileError> {
         loop {
             match self.writer_thread.poll()? {
                 Err(error) => return Some(error),
@@ -63,7 +64,7 @@ impl KeptSettings {
     }
 
     /// Waits until everything is written. Returns the errors.
-    pub fn finish(&mut self) -> Vec<SettingsError> {
+    pub fn finish(&mut self) -> Vec<StoredFileError> {
         self.writer_thread.finish(Duration::MAX);
         std::iter::from_fn(|| self.poll()).collect()
     }

@@ -12,18 +12,14 @@ use super::stored_file::{SETTINGS, StoredFileError};
 #[serde(default, deny_unknown_fields)]
 pub struct LastShow {
     /// The volume, 0..1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<f32>,
     /// The window's width and height in pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
     /// The window's position on the desktop, frame included, in pixels to the right and down.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<(i32, i32)>,
     /// True if the window was in full screen.
     pub fullscreen: bool,
     /// The scene: the name of a shipped scene, or the absolute path of a file.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
     /// The index of the track in the list, from 0.
     pub track: usize,
@@ -32,7 +28,6 @@ pub struct LastShow {
     /// True if the tracks played in random order.
     pub shuffled: bool,
     /// The repeat mode: all, one or off.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub repeat: Option<String>,
 }
 

@@ -35,7 +35,7 @@ pub use knobs::{KnobEdit, KnobMemory};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
 pub use setting_rows::{SettingGroup, SettingRow, Values};
-pub use settings::{Settings, SettingsError, SettingsFile, Snapshot};
+pub use settings::{Settings, SettingsFile, Snapshot};
 pub use stored_file::StoredFileError;
 
 /// The rendering quality in the window.

@@ -25,7 +25,7 @@ use mariana_control::SoundBinding;
 use mariana_player::limits as player_limits;
 use serde::{Deserialize, Serialize};
 
-use super::choices::{Choices, is_default};
+use super::choices::Choices;
 use super::last_show::{self, LastShow};
 use super::stored_file::{SETTINGS, StoredFileError};
 use super::understood::{rewrite, understood};
@@ -37,37 +37,26 @@ use mariana_files::Folders;
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// The id of the input for `--mic`; `None` is the default input.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub microphone: Option<String>,
     /// The id of the monitor for `--system`; `None` is the default output's monitor.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
     /// The choices in the settings panel.
-    #[serde(skip_serializing_if = "is_default")]
     pub choices: Choices,
     /// The titles of the marked scenes.
-    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_scenes: BTreeSet<String>,
     /// The folders that the user has marked in the file list.
-    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_folders: BTreeSet<String>,
     /// The folders from which music was opened, the newest first.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub recent_folders: Vec<String>,
     /// The state of the last show, for the next start.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub last_show: Option<LastShow>,
     /// The values of moved sliders, by scene and parameter.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub sliders: BTreeMap<String, BTreeMap<String, f32>>,
     /// The sounds that move sliders, by scene and parameter.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub bindings: BTreeMap<String, BTreeMap<String, SoundBinding>>,
     /// The snapshots of sliders, by scene and number.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub snapshots: BTreeMap<String, BTreeMap<String, Snapshot>>,
     /// The extra delay of the image by device id, in milliseconds, on top of the latency that the device reports.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,
 }
 
@@ -104,22 +93,6 @@ const NAMED_MAX: usize = 3;
 /// The maximum number of characters that a message shows of a key.
 const NAME_LETTERS_MAX: usize = 40;
 
-/// The error when settings cannot be read or written completely. The show continues with the current settings.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    /// A newer version has written the file, or an entry is misspelt.
-    #[error("the settings in {} have entries that this version does not know ({names}). They are kept; all other settings apply", path.display())]
-    Newer {
-        /// The file.
-        path: PathBuf,
-        /// The unknown keys, separated by commas.
-        names: String,
-    },
-    /// The file is damaged, or the system refuses to read or write it.
-    #[error(transparent)]
-    Stored(#[from] StoredFileError),
-}
-
 /// The settings file and its contents.
 #[derive(Debug)]
 pub struct SettingsFile {
@@ -130,19 +103,19 @@ pub struct SettingsFile {
 
 impl SettingsFile {
     /// Opens the user's file and returns its problem, if any. A missing file is not an error.
-    pub fn among(folders: &Folders) -> (Self, Option<SettingsError>) {
+    pub fn among(folders: &Folders) -> (Self, Option<StoredFileError>) {
         Self::open(folders.config.as_ref().map(|config| config.join("settings.toml")))
     }
 
     /// Opens the file at `path`; with `None`, settings last until the program ends.
-    pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
+    pub fn open(path: Option<PathBuf>) -> (Self, Option<StoredFileError>) {
         let read = path.as_deref().map_or_else(|| Ok(Found::default()), |path| SETTINGS.read(path, parse));
         let (settings, error) = match (read, &path) {
             (Ok(Found { settings, strange, .. }), Some(path)) if !strange.is_empty() => {
                 (settings, Some(newer(path, &strange)))
             }
             (Ok(found), _) => (found.settings, None),
-            (Err(error), _) => (Settings::default(), Some(error.into())),
+            (Err(error), _) => (Settings::default(), Some(error)),
         };
         (Self { path, settings }, error)
     }
@@ -161,15 +134,15 @@ impl SettingsFile {
     ///
     /// # Errors
     /// Fails if the file cannot be written.
-    pub fn keep_tracks(&self, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
-        self.path.as_deref().map_or(Ok(()), |path| Ok(last_show::keep_tracks(path, tracks)?))
+    pub fn keep_tracks(&self, tracks: Option<&[PathBuf]>) -> Result<(), StoredFileError> {
+        self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
 
     /// Changes the settings here and in the file's current contents, which other windows may have changed.
     ///
     /// # Errors
     /// Fails if the file cannot be written. The change then lasts until the program ends.
-    pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
+    pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), StoredFileError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
         let _turn = turn_of(path);
@@ -210,13 +183,13 @@ struct Found {
     strange: Vec<String>,
 }
 
-fn newer(path: &Path, strange: &[String]) -> SettingsError {
+fn newer(path: &Path, strange: &[String]) -> StoredFileError {
     let short = |name: &String| name.chars().take(NAME_LETTERS_MAX).filter(|c| !c.is_control()).collect();
     let mut names: Vec<String> = strange.iter().take(NAMED_MAX).map(short).collect();
     if strange.len() > NAMED_MAX {
         names.push(format!("{} more", strange.len() - NAMED_MAX));
     }
-    SettingsError::Newer { path: path.to_owned(), names: names.join(", ") }
+    StoredFileError::Newer { path: path.to_owned(), names: names.join(", ") }
 }
 
 fn parse(text: &str) -> Result<Found, String> {
@@ -243,11 +216,11 @@ fn write(
     table: &mut toml::Table,
     before: &Settings,
     after: &Settings,
-) -> Result<(), SettingsError> {
+) -> Result<(), StoredFileError> {
     let failed = |error: &dyn std::fmt::Display| SETTINGS.refused(path, "written", error);
     rewrite(table, before, after).map_err(|error| failed(&error))?;
     let text = toml::to_string(table).map_err(|error| failed(&error))?;
-    Ok(SETTINGS.write(path, &text)?)
+    SETTINGS.write(path, &text)
 }
 
 #[cfg(test)]
@@ -262,7 +235,7 @@ mod tests {
         (folder, path)
     }
 
-    fn with_text(path: &Path, text: &[u8]) -> (SettingsFile, Option<SettingsError>) {
+    fn with_text(path: &Path, text: &[u8]) -> (SettingsFile, Option<StoredFileError>) {
         create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
         SettingsFile::open(Some(path.to_owned()))
@@ -274,10 +247,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("settings.toml");
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-        assert!(matches!(
-            SettingsFile::open(Some(path)).1,
-            Some(SettingsError::Stored(StoredFileError::Refused { .. }))
-        ));
+        assert!(matches!(SettingsFile::open(Some(path)).1, Some(StoredFileError::Refused { .. })));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use mariana_files::reading::read_at_most;
 
 use crate::limits;
 
-/// The error when a file cannot be used. The show continues.
+/// The error when a file cannot be read or written completely. The show continues.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum StoredFileError {
     /// The file is damaged.
@@ -38,6 +38,14 @@ pub enum StoredFileError {
         doing: &'static str,
         /// The reason.
         reason: String,
+    },
+    /// A newer version has written the settings, or an entry is misspelt.
+    #[error("the settings in {} have entries that this version does not know ({names}). They are kept; all other settings apply", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// The unknown keys, separated by commas.
+        names: String,
     },
 }
 

@@ -36,14 +36,27 @@ fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &
     part
 }
 
-/// Applies the differences between `before` and `after` to `table`. Fails if a value cannot be serialized.
-pub(super) fn rewrite<T: Serialize>(
+/// Applies the differences between `before` and `after` to `table`, without values that are the default. Fails if a
+/// value cannot be serialized.
+pub(super) fn rewrite<T: Serialize + Default>(
     table: &mut Table,
     before: &T,
     after: &T,
 ) -> Result<(), toml::ser::Error> {
-    merge(table, &Table::try_from(before)?, &Table::try_from(after)?);
+    let default = Table::try_from(T::default())?;
+    let chosen = |all: &T| Table::try_from(all).map(|all| beyond(&default, all));
+    merge(table, &chosen(before)?, &chosen(after)?);
     Ok(())
+}
+
+/// Returns the entries of `table` that differ from those of `default`.
+fn beyond(default: &Table, table: Table) -> Table {
+    let differing = table.into_iter().filter(|(key, value)| default.get(key) != Some(value));
+    let inner = |(key, value)| match (default.get(&key), value) {
+        (Some(Value::Table(default)), Value::Table(table)) => (key, Value::Table(beyond(default, table))),
+        (_, value) => (key, value),
+    };
+    differing.map(inner).collect()
 }
 
 fn merge(table: &mut Table, before: &Table, after: &Table) {
