@@ -40,7 +40,7 @@ impl KnobMemory {
 
     /// Opens the file at `path`.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<StoredFileError>) {
-        let (file, trouble) = match path.as_deref().map(|path| KNOBS.read(path, parse)) {
+        let (file, trouble) = match path.as_deref().map(|path| KNOBS.read(path, MappingFile::read)) {
             None => (MappingFile::default(), None),
             Some(Ok(file)) => (file, None),
             Some(Err(trouble)) => (MappingFile::default(), Some(trouble)),
@@ -87,15 +87,11 @@ impl KnobMemory {
 }
 
 fn keep(path: &Path, edit: &KnobEdit) -> Kept {
-    let mut after = KNOBS.read_or_rename(path, parse)?.unwrap_or_default();
+    let mut after = KNOBS.read_or_rename(path, MappingFile::read)?.unwrap_or_default();
     apply(&mut after, edit);
     let text = after.text().map_err(|error| KNOBS.refused(path, "written", &error))?;
     KNOBS.write(path, &text)?;
     Ok(after)
-}
-
-fn parse(text: &str) -> Result<MappingFile, String> {
-    MappingFile::read(text).map_err(|error| error.to_string())
 }
 
 fn apply(file: &mut MappingFile, edit: &KnobEdit) {

@@ -22,11 +22,6 @@ impl Default for MappingFile {
     }
 }
 
-/// The reason why a mapping file cannot be understood.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct MappingsError(String);
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Text {
@@ -80,21 +75,17 @@ impl MappingFile {
     /// Parses the text of a file.
     ///
     /// # Errors
-    /// Fails if the text is malformed or has too many mappings.
-    pub fn read(text: &str) -> Result<Self, MappingsError> {
-        let malformed = |reason: &str| MappingsError(reason.trim().replace('\n', " "));
-        let text: Text = toml::from_str(text).map_err(|error| malformed(error.message()))?;
+    /// Fails with the reason if the text is malformed or has too many mappings.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let text: Text = toml::from_str(text).map_err(|error| error.message().trim().replace('\n', " "))?;
         let (count, max) = (text.knob.len(), limits::MAPPINGS_MAX);
         if count > max {
-            return Err(MappingsError(format!("it has {count} mappings; the limit is {max}")));
+            return Err(format!("it has {count} mappings; the limit is {max}"));
         }
         let rows = text.knob.into_iter().enumerate();
         let list = rows.map(|(place, row)| {
             row.mapping().ok_or_else(|| {
-                let number = place + 1;
-                MappingsError(format!(
-                    "mapping {number} names neither a parameter with its scene nor an action"
-                ))
+                format!("mapping {} names neither a parameter with its scene nor an action", place + 1)
             })
         });
         Ok(Self { clock: text.clock, mappings: Mappings::of(list.collect::<Result<_, _>>()?) })
@@ -103,11 +94,11 @@ impl MappingFile {
     /// Returns the text of the file.
     ///
     /// # Errors
-    /// Fails if a value cannot be serialized.
-    pub fn text(&self) -> Result<String, MappingsError> {
+    /// Fails with the reason if a value cannot be serialized.
+    pub fn text(&self) -> Result<String, String> {
         let knob = self.mappings.list().iter().map(Row::of).collect();
         let text = toml::to_string(&Text { clock: self.clock, knob });
-        text.map(|text| format!("{HEAD}{text}")).map_err(|error| MappingsError(error.to_string()))
+        text.map(|text| format!("{HEAD}{text}")).map_err(|error| error.to_string())
     }
 }
 
@@ -200,7 +191,7 @@ mod tests {
             (&format!("{knob}action = \"volume\"\nencoding = \"relative\"\n"), "complement"),
             ("\u{0}\u{1}", ""),
         ] {
-            let Err(MappingsError(why)) = MappingFile::read(text) else { panic!("{text} was accepted") };
+            let Err(why) = MappingFile::read(text) else { panic!("{text} was accepted") };
             assert!(why.contains(what), "{why} does not mention {what}");
         }
     }
@@ -209,7 +200,7 @@ mod tests {
     fn files_beyond_the_limits_are_refused() {
         let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\naction = \"next\"\n";
         let many = knob.repeat(limits::MAPPINGS_MAX + 1);
-        let refused = MappingFile::read(&many).unwrap_err().to_string();
+        let refused = MappingFile::read(&many).unwrap_err();
         assert!(refused.contains("the limit is"), "{refused}");
         assert!(MappingFile::read(&knob.repeat(limits::MAPPINGS_MAX)).is_ok());
     }

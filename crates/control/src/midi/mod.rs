@@ -18,7 +18,7 @@ pub use device::{Device, Said};
 pub use encoding::Encoding;
 #[cfg(unix)]
 pub use fake::FolderPorts;
-pub use file::{MappingFile, MappingsError};
+pub use file::MappingFile;
 pub use hub::{MidiHub, MidiState};
 pub use learn::Learning;
 pub use mapping::{Curve, Mapping, Mappings, Outcome, Target};
