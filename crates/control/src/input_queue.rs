@@ -31,7 +31,8 @@ impl Amount {
         }
     }
 
-    fn is_number(self) -> bool {
+    /// True if the amount is a finite number.
+    pub fn is_number(self) -> bool {
         let (Self::Value(number) | Self::Fraction(number)) = self;
         number.is_finite()
     }

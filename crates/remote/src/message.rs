@@ -13,25 +13,10 @@ use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, deny_unknown_fields)]
 enum Message {
-    Turn(Turn),
-    Do(Do),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Turn {
-    turn: String,
-    to: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Do {
-    r#do: String,
-    #[serde(default)]
-    with: Option<With>,
+    Turn { turn: String, to: f64 },
+    Do { r#do: String, with: Option<With> },
 }
 
 #[derive(Deserialize)]
@@ -48,32 +33,27 @@ enum With {
 /// Fails if the text is malformed, the action is unknown, or a value is too large.
 pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     match serde_json::from_str(text).map_err(|_| Refused)? {
-        Message::Turn(Turn { turn: name, to }) => {
-            if name.len() > control_limits::NAME_BYTES_MAX {
+        Message::Turn { turn: name, to } => {
+            let to = Amount::Value(to as f32);
+            if name.len() > control_limits::NAME_BYTES_MAX || !to.is_number() {
                 return Err(Refused);
             }
-            let to = Amount::Value(number(to)?);
             Ok(Asked::Turn(ParamChange { name, to, seconds: 0.0, changed_by: ChangedBy::Phone }))
         }
-        Message::Do(Do { r#do: name, with }) => {
+        Message::Do { r#do: name, with } => {
             let row = row_of(actions, &name).ok_or(Refused)?;
             let given = match with {
                 None => ActionValue::Nothing,
                 Some(With::Switch(on)) => ActionValue::Number(f32::from(u8::from(on))),
-                Some(With::Number(value)) => ActionValue::Number(number(value)?),
+                Some(With::Number(value)) if (value as f32).is_finite() => ActionValue::Number(value as f32),
                 Some(With::Text(text)) if text.len() <= control_limits::NAME_BYTES_MAX => {
                     ActionValue::Text(text)
                 }
-                Some(With::Text(_)) => return Err(Refused),
+                Some(With::Number(_) | With::Text(_)) => return Err(Refused),
             };
             Asked::of(row, given)
         }
     }
-}
-
-fn number(value: f64) -> Result<f32, Refused> {
-    let value = value as f32;
-    if value.is_finite() { Ok(value) } else { Err(Refused) }
 }
 
 #[cfg(test)]

@@ -20,34 +20,21 @@ pub(crate) enum Route {
     PhoneSession(String),
 }
 
+/// A refusal: the HTTP status and a message, which contains nothing from the request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Refusal {
-    Method,
-    Host,
-    Nothing,
-    WrongToken,
-    Origin,
-    TalkOnly,
-    Upgrade,
-}
+pub(crate) struct Refusal(pub(crate) &'static str, pub(crate) &'static str);
 
 impl Refusal {
-    /// Returns the HTTP status and a message. The message contains nothing from the request.
-    pub(crate) fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Method => ("405 Method Not Allowed", "this page is read-only; send GET"),
-            Self::Host => ("403 Forbidden", "open the address in Mariana's window, not a host name"),
-            Self::Nothing => {
-                ("404 Not Found", "this page does not exist; open the address in Mariana's window")
-            }
-            Self::WrongToken => {
-                ("403 Forbidden", "this address is no longer valid; open the address in Mariana's window")
-            }
-            Self::Origin => ("403 Forbidden", "requests from other pages are refused"),
-            Self::TalkOnly => ("426 Upgrade Required", "only WebSocket connections are accepted here"),
-            Self::Upgrade => ("400 Bad Request", "this is not a WebSocket handshake of version 13"),
-        }
-    }
+    const METHOD: Self = Self("405 Method Not Allowed", "this page is read-only; send GET");
+    const HOST: Self = Self("403 Forbidden", "open the address in Mariana's window, not a host name");
+    const NOTHING: Self =
+        Self("404 Not Found", "this page does not exist; open the address in Mariana's window");
+    pub(crate) const WRONG_TOKEN: Self =
+        Self("403 Forbidden", "this address is no longer valid; open the address in Mariana's window");
+    const ORIGIN: Self = Self("403 Forbidden", "requests from other pages are refused");
+    pub(crate) const TALK_ONLY: Self =
+        Self("426 Upgrade Required", "only WebSocket connections are accepted here");
+    const UPGRADE: Self = Self("400 Bad Request", "this is not a WebSocket handshake of version 13");
 }
 
 /// Returns the path after the token, if the token is right.
@@ -56,10 +43,10 @@ fn behind_token<'a>(path: &'a str, token: &AccessToken) -> Result<Option<&'a str
     let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
     // Browsers request these paths by themselves, so these paths do not count as wrong tokens.
     if ["", "favicon.ico", "robots.txt"].contains(&guess) {
-        return Err(Refusal::Nothing);
+        return Err(Refusal::NOTHING);
     }
     if !token.is(guess) {
-        return Err(Refusal::WrongToken);
+        return Err(Refusal::WRONG_TOKEN);
     }
     Ok(rest)
 }
@@ -67,9 +54,9 @@ fn behind_token<'a>(path: &'a str, token: &AccessToken) -> Result<Option<&'a str
 /// Checks the method and the host. Returns the host.
 pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a str, Refusal> {
     if head.method != "GET" {
-        return Err(Refusal::Method);
+        return Err(Refusal::METHOD);
     }
-    head.field("Host").filter(|host| is_this_computer(host, own_name)).ok_or(Refusal::Host)
+    head.field("Host").filter(|host| is_this_computer(host, own_name)).ok_or(Refusal::HOST)
 }
 
 /// Returns the target of a request with a known host.
@@ -77,22 +64,22 @@ pub(crate) fn route(head: &Head, host: &str, token: &AccessToken) -> Result<Rout
     let Some(rest) = behind_token(&head.path, token)? else { return Ok(Route::Slash) };
     if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {
         let title = percent_decode_str(scene).decode_utf8();
-        return title.map(|title| Route::Picture(title.into_owned())).map_err(|_| Refusal::Nothing);
+        return title.map(|title| Route::Picture(title.into_owned())).map_err(|_| Refusal::NOTHING);
     }
     if rest != SESSION_PATH {
-        return asset(rest).map(|asset| Route::Text(asset, host.to_owned())).ok_or(Refusal::Nothing);
+        return asset(rest).map(|asset| Route::Text(asset, host.to_owned())).ok_or(Refusal::NOTHING);
     }
     let says = |name: &str, word: &str| {
         let mut words = head.field(name).unwrap_or_default().split(',');
         words.any(|one| one.trim().eq_ignore_ascii_case(word))
     };
     if !head.has("Upgrade") {
-        return Err(Refusal::TalkOnly);
+        return Err(Refusal::TALK_ONLY);
     }
     // Browsers send the origin of a page here. A page cannot send a false origin.
     let origin = head.field("Origin").unwrap_or_default();
     if !origin.eq_ignore_ascii_case(&format!("http://{host}")) {
-        return Err(Refusal::Origin);
+        return Err(Refusal::ORIGIN);
     }
     let key = head.field("Sec-WebSocket-Key").filter(|key| is_key(key));
     match key {
@@ -103,7 +90,7 @@ pub(crate) fn route(head: &Head, host: &str, token: &AccessToken) -> Result<Rout
         {
             Ok(Route::PhoneSession(key.to_owned()))
         }
-        _ => Err(Refusal::Upgrade),
+        _ => Err(Refusal::UPGRADE),
     }
 }
 
@@ -162,15 +149,15 @@ mod tests {
         for path in [at("/"), at("/?x=y"), at("/page.js"), at("/style.css")] {
             assert!(matches!(ask(&path), Ok(Route::Text(_, host)) if host == HOST), "{path}");
         }
-        assert_eq!(ask(&at("/hands")), Err(Refusal::TalkOnly));
+        assert_eq!(ask(&at("/hands")), Err(Refusal::TALK_ONLY));
         for path in [at("/../page.js"), at("//etc/passwd"), at("/%2e%2e/x"), at("/page.js/"), at("/x")] {
-            assert_eq!(ask(&path), Err(Refusal::Nothing), "{path}");
+            assert_eq!(ask(&path), Err(Refusal::NOTHING), "{path}");
         }
         for path in ["/", "/favicon.ico", "//", "/?x", "/robots.txt"] {
-            assert_eq!(ask(path), Err(Refusal::Nothing), "{path}");
+            assert_eq!(ask(path), Err(Refusal::NOTHING), "{path}");
         }
         for path in ["/etc/passwd", "/x", "/page.js", "/hands", "/%00", "*", "http://x/"] {
-            assert_eq!(ask(path), Err(Refusal::WrongToken), "{path}");
+            assert_eq!(ask(path), Err(Refusal::WRONG_TOKEN), "{path}");
         }
     }
 
@@ -194,7 +181,7 @@ mod tests {
         for rest in ["%", "%4", "%zz", "%+1"] {
             assert_eq!(ask(rest), is(rest), "this is no escape");
         }
-        assert_eq!(ask("%ff"), Err(Refusal::Nothing));
+        assert_eq!(ask("%ff"), Err(Refusal::NOTHING));
     }
 
     #[test]
@@ -202,7 +189,7 @@ mod tests {
         let token = AccessToken::new().unwrap();
         for method in ["POST", "HEAD", "PUT", "DELETE", "OPTIONS", "get"] {
             let path = format!("/{}/", token.as_str());
-            assert_eq!(judged(method, &path, &format!("Host: {HOST}\r\n"), &token), Err(Refusal::Method));
+            assert_eq!(judged(method, &path, &format!("Host: {HOST}\r\n"), &token), Err(Refusal::METHOD));
         }
     }
 
@@ -225,15 +212,15 @@ mod tests {
             "[x]",
             "::1",
         ] {
-            assert_eq!(ask(host), Err(Refusal::Host), "{host}");
+            assert_eq!(ask(host), Err(Refusal::HOST), "{host}");
         }
         assert_eq!(
             judged("GET", &path, "", &token),
-            Err(Refusal::Host),
+            Err(Refusal::HOST),
             "a request without a host is refused"
         );
-        assert_eq!(judged("GET", &path, "Host: a\r\nHost: 10.0.0.1\r\n", &token), Err(Refusal::Host));
-        assert_eq!(judged("GET", &path, "Host: 10.0.0.1:8;x\r\n", &token), Err(Refusal::Host));
+        assert_eq!(judged("GET", &path, "Host: a\r\nHost: 10.0.0.1\r\n", &token), Err(Refusal::HOST));
+        assert_eq!(judged("GET", &path, "Host: 10.0.0.1:8;x\r\n", &token), Err(Refusal::HOST));
     }
 
     #[test]
@@ -251,10 +238,10 @@ mod tests {
             "http://192.168.0.7:80801",
             "https://192.168.0.7:8080",
         ] {
-            assert_eq!(ask(&upgrade(HOST, origin)), Err(Refusal::Origin), "{origin}");
+            assert_eq!(ask(&upgrade(HOST, origin)), Err(Refusal::ORIGIN), "{origin}");
         }
         let whole = upgrade(HOST, &own);
-        assert_eq!(ask(&whole.replace("Origin", "X-Origin")), Err(Refusal::Origin));
+        assert_eq!(ask(&whole.replace("Origin", "X-Origin")), Err(Refusal::ORIGIN));
         for (part, other) in [
             ("websocket", "h2c"),
             ("keep-alive, Upgrade", "close"),
@@ -266,11 +253,11 @@ mod tests {
             let fields = whole.replace(part, other);
             let text = format!("GET {path} HTTP/1.1\r\n{fields}\r\n");
             if let Ok(Some(_)) = Head::parse(text.as_bytes(), 16) {
-                assert_eq!(ask(&fields), Err(Refusal::Upgrade), "{other}");
+                assert_eq!(ask(&fields), Err(Refusal::UPGRADE), "{other}");
             }
         }
         let wrong = AccessToken::new().unwrap();
         let head = head("GET", &path, &whole);
-        assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token is checked first");
+        assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WRONG_TOKEN), "the token is checked first");
     }
 }

@@ -192,7 +192,7 @@ impl Serving {
             }
         };
         let refuse = |refusal: Refusal| {
-            let (status, words) = refusal.words();
+            let Refusal(status, words) = refusal;
             http::answer_in_words(&stream, status, words, within);
         };
         let host = match admit(&head, self.name()) {
@@ -227,11 +227,11 @@ impl Serving {
             }
             Ok(Route::PhoneSession(key)) => self.phone_session(stream, &key, rest),
             // The page asks without an upgrade why the phone was refused: answer that the server is full.
-            Err(Refusal::TalkOnly) if self.phones.load(Ordering::Acquire) >= limits.phones_max => {
+            Err(Refusal::TALK_ONLY) if self.phones.load(Ordering::Acquire) >= limits.phones_max => {
                 turn_away(&stream, within);
             }
             Err(refusal) => {
-                if refusal == Refusal::WrongToken {
+                if refusal == Refusal::WRONG_TOKEN {
                     tracing::debug!("{from} sent a request with a wrong token");
                 }
                 refuse(refusal);

@@ -6,126 +6,96 @@
 //!  "tempo": 120, "track": "Hadal Lanterns", "length": 61.5, "pictures": 3}
 //! ```
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use mariana_control::{Present, Slider};
-use serde::Serialize;
+use mariana_control::Present;
+use serde_json::{Map, Value, json};
 
 /// The resolution of the track position for phones, in seconds.
 const POSITION_STEP: f64 = 0.25;
-const POSITION: &str = "position";
 
-#[derive(Serialize)]
-struct Shape<'a> {
-    name: &'a str,
-    min: f32,
-    max: f32,
-    default: f32,
-}
+type State = Map<String, Value>;
 
-#[derive(Serialize, Default)]
-struct StateDelta<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scenes: Option<&'a [String]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    params: Option<Vec<Shape<'a>>>,
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    values: BTreeMap<&'a str, (f32, &'static str)>,
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    switches: BTreeMap<&'a str, bool>,
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    levels: BTreeMap<&'a str, Option<f32>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tempo: Option<f32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    track: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    length: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pictures: Option<u64>,
-}
-
-/// The state that one phone has received, and the number of images at that time.
+/// The state that one phone has received.
 #[derive(Debug, Default)]
-pub(crate) struct SentState(Option<Arc<Present>>, u64);
+pub(crate) struct SentState {
+    /// The last state of the board, and the number of images at that time.
+    seen: Option<(Arc<Present>, u64)>,
+    sent: State,
+}
 
 impl SentState {
     /// Returns the changes since the last call, or `None` without changes.
     pub(crate) fn state_delta(&mut self, now: &Arc<Present>, pictures: u64) -> Option<String> {
-        let are_known = self.1 == pictures;
-        if are_known && self.0.as_ref().is_some_and(|before| Arc::ptr_eq(before, now)) {
+        if self.seen.as_ref().is_some_and(|(seen, count)| Arc::ptr_eq(seen, now) && *count == pictures) {
             return None;
         }
-        let state_delta =
-            StateDelta { pictures: (!are_known).then_some(pictures), ..state_delta(self.0.as_deref(), now) };
-        let text = serde_json::to_string(&state_delta).ok();
-        *self = Self(Some(now.clone()), pictures);
-        text.filter(|text| text != "{}")
-    }
-}
-
-fn state_delta<'a>(before: Option<&Present>, now: &'a Present) -> StateDelta<'a> {
-    let was = |same: fn(&Present, &Present) -> bool| before.is_some_and(|before| same(before, now));
-    let is_scene_known = was(|a, b| a.scene == b.scene);
-    let is_shape_known = is_scene_known && was(|a, b| shape(a).eq(shape(b)));
-    let value = |param: &Slider| (param.value, param.changed_by.name());
-    let known = |name: &str| before?.params.iter().find(|param| param.name == name).map(value);
-    let values = now.params.iter().map(|param| (&*param.name, value(param)));
-    let switches = now.switches.iter().filter(|one| !was_there(before, |before| &before.switches, *one));
-    let position =
-        |present: &Present, fraction: f32| (f64::from(fraction) * present.length / POSITION_STEP).floor();
-    let is_level_known = |level: &&(&'static str, f32)| match before {
-        Some(before) if level.0 == POSITION && before.length == now.length && now.length > 0.0 => {
-            let known = before.levels.iter().find(|known| known.0 == POSITION);
-            known.is_some_and(|known| position(before, known.1) == position(now, level.1))
+        self.seen = Some((now.clone(), pictures));
+        let state = state_of(now, pictures);
+        // The page forgets all values when it receives parameters.
+        if ["scene", "params"].iter().any(|key| self.sent.get(*key) != state.get(*key)) {
+            self.sent.retain(|key, _| !["params", "values"].contains(&key.as_str()));
         }
-        _ => was_there(before, |before| &before.levels, *level),
-    };
-    let gone = before.into_iter().flat_map(|before| &before.levels);
-    let gone = gone.filter(|level| now.levels.iter().all(|known| known.0 != level.0));
-    StateDelta {
-        scene: (!is_scene_known).then_some(&now.scene),
-        scenes: (!was(|a, b| a.scenes == b.scenes)).then_some(&now.scenes),
-        params: (!is_shape_known).then(|| {
-            let shape = shape(now);
-            shape.map(|(name, [min, max, default])| Shape { name, min, max, default }).collect()
-        }),
-        values: values.filter(|(name, value)| !is_shape_known || known(name) != Some(*value)).collect(),
-        switches: switches.copied().collect(),
-        levels: now
-            .levels
-            .iter()
-            .filter(|level| !is_level_known(level))
-            .map(|(name, level)| (*name, Some(*level)))
-            .chain(gone.map(|(name, _)| (*name, None)))
-            .collect(),
-        tempo: (!was(|a, b| tenths(a.tempo) == tenths(b.tempo))).then_some(tenths(now.tempo)),
-        track: (!was(|a, b| a.track == b.track)).then_some(&now.track),
-        length: (!was(|a, b| a.length == b.length)).then_some(now.length),
-        pictures: None,
+        let changes = beyond(&self.sent, &state);
+        self.sent = state;
+        (!changes.is_empty()).then(|| Value::Object(changes).to_string())
     }
 }
 
-fn was_there<T: PartialEq>(before: Option<&Present>, list: fn(&Present) -> &Vec<T>, one: &T) -> bool {
-    before.is_some_and(|before| list(before).contains(one))
+fn state_of(now: &Present, pictures: u64) -> State {
+    let params = now.params.iter();
+    let values: State =
+        params.clone().map(|one| (one.name.clone(), json!([one.value, one.changed_by.name()]))).collect();
+    let shapes: Vec<Value> = params
+        .map(|one| json!({ "name": one.name, "min": one.min, "max": one.max, "default": one.default }))
+        .collect();
+    let switches: State =
+        now.switches.iter().map(|(name, is_on)| ((*name).to_owned(), json!(is_on))).collect();
+    let levels = now.levels.iter().map(|(name, level)| match *name {
+        "position" if now.length > 0.0 => {
+            let steps = (f64::from(*level) * now.length / POSITION_STEP).floor();
+            ((*name).to_owned(), json!(steps * POSITION_STEP / now.length))
+        }
+        name => (name.to_owned(), json!(level)),
+    });
+    let all = [
+        ("scene", json!(now.scene)),
+        ("scenes", json!(now.scenes)),
+        ("params", json!(shapes)),
+        ("values", Value::Object(values)),
+        ("switches", Value::Object(switches)),
+        ("levels", Value::Object(levels.collect())),
+        ("tempo", json!((10.0 * f64::from(now.tempo)).round() / 10.0)),
+        ("track", json!(now.track)),
+        ("length", json!(now.length)),
+        ("pictures", json!(pictures)),
+    ];
+    all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Returns the names and ranges of the parameters, which stay the same when values change.
-fn shape(present: &Present) -> impl Iterator<Item = (&str, [f32; 3])> {
-    present.params.iter().map(|param| (&*param.name, [param.min, param.max, param.default]))
-}
-
-fn tenths(tempo: f32) -> f32 {
-    (10.0 * tempo).round() / 10.0
+/// Returns the entries of `now` that differ from `before`, of inner objects only the differing entries. Entries that are
+/// gone are null.
+fn beyond(before: &State, now: &State) -> State {
+    let changed = now.iter().filter_map(|(key, value)| {
+        let known = before.get(key);
+        let value = match value {
+            Value::Object(inner) => {
+                let none = State::new();
+                let inner = beyond(known.and_then(Value::as_object).unwrap_or(&none), inner);
+                Some(Value::Object(inner)).filter(|inner| *inner != json!({}))
+            }
+            value => Some(value.clone()).filter(|value| known != Some(value)),
+        };
+        Some((key.clone(), value?))
+    });
+    let gone = before.keys().filter(|key| !now.contains_key(*key)).map(|key| (key.clone(), Value::Null));
+    changed.chain(gone).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_control::ChangedBy;
+    use mariana_control::{ChangedBy, Slider};
 
     fn present() -> Present {
         let param = Slider {
@@ -162,11 +132,10 @@ mod tests {
         let text = SentState::default().state_delta(&Arc::new(present()), 0).unwrap();
         assert_eq!(
             text,
-            "{\"scene\":\"orb\",\"scenes\":[\"city\",\"orb\"],\
-             \"params\":[{\"name\":\"size\",\"min\":0.0,\"max\":4.0,\"default\":1.0}],\
-             \"values\":{\"size\":[1.5,\"MIDI\"]},\"switches\":{\"blackout\":false,\"pause\":false},\
-             \"levels\":{\"position\":0.5,\"volume\":0.5},\"tempo\":120.0,\
-             \"track\":\"a \\\"song\\\" </script>\",\"length\":100.0}"
+            "{\"length\":100.0,\"levels\":{\"position\":0.5,\"volume\":0.5},\
+             \"params\":[{\"default\":1.0,\"max\":4.0,\"min\":0.0,\"name\":\"size\"}],\"pictures\":0,\
+             \"scene\":\"orb\",\"scenes\":[\"city\",\"orb\"],\"switches\":{\"blackout\":false,\"pause\":false},\
+             \"tempo\":120.0,\"track\":\"a \\\"song\\\" </script>\",\"values\":{\"size\":[1.5,\"MIDI\"]}}"
         );
     }
 
@@ -183,9 +152,9 @@ mod tests {
         is(|now| now.tempo = 98.0, r#"{"tempo":98.0}"#);
         is(
             |now| now.params[0].max = 8.0,
-            r#"{"params":[{"name":"size","min":0.0,"max":8.0,"default":1.0}],"values":{"size":[1.5,"MIDI"]}}"#,
+            r#"{"params":[{"default":1.0,"max":8.0,"min":0.0,"name":"size"}],"values":{"size":[1.5,"MIDI"]}}"#,
         );
-        is(|now| (now.scene, now.params) = ("city".into(), Vec::new()), r#"{"scene":"city","params":[]}"#);
+        is(|now| (now.scene, now.params) = ("city".into(), Vec::new()), r#"{"params":[],"scene":"city"}"#);
     }
 
     #[test]
@@ -202,7 +171,7 @@ mod tests {
         assert_eq!(reported(|now| now.levels[1].1 = 0.501), None, "a tenth of a second later");
         assert_eq!(
             reported(|now| now.levels[1].1 = 0.505).as_deref(),
-            Some(r#"{"levels":{"position":0.505}}"#)
+            Some(r#"{"levels":{"position":0.5025}}"#)
         );
     }
 }
