@@ -34,10 +34,10 @@ impl Session {
         let begun = clock::now();
         // A frame that waited for its regions has already been counted.
         if !self.playback.scene.composer.regions.have_come() && !self.playback.scene.composer.is_drawing() {
-            self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
+            self.playback.pace.pacing.begun(begun, self.playback.controllers.unseen.is_some());
         }
         let size = self.screen.size();
-        let placement = self.placement();
+        let placement = self.choices.stage.placement();
         let screen = self.screen.picture_size().map(|screen| (screen, placement.picture_size(screen)));
         self.playback.pace.window_size = screen.map(|(_, whole)| whole);
         let Some((screen, whole)) = screen else { return Ok(false) };

@@ -55,7 +55,7 @@ impl PictureRate {
 }
 
 pub(crate) struct DrawingPace {
-    pacing: Pacing,
+    pub(crate) pacing: Pacing,
     pub(crate) resolution: DynamicResolution,
     pub(crate) times: Times,
     /// The last shown frame. An equal frame is not drawn again.
@@ -85,15 +85,6 @@ impl DrawingPace {
     /// The same pace for a new context, in which no frame has been drawn.
     pub(crate) fn renewed(self, now: Instant) -> Self {
         Self { shown: None, pictured: None, moved: now, ..self }
-    }
-
-    /// Returns when the next frame is due. `answers` is true if the frame shows new controller input.
-    pub(crate) fn due(&self, answers: bool) -> Instant {
-        self.pacing.due(answers)
-    }
-
-    pub(crate) fn begun(&mut self, now: Instant, answers: bool) {
-        self.pacing.begun(now, answers);
     }
 
     /// The moment of the next frame: `now`, or the moment of the last frame if both would look the same.

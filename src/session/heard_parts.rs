@@ -8,17 +8,13 @@ use mariana_player::track::TrackInfo;
 
 /// The parts of the current track.
 pub(super) struct HeardParts {
-    reader: SongReader<Parts>,
+    pub(super) reader: SongReader<Parts>,
     pub(crate) wanted: bool,
     /// The last track whose parts were found.
-    found: Option<u64>,
+    pub(super) found: Option<u64>,
 }
 
 impl HeardParts {
-    pub(super) fn new(reader: SongReader<Parts>) -> Self {
-        Self { reader, wanted: false, found: None }
-    }
-
     /// Requests the parts of these tracks, the current one first, if a scene needs them.
     pub(super) fn request<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
         if self.wanted {

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::{Interface, Playback};
 use crate::placement::{Map, led};
-use crate::probing::Scenery;
 use crate::probing::{Answer, Prober};
 use crate::ray_diagram::RayDiagram;
 use crate::session::screen::Screen;
@@ -72,7 +71,7 @@ impl Interface {
         let Some(at) = at else { return };
         match playback.scene.composer.pictures.scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.request_point(scenery, at)),
-            Err(reason) => self.show_in_editor(&reason.to_string()),
+            Err(reason) => self.show_in_editor(reason),
         }
     }
 
@@ -99,8 +98,7 @@ impl Interface {
             return;
         }
         self.probing.surveyed = Some(picture);
-        let scenery: Option<Scenery> = playback.scene.composer.pictures.scenery().ok();
-        if let Some(scenery) = scenery {
+        if let Ok(scenery) = playback.scene.composer.pictures.scenery() {
             self.with_prober(|prober| prober.request_ray_statistics(scenery));
         }
     }

@@ -81,7 +81,7 @@ impl Listening {
         Self {
             sound,
             songs,
-            parts: HeardParts::new(stems),
+            parts: HeardParts { reader: stems, wanted: false, found: None },
             covers,
             shapes,
             energy,

@@ -26,7 +26,7 @@ pub(crate) struct FirstScene {
     starter: LoaderStarter,
     loader: SceneLoader,
     pub(crate) loaded: Option<LoadedScene>,
-    requested: SceneSource,
+    pub(super) requested: SceneSource,
     /// The scene to show if the requested one cannot be shown; `None` if the user has named the scene.
     substitute: Option<SceneSource>,
     gives_up: Instant,
@@ -70,10 +70,6 @@ impl FirstScene {
         };
         first.wait_until(clock::now() + WINDOW_WAIT)?;
         Ok(first)
-    }
-
-    pub(crate) fn title(&self) -> String {
-        self.requested.title()
     }
 
     /// Waits for the scene.
@@ -149,8 +145,7 @@ impl LoaderStarter {
             drafts.publish(Findings::of(source, &texts, &result));
             (result, files)
         };
-        Loader::start(load, move || waker.wake())
-            .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
+        Loader::start(load, move || waker.wake()).map_err(|error| SessionError::NoThread(error.to_string()))
     }
 }
 

@@ -20,17 +20,9 @@ pub(crate) struct MasterOutput {
 impl MasterOutput {
     /// Starts without blackout or freeze, with a brightness of 0..1. Changes take `fade` seconds.
     pub(crate) fn new(brightness: f32, fade: f64) -> Self {
-        let mut master_output = Self {
-            brightness: 1.0,
-            fade: Duration::ZERO,
-            is_black: false,
-            light: (1.0, None),
-            is_frozen: false,
-            shown: ShownPicture::PLAIN,
-        };
-        master_output.set_brightness(brightness);
-        master_output.set_fade(fade);
-        master_output
+        let fade = Duration::try_from_secs_f64(fade).unwrap_or_default();
+        let (light, shown) = ((1.0, None), ShownPicture::PLAIN);
+        Self { brightness, fade, is_black: false, light, is_frozen: false, shown }
     }
 
     /// Sets the fraction of the light, 0..1. Ignores values that are not finite.

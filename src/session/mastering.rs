@@ -6,7 +6,7 @@ use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{MovedCorner, Panel, SetSetting};
 use crate::config::Setting;
-use crate::placement::{Area, Corners, Placement};
+use crate::placement::{Area, Corners};
 use crate::scenes::SceneSource;
 use crate::session::lay::Lay;
 use crate::session::screen::Screen;
@@ -40,10 +40,6 @@ impl Session {
     fn close_panels(&mut self) {
         self.interface.ui_state.panels = PanelSwitches::default();
         self.show_open_panel();
-    }
-
-    pub(super) fn placement(&self) -> Placement {
-        self.choices.stage.placement()
     }
 
     /// Moves a corner of the frame; saves it if `settled`. Ignores positions at which the frame could not be drawn.

@@ -353,7 +353,7 @@ impl Session {
         let seen = self.screen.is_seen()
             || self.playback.pace.shown.is_none()
             || self.playback.frame_senders.are_any();
-        let due = self.playback.pace.due(self.playback.controllers.are_unseen());
+        let due = self.playback.pace.pacing.due(self.playback.controllers.unseen.is_some());
         if !moving || !seen {
             // While paused, ended or covered, the show waits for an event. In silence, sound may start at any time.
             if seen {

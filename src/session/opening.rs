@@ -32,7 +32,7 @@ use crate::session::master_output::MasterOutput;
 use crate::session::music_lists::MusicLists;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
-use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
+use crate::session::scene::{DrawingChoice, DrawingWays, LoadedScene, SceneLoaders, SceneSession};
 use crate::session::screen::Screen;
 use crate::session::sound::Sound;
 use crate::session::waker::Waker;
@@ -113,7 +113,9 @@ impl Opening {
         let renderer = renderer(screen.gl(), &choices, &choice)?;
         let troubles = tracks.iter().flat_map(|tracks| tracks.track_errors.clone());
         let troubles: Vec<String> = troubles.inspect(|trouble| print_message(trouble)).collect();
-        let (sound, position) = start_sound(tracks, memory, &settings)?;
+        let player = tracks.map(|tracks| start_player(tracks, &settings)).transpose()?;
+        let position = player.as_ref().map(Player::position);
+        let sound = Sound::start(player, output_of(&settings), memory, &settings)?;
         let mut reports = Reports::new(desktop(position), clock::now());
         message.into_iter().chain(troubles).for_each(|notice| reports.announce(notice));
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
@@ -202,12 +204,13 @@ fn start_first(
 ) -> Result<(SceneSession, String, Option<String>), SessionError> {
     if first.loaded.is_none() {
         let mut overlay = Overlay::new(screen.gl(), || ());
-        paint_waiting(screen, &mut overlay, &first.title(), OverlayContent::default())?;
+        paint_waiting(screen, &mut overlay, &first.requested.title(), OverlayContent::default())?;
     }
     let Begun { loaders, first, message } = first.wait()?;
     let (title, is_chosen) = (first.source.title(), first.source == choice.source);
     let SceneChoice { sdf, cells, view, projection, .. } = *choice;
-    let ways = DrawingWays { sdf, cells, view, projection, fade: settings.fade };
+    let drawn = DrawingChoice { sdf, cells };
+    let ways = DrawingWays { choice: drawn, view, projection, fade: settings.fade };
     let mut scene = start_scene(screen, settings, choice, ways, loaders, first, waker)?;
     if is_chosen {
         scene.parameters.remember(&title, &settings.moved);
@@ -247,22 +250,10 @@ fn start_player(tracks: Opened, settings: &PlaySettings) -> Result<Player, Sessi
     Ok(player)
 }
 
-/// Starts the tracks or the input. Returns also the position in the song.
-fn start_sound(
-    tracks: Option<Opened>,
-    memory: Memory,
-    settings: &PlaySettings,
-) -> Result<(Sound, Option<Position>), SessionError> {
-    let player = tracks.map(|tracks| start_player(tracks, settings)).transpose()?;
-    let position = player.as_ref().map(Player::position);
-    let sound = Sound::start(player, output_of(settings), memory, settings)?;
-    Ok((sound, position))
-}
-
 fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
     let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
     Direction::start(file, follow, settings.names_scene, waker.waking())
-        .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
+        .map_err(|error| SessionError::NoThread(error.to_string()))
 }
 
 fn output_of(settings: &PlaySettings) -> Option<Target> {
@@ -296,7 +287,7 @@ pub(super) fn renewed(
     scene: &SceneChoice,
     waker: &Waker,
 ) -> Result<Session, SessionError> {
-    session.pictures.let_go();
+    session.pictures.reading = None;
     let Session { playback, interface, screen, .. } = session;
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;

@@ -28,7 +28,7 @@ const LOOKS_MAX: usize = 330;
 #[derive(Default)]
 pub(super) struct Pictures {
     wanted: Option<Wanted>,
-    reading: Option<(PictureReader, PathBuf)>,
+    pub(super) reading: Option<(PictureReader, PathBuf)>,
     /// Messages about the pictures that are being written.
     writing: Vec<Awaited<String>>,
 }
@@ -48,11 +48,6 @@ impl Pictures {
             None => (level, drawn_size(level, whole, side_max)),
             Some(wanted) => (Level::STILL, wanted.size(whole, side_max)),
         }
-    }
-
-    /// Drops everything that belongs to a lost context.
-    pub(super) fn let_go(&mut self) {
-        self.reading = None;
     }
 
     /// Waits until all pictures are written. The driver gets a second to hand over the last one.

@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use crate::clock;
-use crate::commands::Command;
 use crate::export::print::print_message;
 use crate::session::desktop::DesktopControls;
 use crate::session::screen::Screen;
@@ -23,7 +22,7 @@ const MISSED_EVERY: Duration = Duration::from_secs(600);
 const MISSED_WORSE: f64 = 2.0;
 
 pub(crate) struct Reports {
-    desktop: Box<dyn DesktopControls>,
+    pub(super) desktop: Box<dyn DesktopControls>,
     pub(crate) due: Instant,
     waiting: VecDeque<String>,
     shown: Option<Sentence>,
@@ -82,10 +81,6 @@ impl Reports {
 
     pub(crate) fn hurry(&mut self) {
         self.due = clock::now();
-    }
-
-    pub(crate) fn command_of_desktop(&self) -> Option<Command> {
-        self.desktop.poll()
     }
 
     /// Shows `text` after the current notices.

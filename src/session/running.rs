@@ -150,7 +150,7 @@ impl Run {
     }
 
     fn obey_desktop(&mut self) {
-        while let Some(command) = self.session.playback.reports.command_of_desktop() {
+        while let Some(command) = self.session.playback.reports.desktop.poll() {
             self.carry_out(command, Sender::Desktop);
         }
     }

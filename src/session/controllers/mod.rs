@@ -39,7 +39,7 @@ pub(crate) struct Controllers {
     /// Earliest time of the next input batch.
     free: Instant,
     /// Arrival time of the first input that no frame shows yet, and the first scene revision with this input.
-    unseen: Option<(Instant, u64)>,
+    pub(super) unseen: Option<(Instant, u64)>,
     pub(crate) times: Times,
     board_due: Instant,
     /// Time of the next update of the panel, and the mappings' revision that the panel shows.
@@ -80,7 +80,7 @@ impl Controllers {
 
     /// Returns `true` if the state that controllers can read must be updated. `turned` is true after input.
     pub(crate) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
-        let is_asked = self.network.is_asked() || self.phones.is_asked();
+        let is_asked = self.network.receiver.is_some() || self.phones.remote.is_some();
         let is_due = is_asked && (turned || now >= self.board_due);
         if is_due {
             self.board_due = now + BOARD_AGE;
@@ -96,7 +96,7 @@ impl Controllers {
         let all = &self.scenes.1;
         let of =
             |title: String| all.iter().find(|(known, _)| *known == title).map(|(_, source)| source.clone());
-        self.phones.wanted_pictures().into_iter().filter_map(of).collect()
+        self.phones.album.drain_requested().into_iter().filter_map(of).collect()
     }
 
     pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
@@ -150,10 +150,6 @@ impl Controllers {
             (self.panel_due, self.panel_revision) = (now + PANEL_AGE, self.midi.revision);
         }
         is_due
-    }
-
-    pub(crate) fn are_unseen(&self) -> bool {
-        self.unseen.is_some()
     }
 
     /// Notes that input has changed the scene. The input arrived at `since` and is visible from `revision` on.

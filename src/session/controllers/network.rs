@@ -13,7 +13,7 @@ use mariana_field::graph::{LevelList, SoundInput};
 use mariana_music::{Features, SongMoment};
 
 pub(crate) struct Network {
-    receiver: Option<OscReceiver>,
+    pub(super) receiver: Option<OscReceiver>,
     sender: Option<OscSender>,
     interval: Duration,
     sample_due: Instant,
@@ -49,10 +49,6 @@ impl Network {
         let interval = Duration::try_from_secs_f64(1.0 / settings.osc_rate).unwrap_or_default();
         let reported = (ReceiverState::default(), false);
         Self { receiver, sender, interval, sample_due: clock::now(), reported, trouble }
-    }
-
-    pub(super) fn is_asked(&self) -> bool {
-        self.receiver.is_some()
     }
 
     /// The next message; `true` for bad news.

@@ -11,7 +11,7 @@ use mariana_remote::{Album, Remote, RemoteState};
 
 pub(crate) struct Phones {
     pub(crate) remote: Option<Remote>,
-    album: Album,
+    pub(super) album: Album,
     reported: RemoteState,
     trouble: Option<String>,
 }
@@ -35,10 +35,6 @@ impl Phones {
         Self { remote, album, reported: RemoteState::default(), trouble }
     }
 
-    pub(super) fn wanted_pictures(&self) -> Vec<String> {
-        self.album.drain_requested()
-    }
-
     pub(crate) fn record_picture(&self, looked: &Looked) {
         if self.remote.is_none() {
             return;
@@ -46,10 +42,6 @@ impl Phones {
         if let About::Picture(_, jpeg) = &looked.about {
             let _ = self.album.put(&looked.source.title(), jpeg.clone());
         }
-    }
-
-    pub(super) fn is_asked(&self) -> bool {
-        self.remote.is_some()
     }
 
     /// The next message; `true` for bad news.

@@ -14,7 +14,6 @@ use super::feedback::FeedbackPace;
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
-use super::program_task::ProgramOf;
 use super::regions::{DrawOptions, SceneRegions, Shown};
 use super::scene_change::SceneChange;
 use super::scenery::{Pictured, SeenPictures};
@@ -183,7 +182,7 @@ impl SceneComposer {
         if let Some(Making { legend, .. }) = self.making.take() {
             renderer.put_legend(legend.as_deref())?;
         }
-        self.pictures.finish(Some(shown.id), drawn.spent);
+        self.pictures.finish(shown.id, drawn.spent);
         if self.fading.goes_on_by_itself() || std::mem::take(&mut self.feedback.is_incomplete) {
             self.revision += 1;
         }
@@ -414,14 +413,6 @@ impl SceneComposer {
         self.regions.insists = choice.is_some();
     }
 
-    pub(super) fn receive_views(
-        &mut self,
-        of: ProgramOf,
-        program: Result<Program, GpuError>,
-    ) -> Result<(), GpuError> {
-        self.views.receive(of, program).inspect_err(|_| self.regions.insists = false)
-    }
-
     pub(super) fn record_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, mode)) = of.scenes.drawn(of.choice.sdf) else { return };
         // Ignore the times of views, which use other programs, and of fades, which draw two scenes.
@@ -442,7 +433,7 @@ impl SceneComposer {
 
     /// True if the frame of this scene is finished and does not change by itself.
     pub(super) fn rests_on(&self, scene: u64) -> bool {
-        self.pictures.scene() == Some(scene)
+        self.pictures.scene == Some(scene)
             && self.making.is_none()
             && self.views.choice.is_none()
             && !self.fading.goes_on()

@@ -3,10 +3,9 @@
 use super::decks::Decks;
 use super::library::SceneLoader;
 use super::parameters::Parameters;
+use super::prepared_scene::DrawingChoice;
 use super::show_follower::ShowFollower;
-use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
-use crate::gpu::mode::CellUse;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 
@@ -23,8 +22,7 @@ pub(crate) struct LoadedScene {
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DrawingWays {
-    pub sdf: SdfChoice,
-    pub cells: CellUse,
+    pub choice: DrawingChoice,
     pub view: Option<ViewChoice>,
     pub projection: Projection,
     /// Duration of a fade between scenes in seconds.

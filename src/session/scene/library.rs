@@ -1,7 +1,7 @@
 //! The requested scene, the list of scenes, and the loader that watches the scene's files.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::awaited_edit::AwaitedEdit;
 use crate::clock;
@@ -20,7 +20,7 @@ pub(crate) struct SceneLibrary {
     pub(crate) marks: BTreeSet<String>,
     /// The last requested scene: shown, or being loaded.
     pub(crate) wanted: SceneSource,
-    edit: AwaitedEdit,
+    pub(super) edit: AwaitedEdit,
     /// True while the scene's text is being edited: mistakes in it are temporary.
     pub(crate) is_written: bool,
 }
@@ -64,10 +64,6 @@ impl SceneLibrary {
         tracing::debug!("{} is loaded again for its draft", self.wanted.title());
         self.loader.load_again();
         self.edit.start(clock::now());
-    }
-
-    pub(super) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
-        self.edit.until(now)
     }
 
     pub(super) fn length_of_go(&self) -> Duration {

@@ -7,7 +7,7 @@ use crate::ui::overlay::{Notice, OverlayContent, Problem};
 
 #[derive(Default)]
 pub(crate) struct Messages {
-    problem: Option<(String, String)>,
+    pub(super) problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
     pub(super) hint: Option<String>,
     /// The latest technical remark, and the task it is about.
@@ -19,10 +19,6 @@ impl Messages {
     pub(crate) fn set_problem(&mut self, heading: String, text: String) {
         tracing::debug!("problem: {heading}");
         self.problem = Some((heading, text));
-    }
-
-    pub(super) fn clear_problem(&mut self) {
-        self.problem = None;
     }
 
     pub(super) fn answer(&mut self, text: impl Into<String>) {
@@ -70,7 +66,7 @@ mod tests {
         let problem = content.problem.map(|problem| (problem.heading, problem.text));
         assert_eq!(problem, Some(("orb has mistakes", "line 3")));
         assert_eq!(content.notice.map(|notice| notice.text), Some("compiled"));
-        messages.clear_problem();
+        messages.problem = None;
         assert!(messages.content().problem.is_none() && messages.hint.is_none());
     }
 }

@@ -52,7 +52,7 @@ impl Parameters {
 
     pub(super) fn seek(&mut self, moment: &Moment) {
         let Moment { song_time, features, song, .. } = moment;
-        (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), *song_time);
+        (self.now, self.song_time) = (self.clock(), *song_time);
         self.beats.record(features.phase, song.beat_in_bar);
         let sound = LazyCell::new(|| sound_inputs(features, song));
         let beats = self.beats.beats();

@@ -33,12 +33,6 @@ const REST: Duration = Duration::from_secs(10);
 /// With a software renderer, `auto` interprets a scene during its compilation only if its distance has at most this
 /// many clauses. With more clauses, one frame takes many times the compile time.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
-pub(super) enum TreeVerdict {
-    /// The tree is built or not needed.
-    Fine,
-    DrawnWithout(u64),
-    Refused(Refusal),
-}
 
 pub(crate) struct ScenePreparation {
     gl: Gl,
@@ -234,7 +228,8 @@ impl ScenePreparation {
                 }
             }
             (Task::Interpreter(interpreter), Ok(program)) => {
-                self.programs.add_interpreter(interpreter.clone(), program);
+                tracing::info!("an interpreter is ready");
+                self.programs.interpreters.add(ProgramOf::Interpreted(interpreter.clone()), program);
             }
             (Task::Compiled { id, has_cells }, Ok(program)) => {
                 if let Some(scene) = scenes.get_mut(*id) {
@@ -326,34 +321,34 @@ impl ScenePreparation {
         id: u64,
         tree: Option<Arc<BuiltRegions>>,
         scenes: &mut PreparedScenes,
-    ) -> TreeVerdict {
+    ) -> Result<Option<u64>, Refusal> {
         if scenes.ahead.scenes().any(|scene| scene.id == id) {
             scenes.ahead.receive_tree(id, tree);
-            return TreeVerdict::Fine;
+            return Ok(None);
         }
         let is_first = scenes.shown.is_none();
         let Some(scene) = scenes.coming.as_mut().filter(|scene| scene.id == id) else {
-            return TreeVerdict::Fine;
+            return Ok(None);
         };
         if let Some(tree) = tree {
             scene.resources.upload_regions(tree);
             scene.tree = FirstTree::There;
-            return TreeVerdict::Fine;
+            return Ok(None);
         }
         // Draw the very first scene even if it is slow, because there is no other scene.
         scene.tree = FirstTree::TooLong;
         if is_first {
-            return TreeVerdict::Fine;
+            return Ok(None);
         }
         let needs_tree = scene.resources.world().non_lipschitz || self.choice.sdf == SdfChoice::Interpreted;
         let has_program = scene.programs.compiled.is_some() || self.programs.is_making(scene, Mode::Compiled);
         if !needs_tree && has_program {
             scene.programs.without_interpreter();
-            return TreeVerdict::DrawnWithout(id);
+            return Ok(Some(id));
         }
-        let Some(expensive) = scenes.coming.take() else { return TreeVerdict::Fine };
+        let Some(expensive) = scenes.coming.take() else { return Ok(None) };
         self.forget_obsolete(scenes);
-        TreeVerdict::Refused(too_expensive(&expensive, TREE_TOO_LONG))
+        Err(too_expensive(&expensive, TREE_TOO_LONG))
     }
 
     /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene is
@@ -502,7 +497,7 @@ impl ScenePreparation {
 
     /// Reports programs that the driver has been compiling for a long time, each program once.
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
-        for id in self.programs.slow() {
+        for id in self.programs.compiler.slow() {
             let Some(task) = self.programs.task(id) else { continue };
             // Skip scenes prepared ahead: nobody waits for them.
             let is_theirs =

@@ -4,6 +4,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::context_change::LoadedScene;
 use super::knobs::{Knob, SceneKnobs};
 use super::program_task::ProgramOf;
 use crate::clock;
@@ -16,7 +17,7 @@ use mariana_control::Slider;
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct DrawingChoice {
+pub(crate) struct DrawingChoice {
     pub sdf: SdfChoice,
     pub cells: CellUse,
 }
@@ -67,13 +68,6 @@ pub(crate) struct PreparedScene {
 }
 
 impl ScenePrograms {
-    pub(super) fn of(&self, mode: Mode) -> Option<&Rc<Program>> {
-        match mode {
-            Mode::Interpreted => self.interpreted.as_ref(),
-            Mode::Compiled => self.compiled.as_ref(),
-        }
-    }
-
     pub(super) fn without_interpreter(&mut self) {
         (self.interpreter, self.interpreted) = (None, None);
     }
@@ -134,17 +128,16 @@ impl PreparedScene {
         })
     }
 
-    pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
+    pub(super) fn into_loaded(self) -> LoadedScene {
         let resources = &self.resources;
-        let (world, buffers) = (resources.world().clone(), resources.buffers().clone());
-        let ready = ReadyScene {
-            world,
-            buffers,
+        let scene = ReadyScene {
+            world: resources.world().clone(),
+            buffers: resources.buffers().clone(),
             plan: resources.plan().clone(),
             settles: false,
             warnings: Arc::default(),
         };
-        (self.source, ready)
+        LoadedScene { source: self.source, scene }
     }
 
     pub(super) fn title(&self) -> String {
@@ -152,7 +145,10 @@ impl PreparedScene {
     }
 
     pub(super) fn program(&self, mode: Mode) -> Option<&Rc<Program>> {
-        self.programs.of(mode)
+        match mode {
+            Mode::Interpreted => self.programs.interpreted.as_ref(),
+            Mode::Compiled => self.programs.compiled.as_ref(),
+        }
     }
 
     /// The mode in which the scene is drawn now; `None` if there is no program.

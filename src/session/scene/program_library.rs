@@ -33,7 +33,7 @@ pub(super) struct ProgramLibrary {
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
     pub(super) has_shown: bool,
     // The last field, because its threads draw with objects of the fields above.
-    compiler: BackgroundCompiler,
+    pub(super) compiler: BackgroundCompiler,
 }
 
 impl ProgramLibrary {
@@ -76,16 +76,6 @@ impl ProgramLibrary {
 
     pub(super) fn task(&self, id: u64) -> Option<&Task> {
         self.tasks.get(&id)
-    }
-
-    /// Returns tasks that the driver has worked on for a long time. Returns each task once.
-    pub(super) fn slow(&self) -> Vec<u64> {
-        self.compiler.slow()
-    }
-
-    pub(super) fn add_interpreter(&mut self, variant: Interpreter, program: Program) {
-        tracing::info!("an interpreter is ready");
-        self.interpreters.add(ProgramOf::Interpreted(variant), program);
     }
 
     /// Takes a universal interpreter or its error. After an error, returns a message; each scene then gets its own
@@ -314,7 +304,7 @@ mod tests {
         assert!(programs.is_making(&second, Mode::Interpreted));
         let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
         assert!(programs.is_idle(), "both scenes share one interpreter");
-        programs.add_interpreter(variant, program);
+        programs.interpreters.add(ProgramOf::Interpreted(variant), program);
         let needed = second.programs.interpreter.as_ref().unwrap();
         assert!(programs.interpreter_for(needed).is_some());
     }

@@ -12,14 +12,6 @@ use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum NoScenery {
-    #[error("no frame has been drawn yet")]
-    NoPicture,
-    #[error("two scenes are fading: try again after the fade")]
-    Between,
-}
-
 /// The inputs of a frame, independent of its drawing mode. They may be kept longer than the scene.
 pub(super) struct Pictured {
     source: SceneSource,
@@ -44,7 +36,7 @@ pub(crate) struct SeenPictures {
     begun: Option<Pictured>,
     seen: Option<Pictured>,
     pub(crate) count: u64,
-    of: Option<u64>,
+    pub(super) scene: Option<u64>,
     /// Times of the last two frames, the newest first.
     took: [Duration; 2],
 }
@@ -54,11 +46,11 @@ impl SeenPictures {
     ///
     /// # Errors
     /// Fails if no frame is shown, or if the frame shows two scenes.
-    pub(crate) fn scenery(&self) -> Result<Scenery, NoScenery> {
+    pub(crate) fn scenery(&self) -> Result<Scenery, &'static str> {
         let Pictured { source, world, frame, maker, options } =
-            self.seen.as_ref().ok_or(NoScenery::NoPicture)?;
+            self.seen.as_ref().ok_or("no frame has been drawn yet")?;
         if world.blended.is_some() {
-            return Err(NoScenery::Between);
+            return Err("two scenes are fading: try again after the fade");
         }
         Ok(Scenery {
             source: source.clone(),
@@ -84,15 +76,11 @@ impl SeenPictures {
         self.begun = Some(picture);
     }
 
-    pub(super) fn finish(&mut self, of: Option<u64>, took: Duration) {
+    pub(super) fn finish(&mut self, scene: u64, took: Duration) {
         self.seen = self.begun.take();
         self.count += 1;
-        self.of = of;
+        self.scene = Some(scene);
         self.took = [took, self.took[0]];
-    }
-
-    pub(super) fn scene(&self) -> Option<u64> {
-        self.of
     }
 
     /// The shorter of the last two frame times: a single frame may have waited for the driver or the processors.

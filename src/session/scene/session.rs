@@ -10,8 +10,8 @@ use super::library::SceneLibrary;
 use super::messages::Messages;
 use super::on_decks::DeckChanges;
 use super::parameters::{Parameters, ParametersInHand, TurnedParameters};
-use super::preparation::{ScenePreparation, TreeVerdict};
-use super::prepared_scene::{DrawingChoice, PreparedScene};
+use super::preparation::ScenePreparation;
+use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
 use super::preview::NextPicture;
 use super::program_library::ProgramLibrary;
@@ -63,13 +63,12 @@ impl SceneSession {
         let regions = SceneRegions::start(wake.clone()).map_err(no_worker)?;
         let next_picture = NextPicture::start(wake.clone()).map_err(no_worker)?;
         let LoadedScene { source, scene } = first;
-        let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = RegionBuilder::start(wake.clone()).map_err(no_worker)?;
         let textures = LiveTextures::new(wake.clone());
         let song_shapes = LiveSongShapes::start(wake.clone()).map_err(no_worker)?;
         let programs = ProgramLibrary::start(gl, contexts, sources, ways.projection, wake);
-        let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
+        let preparation = ScenePreparation::new(gl, ways.choice, library, trials, programs);
         let mut session = Self {
             scenes: PreparedScenes::with(PreparedAhead::with(loaders.ahead)),
             show: ShowFollower::default(),
@@ -89,17 +88,14 @@ impl SceneSession {
 
     /// Drops everything that belongs to the OpenGL context, and returns the state for another session.
     pub(crate) fn let_go(self) -> KeptScenes {
-        let DrawingChoice { sdf, cells } = self.preparation.choice;
         let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
-        let shown = shown.or(coming).map(PreparedScene::into_ready);
-        let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
-        let (view, fade) = (self.composer.views.choice, self.composer.fading.seconds());
-        let projection = self.composer.projection;
+        let (choice, view) = (self.preparation.choice, self.composer.views.choice);
+        let (projection, fade) = (self.composer.projection, self.composer.fading.seconds());
         let SceneLibrary { loader, wanted, .. } = self.preparation.library;
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
-            shown,
-            ways: DrawingWays { sdf, cells, view, projection, fade },
+            shown: shown.or(coming).map(PreparedScene::into_loaded),
+            ways: DrawingWays { choice, view, projection, fade },
             taken_over: TakenOver { parameters: self.parameters, wanted, show: self.show, decks: self.decks },
         }
     }
@@ -175,9 +171,9 @@ impl SceneSession {
         }
         while let Some(BuiltTree { tag, regions, .. }) = self.preparation.trials.poll() {
             match self.preparation.receive_tree(tag, regions, &mut self.scenes) {
-                TreeVerdict::Fine => {}
-                TreeVerdict::DrawnWithout(id) => self.composer.regions.late_for = Some((id, Mode::Compiled)),
-                TreeVerdict::Refused(refusal) => self.refuse(refusal),
+                Ok(None) => {}
+                Ok(Some(id)) => self.composer.regions.late_for = Some((id, Mode::Compiled)),
+                Err(refusal) => self.refuse(refusal),
             }
         }
         self.preparation.settle_numbers(&mut self.scenes);
@@ -194,7 +190,7 @@ impl SceneSession {
 
     fn receive_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
         if loaded.value.is_ok() {
-            self.messages.clear_problem();
+            self.messages.problem = None;
         }
         match self.preparation.receive_loaded(loaded.value, &mut self.scenes)? {
             None => self.show_what_is_ready(),
@@ -243,7 +239,7 @@ impl SceneSession {
             self.composer.change.save_outgoing(left, took, orbit, &self.show, &self.parameters);
         }
         // Do not keep a scene that was never drawn.
-        if self.composer.pictures.scene() == replaced.as_ref().map(|scene| scene.id) {
+        if self.composer.pictures.scene == replaced.as_ref().map(|scene| scene.id) {
             self.scenes.before = replaced;
         }
         self.preparation.forget_obsolete(&self.scenes);
@@ -403,7 +399,7 @@ impl SceneSession {
         let hint = waits.then(|| format!("{} is being prepared", wanted.title()));
         self.messages.hint = hint;
         if is_prepared {
-            self.messages.clear_problem();
+            self.messages.problem = None;
             self.show_what_is_ready();
         }
     }
@@ -511,7 +507,7 @@ impl SceneSession {
     }
 
     pub(crate) fn give_camera_back(&mut self) {
-        self.messages.answer(self.composer.camera.give_back().to_owned());
+        self.messages.answer(self.composer.camera.give_back());
     }
 
     pub(crate) fn fade_from_held(&mut self, seconds: f64) {
@@ -522,7 +518,7 @@ impl SceneSession {
     /// Returns the time until which drawing waits for a changed text; `None` if it need not wait, or if the frame in
     /// progress must be finished.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
-        self.preparation.library.awaits_edit(now).filter(|_| !self.composer.must_finish())
+        self.preparation.library.edit.until(now).filter(|_| !self.composer.must_finish())
     }
 
     pub(crate) fn saves_samples(&self, now: Instant) -> bool {

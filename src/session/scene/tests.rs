@@ -14,7 +14,9 @@ use super::performed::Performed;
 use super::program_task::{ProgramOf, Task};
 use super::report;
 use super::testing::loader;
-use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
+use super::{
+    DrawingChoice, DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture,
+};
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
 use crate::gpu::{CellUse, Counting, EdgeSamples, GpuError, Headless, Renderer, ShaderLibrary, Sources};
@@ -79,8 +81,8 @@ impl Staged {
         let loaded = loaded.unwrap();
         let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
         let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
-        let (sdf, cells, projection) = (SdfChoice::Compiled, CellUse::Never, Projection::default());
-        let ways = DrawingWays { sdf, cells, view: None, projection, fade };
+        let choice = DrawingChoice { sdf: SdfChoice::Compiled, cells: CellUse::Never };
+        let ways = DrawingWays { choice, view: None, projection: Projection::default(), fade };
         let loaders = SceneLoaders { shown, ahead };
         let session =
             SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
@@ -106,8 +108,9 @@ impl Staged {
 
     /// Pretends that a frame of the shown scene has been drawn, or has not been drawn.
     fn draws(&mut self, drawn: bool) {
-        let id = self.session.scenes.shown_id().filter(|_| drawn);
-        self.session.composer.pictures.finish(id, Duration::ZERO);
+        let pictures = &mut self.session.composer.pictures;
+        pictures.finish(self.session.scenes.shown_id().unwrap_or_default(), Duration::ZERO);
+        pictures.scene = pictures.scene.filter(|_| drawn);
     }
 
     fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {

@@ -92,24 +92,10 @@ impl Views {
     }
 
     /// Takes a requested view program. If the driver rejects it, the view is turned off.
-    pub(super) fn receive(
-        &mut self,
-        of: ProgramOf,
-        program: Result<Program, GpuError>,
-    ) -> Result<(), GpuError> {
+    pub(super) fn add(&mut self, of: ProgramOf, program: Program) {
+        tracing::info!("views are ready");
+        self.programs.add(of, program);
         self.revision += 1;
-        match program {
-            Ok(program) => {
-                tracing::info!("views are ready");
-                self.programs.add(of, program);
-                Ok(())
-            }
-            Err(error) => {
-                tracing::warn!("{error}");
-                self.choice = None;
-                Err(error)
-            }
-        }
     }
 }
 

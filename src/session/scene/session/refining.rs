@@ -107,18 +107,25 @@ impl SceneSession {
         program: Result<Program, GpuError>,
     ) -> Option<(Task, Result<Program, GpuError>)> {
         let (failed, error) = match (task, program) {
-            (Task::Views(of), program) => ("show views", self.composer.receive_views(of, program).err()?),
+            (Task::Views(of), Ok(program)) => {
+                self.composer.views.add(of, program);
+                return None;
+            }
+            (Task::Views(_), Err(error)) => {
+                self.composer.show_view(None);
+                ("show views", error)
+            }
             (Task::Paths(of), Ok(program)) => {
                 self.refinement.programs.add(of, program);
                 return None;
             }
             (Task::Paths(_), Err(error)) => {
-                tracing::warn!("{error}");
                 self.refinement.end();
                 ("draw paths of light", error)
             }
             other => return Some(other),
         };
+        tracing::warn!("{error}");
         self.messages.set_problem(format!("this driver cannot {failed}"), error.to_string());
         None
     }
