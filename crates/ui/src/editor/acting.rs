@@ -40,7 +40,7 @@ impl Editor {
         if let Some(way) = way_of(&press.key, held, self.texts.documents.rows)
             && !held.alt_key()
         {
-            self.proposals.close();
+            self.proposals.shown = None;
             return self.with_text(|document| document.editing.move_cursor(way, held.shift_key()));
         }
         let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
@@ -83,7 +83,7 @@ impl Editor {
         match key {
             Key::Named(NamedKey::Enter) if plain => self.edit(|editing| editing.insert_line()),
             Key::Named(NamedKey::Backspace) => {
-                let was = self.proposals.shown().is_some();
+                let was = self.proposals.shown.is_some();
                 self.change(|editing| editing.delete(if word { Move::WordLeft } else { Move::Left }));
                 if was {
                     self.propose(false);
@@ -212,7 +212,7 @@ impl Editor {
 
     fn act_with(&mut self, action: EditAction, shift: bool) {
         if action != EditAction::Propose {
-            self.proposals.close();
+            self.proposals.shown = None;
         }
         match action {
             EditAction::Save => {
@@ -279,12 +279,12 @@ impl Editor {
     fn leave(&mut self) {
         let small = self.held_numbers.close_picker(&mut self.texts)
             || self.close_probed()
-            || self.finding.line().is_some()
+            || self.finding.line.is_some()
             || self.picture.close_profile();
         self.close_small();
         self.notice.clear();
         if !small {
-            self.texts.outbox.send(CLOSE);
+            self.texts.outbox.commands.push(CLOSE);
         }
     }
 
@@ -299,7 +299,7 @@ impl Editor {
 
     pub(super) fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
         let done = self.texts.edit(change);
-        self.proposals.close();
+        self.proposals.shown = None;
         self.show_refusal(done);
         self.revision += 1;
     }
@@ -399,7 +399,7 @@ impl Editor {
     /// Opens the completion list. If the user `asked` for the list, it opens even before a letter is typed, and a
     /// message says if no name fits.
     fn propose(&mut self, asked: bool) {
-        self.proposals.close();
+        self.proposals.shown = None;
         let Some(document) = self.texts.documents.shown().filter(|document| document.is_open()) else {
             return;
         };

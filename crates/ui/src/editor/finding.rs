@@ -24,23 +24,15 @@ pub(super) enum QueryKey {
 
 #[derive(Default)]
 pub(crate) struct Finding {
-    line: Option<Find>,
+    pub(crate) line: Option<Find>,
 }
 
 impl Finding {
-    pub(crate) fn line(&self) -> Option<&Find> {
-        self.line.as_ref()
-    }
-
     pub(super) fn begin(&mut self, selected: &[u8]) {
         let before = self.line.take().map(|find| find.query).unwrap_or_default();
         let selected = std::str::from_utf8(selected).ok();
         let selected = selected.filter(|text| !text.is_empty() && !text.contains('\n'));
         self.line = Some(Find { query: selected.map_or(before, str::to_owned), typing: true });
-    }
-
-    pub(super) fn close(&mut self) {
-        self.line = None;
     }
 
     pub(super) fn typed(&mut self) -> Option<&mut String> {

@@ -116,7 +116,7 @@ impl Editor {
         }
         self.let_go();
         self.close_small();
-        self.picture.forget();
+        (self.picture.probed, self.picture.ray_statistics) = (None, None);
         self.texts.show_scene(source);
         self.revision += 1;
     }
@@ -162,7 +162,7 @@ impl Editor {
 
     /// Returns the commands that the editor has sent since the last call.
     pub fn drain_commands(&mut self) -> Vec<Command> {
-        self.texts.outbox.drain_commands()
+        std::mem::take(&mut self.texts.outbox.commands)
     }
 
     /// Backs up unsaved text before the program exits.
@@ -189,8 +189,8 @@ impl Editor {
     }
 
     fn close_small(&mut self) {
-        self.finding.close();
-        self.proposals.close();
+        self.finding.line = None;
+        self.proposals.shown = None;
         self.held_numbers.close_picker(&mut self.texts);
         self.revision += 1;
     }
@@ -202,9 +202,7 @@ impl Editor {
         self.to_write = Some(ToWrite { name, binding, is_copied: false });
         binding::write_waiting(self);
     }
-}
 
-impl Editor {
     /// Sets the frame's position in the window and its camera.
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
@@ -228,7 +226,8 @@ impl Editor {
                 self.picture.ray_statistics = Some(ray_statistics);
             }
             Answer::Point(probed) if Some(&probed.source) == self.texts.found.source.as_ref() => {
-                self.picture.show_probed(probed);
+                tracing::debug!("probed: {probed:?}");
+                self.picture.probed = Some(probed);
                 // Scroll to the line that drew the point, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
                     self.texts.documents.reveal_row((line as f32, 0.0));
@@ -265,7 +264,7 @@ impl Editor {
 
     /// Closes the card of the clicked point. Returns true if the card was open.
     pub fn close_probed(&mut self) -> bool {
-        let was = self.picture.close_probed();
+        let was = self.picture.probed.take().is_some();
         self.revision += u64::from(was);
         was
     }
@@ -274,9 +273,7 @@ impl Editor {
     pub fn wants_ray_statistics(&self) -> bool {
         self.picture.wants_ray_statistics()
     }
-}
 
-impl Editor {
     pub(crate) fn grab(&mut self, at: usize) {
         self.close_small();
         match self.document().and_then(|document| document.number(at)) {
@@ -327,7 +324,7 @@ impl Editor {
         }
         let at = start + triple.range.start;
         self.with_text(|document| document.editing.move_to(at, false));
-        self.held_numbers.pick(at);
+        self.held_numbers.picked = Some(at);
     }
 
     pub(crate) fn close_picker(&mut self) {
@@ -347,9 +344,7 @@ impl Editor {
             self.turn(|held_numbers, texts| held_numbers.move_three(way, texts));
         }
     }
-}
 
-impl Editor {
     pub(crate) fn document(&self) -> Option<&Document> {
         self.texts.documents.shown()
     }

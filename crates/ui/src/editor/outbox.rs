@@ -1,11 +1,9 @@
 //! Output of the editor: drafts for the loader, backups, values of turned numbers, and commands for the show.
 
-use std::io;
 use std::path::Path;
 
 use mariana_commands::Command;
 use mariana_field::lang::Turning;
-use mariana_files::Folders;
 use mariana_files::documents::FileThread;
 use mariana_scenes::Drafts;
 
@@ -17,27 +15,10 @@ pub(super) struct Outbox {
     pub(super) drafts: Drafts,
     /// True while turned numbers are frame inputs, so that turning them does not reload the text.
     pub(super) turns: bool,
-    commands: Vec<Command>,
+    pub(super) commands: Vec<Command>,
 }
 
 impl Outbox {
-    pub(super) fn start(
-        drafts: Drafts,
-        folders: &Folders,
-        wake: impl Fn() + Send + 'static,
-    ) -> io::Result<Self> {
-        let files = FileThread::start(folders, wake)?;
-        Ok(Self { files, drafts, turns: false, commands: Vec::new() })
-    }
-
-    pub(super) fn send(&mut self, command: Command) {
-        self.commands.push(command);
-    }
-
-    pub(super) fn drain_commands(&mut self) -> Vec<Command> {
-        std::mem::take(&mut self.commands)
-    }
-
     /// Passes a changed text to the loader and to its backup.
     pub(super) fn pass_on(&mut self, document: &mut Document) {
         if document.record_change() {

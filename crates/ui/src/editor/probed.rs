@@ -15,7 +15,7 @@ use mariana_scenes::probing::Probed;
 #[derive(Default)]
 pub(crate) struct ProbedPicture {
     /// Maps positions in the window to positions in the frame.
-    map: Option<Map>,
+    pub(crate) map: Option<Map>,
     camera: Option<Camera>,
     pub(crate) probed: Option<Probed>,
     /// True while parts drawn by the lines at the cursor are highlighted.
@@ -37,15 +37,6 @@ impl ProbedPicture {
         let is_new = (self.map != Some(map), self.camera != camera);
         (self.map, self.camera) = (Some(map), camera);
         is_new
-    }
-
-    pub(super) fn show_probed(&mut self, probed: Probed) {
-        tracing::debug!("probed: {probed:?}");
-        self.probed = Some(probed);
-    }
-
-    pub(super) fn close_probed(&mut self) -> bool {
-        self.probed.take().is_some()
     }
 
     pub(super) fn toggle_light(&mut self) -> &'static str {
@@ -73,10 +64,6 @@ impl ProbedPicture {
         if !self.wants_ray_statistics() {
             self.ray_statistics = None;
         }
-    }
-
-    pub(super) fn forget(&mut self) {
-        (self.probed, self.ray_statistics) = (None, None);
     }
 
     pub(super) fn wants_ray_statistics(&self) -> bool {
@@ -113,13 +100,6 @@ impl ProbedPicture {
             columns: ray_statistics.columns,
             cells: ray_statistics.cells.iter().map(of_cell).collect(),
         })
-    }
-}
-
-impl ProbedPicture {
-    /// Maps positions in the window to positions in the frame, both as fractions.
-    pub(crate) fn map(&self) -> Option<&Map> {
-        self.map.as_ref()
     }
 
     pub(crate) fn view(&self) -> Option<(&Map, &Camera)> {

@@ -31,30 +31,22 @@ pub(super) enum Choice {
 }
 
 pub(crate) struct Proposals {
-    proposing: Option<Proposing>,
+    pub(crate) shown: Option<Proposing>,
     object_previews: ObjectPreviews,
 }
 
 impl Proposals {
     /// Starts with a closed list. `wake` is called on another thread when a preview is finished.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        Self { proposing: None, object_previews: ObjectPreviews::new(wake) }
-    }
-
-    pub(crate) fn shown(&self) -> Option<&Proposing> {
-        self.proposing.as_ref()
+        Self { shown: None, object_previews: ObjectPreviews::new(wake) }
     }
 
     pub(crate) fn object_preview(&self) -> Option<&ObjectPreview> {
-        self.object_previews.of(self.proposing.as_ref()?.of_library()?)
-    }
-
-    pub(super) fn close(&mut self) {
-        self.proposing = None;
+        self.object_previews.of(self.shown.as_ref()?.of_library()?)
     }
 
     pub(super) fn update(&mut self) -> bool {
-        if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
+        if let Some(name) = self.shown.as_ref().and_then(Proposing::of_library) {
             self.object_previews.request(name);
         }
         self.object_previews.update()
@@ -66,12 +58,12 @@ impl Proposals {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
         let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));
         let proposing = Proposing { from: range.start, list, selected: 0, moved: asked };
-        self.proposing = Some(proposing).filter(|proposing| !proposing.list.is_empty());
-        self.proposing.is_some()
+        self.shown = Some(proposing).filter(|proposing| !proposing.list.is_empty());
+        self.shown.is_some()
     }
 
     pub(super) fn choose(&mut self, key: &Key, held: Modifiers) -> Choice {
-        let Some(proposing) = &mut self.proposing else { return Choice::Other };
+        let Some(proposing) = &mut self.shown else { return Choice::Other };
         let (Key::Named(named), true) = (key, held.is_empty()) else { return Choice::Other };
         let count = proposing.list.len();
         match named {
@@ -80,7 +72,7 @@ impl Proposals {
             NamedKey::Tab => return Choice::Take(proposing.selected),
             NamedKey::Enter if proposing.moved => return Choice::Take(proposing.selected),
             NamedKey::Escape => {
-                self.proposing = None;
+                self.shown = None;
                 return Choice::Changed;
             }
             _ => return Choice::Other,
@@ -93,7 +85,7 @@ impl Proposals {
         &mut self,
         number: usize,
     ) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {
-        let Proposing { from, mut list, .. } = self.proposing.take()?;
+        let Proposing { from, mut list, .. } = self.shown.take()?;
         let proposal = (number < list.len()).then(|| list.swap_remove(number))?;
         Some(move |editing: &mut Editing| {
             let cursor = editing.cursor();

@@ -381,7 +381,7 @@ fn proposals_appear_while_typing_and_tab_accepts_one() {
     let mut setup = TestEditor::new(b"object o { shape =  }");
     setup.go_to(" }");
     setup.type_text("smooth_u");
-    let first = setup.editor.proposals.shown().unwrap().list[0].clone();
+    let first = setup.editor.proposals.shown.as_ref().unwrap().list[0].clone();
     assert_eq!(first.name, "smooth_union");
     assert!(!first.about.text.is_empty());
     assert!(setup.named(NamedKey::Tab));
@@ -390,11 +390,11 @@ fn proposals_appear_while_typing_and_tab_accepts_one() {
     assert!(setup.text().contains("(sph\n"), "{}", setup.text());
     setup.type_text("bo");
     setup.named(NamedKey::ArrowDown);
-    let second = setup.editor.proposals.shown().unwrap().list[1].name.clone();
+    let second = setup.editor.proposals.shown.as_ref().unwrap().list[1].name.clone();
     setup.named(NamedKey::Enter);
     assert!(setup.text().contains(&format!("\n{second}")), "{}", setup.text());
     setup.type_text(" bo");
-    assert!(setup.named(NamedKey::Escape) && setup.editor.proposals.shown().is_none());
+    assert!(setup.named(NamedKey::Escape) && setup.editor.proposals.shown.is_none());
     assert!(
         setup.commands().iter().all(|command| *command == Command::ReloadScene),
         "Esc closes only the list"
@@ -480,7 +480,7 @@ fn the_search_finds_the_next_match() {
     setup.named(NamedKey::F3);
     assert_eq!(selected(&setup), 4..7, "it wraps around");
     setup.named(NamedKey::Escape);
-    assert!(setup.commands().is_empty() && setup.editor.finding.line().is_none());
+    assert!(setup.commands().is_empty() && setup.editor.finding.line.is_none());
     setup.type_text("2");
     assert_eq!(setup.text(), "one 2\ntwo one\n");
 }

@@ -10,7 +10,7 @@ use mariana_commands::Command;
 use mariana_editing::{Editing, Refused};
 use mariana_field::lang::Turning;
 use mariana_files::Folders;
-use mariana_files::documents::{FileEvent, OnDisk};
+use mariana_files::documents::{FileEvent, FileThread, OnDisk};
 use mariana_scenes::{Drafts, Mistake, SceneSource};
 
 use super::document::{Change, Document, Question};
@@ -38,7 +38,12 @@ impl Texts {
         Ok(Self {
             documents: Documents::new(),
             found: Found::default(),
-            outbox: Outbox::start(drafts, folders, wake)?,
+            outbox: Outbox {
+                files: FileThread::start(folders, wake)?,
+                drafts,
+                turns: false,
+                commands: Vec::new(),
+            },
         })
     }
 
@@ -98,9 +103,7 @@ impl Texts {
         let next = self.documents.shown().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.findings.as_ref()?.mistakes.first().map(|one| one.text))
     }
-}
 
-impl Texts {
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.found.show_scene(source);
         self.show(source);
@@ -127,9 +130,7 @@ impl Texts {
         }
         self.documents.select_loaded(range);
     }
-}
 
-impl Texts {
     pub(super) fn edit(
         &mut self,
         change: impl FnOnce(&mut Editing) -> Result<(), Refused>,
@@ -206,9 +207,7 @@ impl Texts {
         self.documents.unsaved().for_each(|document| self.outbox.keep(document));
         self.outbox.files.finish(KEEP_LIMIT);
     }
-}
 
-impl Texts {
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
     }
@@ -219,9 +218,7 @@ impl Texts {
             self.outbox.draft(document);
         }
     }
-}
 
-impl Texts {
     pub(super) fn drain_findings(&mut self) -> bool {
         let mut any = false;
         for findings in self.outbox.drafts.drain_findings() {
@@ -272,7 +269,7 @@ impl Texts {
             FileEvent::Changed { file, holds } => self.read_change(&file, holds),
             FileEvent::Created { file } => {
                 let words = format!("created {}", file.display());
-                self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
+                self.outbox.commands.push(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)
             }
         }

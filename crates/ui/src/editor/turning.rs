@@ -88,10 +88,6 @@ impl HeldNumbers {
         Some(values.map(|value| sign * value))
     }
 
-    pub(super) fn pick(&mut self, at: usize) {
-        self.picked = Some(at);
-    }
-
     pub(super) fn close_picker(&mut self, texts: &mut Texts) -> bool {
         let was = self.picked.take().is_some();
         if was && self.turns_three() {
@@ -211,7 +207,7 @@ impl HeldNumbers {
         if of_frame.iter().all(|(input, value)| (input.room.0..=input.room.1).contains(value)) {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
             let turned = TurnedNumbers { file: turn.file.clone(), values };
-            texts.outbox.send(Command::TurnNumbers(turned));
+            texts.outbox.commands.push(Command::TurnNumbers(turned));
         } else {
             // A value is out of range: parse the new text, with ranges around the new values.
             let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();

@@ -23,12 +23,18 @@ pub struct Acts {
     pub commands: Vec<Command>,
 }
 
+impl Acts {
+    pub(super) fn on_editor(&mut self, act: impl FnOnce(&mut Editor) + Send + 'static) {
+        self.on_panels.push(PanelAct::Editor(Box::new(act)));
+    }
+}
+
 /// A change of an open panel.
 pub enum PanelAct {
     /// Of the table of keys.
     Help(On<HelpPanel>),
     /// Of the scene editor.
-    Editor(On<Editor, ()>),
+    Editor(Box<dyn FnOnce(&mut Editor) + Send>),
     /// Of the scene list.
     Scenes(On<SceneBrowser>),
     /// Of the file list.
@@ -40,7 +46,7 @@ pub enum PanelAct {
 }
 
 /// Changes a panel. Returns the panel's commands, if it sends any.
-pub type On<Panel, Commands = Vec<Command>> = Box<dyn FnOnce(&mut Panel) -> Commands + Send>;
+pub type On<Panel> = Box<dyn FnOnce(&mut Panel) -> Vec<Command> + Send>;
 
 /// A change without a command.
 pub(super) fn on<Panel>(act: impl FnOnce(&mut Panel) + Send + 'static) -> On<Panel> {

@@ -13,7 +13,7 @@ pub(super) use light::on_screen;
 
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::acts::{On, PanelAct, Pass};
+use super::acts::{Acts, Pass};
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
@@ -43,7 +43,6 @@ pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<R
     let text = editor.document().map_or(0.0, |document| text::height(&font, width - 2.0 * EDGE, document));
     let wanted = (text + 2.0 * cell).max(LINES_MIN as f32 * cell) + AROUND;
     let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
-    let mut ask = |act| acts.on_panels.push(PanelAct::Editor(act));
     let screen = context.viewport_rect();
     light::show(context, screen, editor);
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
@@ -54,32 +53,26 @@ pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<R
         style::ground(ui.painter(), rect);
         let Some(document) = editor.document() else { return };
         let mut inner = rect.shrink2(vec2(EDGE, 6.0));
-        inner.min.y = header(ui, inner, editor, document, &mut ask);
-        inner.min.y = question(ui, inner, document, &mut ask);
+        inner.min.y = header(ui, inner, editor, document, acts);
+        inner.min.y = question(ui, inner, document, acts);
         inner.max.y = footer(ui, inner, editor, document);
-        inner.max.y = profile::show(ui, inner, editor, &mut ask);
-        parts.extend(text::show(ui, inner, editor, document, &mut ask));
+        inner.max.y = profile::show(ui, inner, editor, acts);
+        parts.extend(text::show(ui, inner, editor, document, acts));
     });
-    parts.extend(cross::show(context, screen, rect, editor, &mut ask));
+    parts.extend(cross::show(context, screen, rect, editor, acts));
     let mut beside = rooms.side;
     if !rooms.is_desk {
         beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
     }
-    parts.extend(card::show(context, screen, beside, editor, &mut ask));
+    parts.extend(card::show(context, screen, beside, editor, acts));
     parts
 }
 
-fn header(
-    ui: &Ui,
-    space: Rect,
-    editor: &Editor,
-    document: &Document,
-    ask: &mut impl FnMut(On<Editor, ()>),
-) -> f32 {
+fn header(ui: &Ui, space: Rect, editor: &Editor, document: &Document, acts: &mut Acts) -> f32 {
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the editor (Esc)") {
-        ask(Box::new(|editor| editor.act(EditAction::Leave)));
+        acts.on_editor(|editor| editor.act(EditAction::Leave));
     }
     let mut right = cross.left() - 6.0;
     let save = match (document.file(), document.is_dirty()) {
@@ -99,7 +92,7 @@ fn header(
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
         right = rect.left() - 6.0;
         if clicked {
-            ask(Box::new(move |editor| editor.act(command)));
+            acts.on_editor(move |editor| editor.act(command));
         }
     }
     let mut left = line.left();
@@ -123,7 +116,7 @@ fn header(
         let response = ui.interact(rect, Id::unique(("editor tab", number)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Tab, true, &tab.name));
         if response.clicked() && !tab.shows {
-            ask(Box::new(move |editor| editor.show_text(number)));
+            acts.on_editor(move |editor| editor.show_text(number));
         }
         left = rect.right() + 14.0;
         if left > right {
@@ -133,7 +126,7 @@ fn header(
     line.bottom() + 4.0
 }
 
-fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(On<Editor, ()>)) -> f32 {
+fn question(ui: &Ui, space: Rect, document: &Document, acts: &mut Acts) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
         Some(Question::Kept(_)) => ("There is unsaved text from last time.", "restore it", "discard it"),
@@ -163,7 +156,7 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(On<E
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
         right = rect.left() - 6.0;
         if clicked {
-            ask(Box::new(move |editor| editor.apply_answer(is_first)));
+            acts.on_editor(move |editor| editor.apply_answer(is_first));
         }
     }
     line.bottom() + 4.0
@@ -223,7 +216,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         add("", small.clone(), style::DIM);
         add("", small.clone(), style::DIM);
     }
-    match (editor.finding.line(), editor.notice.words()) {
+    match (editor.finding.line.as_ref(), editor.notice.words()) {
         (Some(find), answer) => {
             let cursor = if find.typing { "|" } else { "" };
             let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));

@@ -279,7 +279,7 @@ fn a_proposed_shape_has_a_preview() {
     let mut setup = TestEditor::new(b"object o { shape =  }");
     setup.go_to(" }");
     setup.type_text("toru");
-    assert_eq!(setup.editor.proposals.shown().unwrap().list[0].name, "torus");
+    assert_eq!(setup.editor.proposals.shown.as_ref().unwrap().list[0].name, "torus");
     setup.wait("its preview", |editor| editor.proposals.object_preview().is_some());
     let picture = setup.editor.proposals.object_preview().unwrap();
     assert_eq!(picture.dimensions(), (48, 48));
@@ -288,7 +288,7 @@ fn a_proposed_shape_has_a_preview() {
     let mut setup = TestEditor::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
     setup.go_to(" }");
     setup.type_text("torus_of");
-    assert_eq!(setup.editor.proposals.shown().unwrap().list[0].name, "torus_of_mine");
+    assert_eq!(setup.editor.proposals.shown.as_ref().unwrap().list[0].name, "torus_of_mine");
     setup.editor.update();
     assert!(setup.editor.proposals.object_preview().is_none());
 }

@@ -4,7 +4,7 @@ use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, p
 
 use super::light::on_screen;
 use crate::editor::Editor;
-use crate::overlay::acts::On;
+use crate::overlay::acts::Acts;
 use crate::overlay::{assisted, icons, style};
 use mariana_scenes::probing::Surface;
 
@@ -19,10 +19,10 @@ pub(super) fn show(
     screen: Rect,
     space: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(On<Editor, ()>),
+    acts: &mut Acts,
 ) -> Option<Rect> {
     let probed = editor.picture.probed.as_ref()?;
-    let point = on_screen(editor.picture.map()?, screen, probed.at)?;
+    let point = on_screen(editor.picture.map.as_ref()?, screen, probed.at)?;
     let marks = context.layer_painter(LayerId::new(Order::Background, Id::unique("probed point")));
     for (radius, width, color) in [(6.0, 3.5, style::ON_ACCENT), (6.0, 1.6, style::ACCENT)] {
         marks.circle_stroke(point, radius, Stroke::new(width, color));
@@ -47,7 +47,7 @@ pub(super) fn show(
         style::ground(painter, rect);
         let cross = Rect::from_min_size(pos2(rect.right() - ROW - 6.0, rect.top() + 5.0), vec2(ROW, ROW));
         if icons::closing_cross(ui, cross, "close (Esc in the text)") {
-            ask(Box::new(|editor| _ = editor.close_probed()));
+            acts.on_editor(|editor| _ = editor.close_probed());
         }
         let (left, width) = (rect.left() + 10.0, rect.width() - 20.0);
         let mut y = rect.top() + 6.0;
@@ -79,7 +79,7 @@ pub(super) fn show(
         add(&heading, style::proportional(style::SMALL_SIZE), style::DIM);
         add(words, style::monospace(12.0), style::TEXT);
         if response.clicked() {
-            ask(Box::new(Editor::jump_to_probed));
+            acts.on_editor(Editor::jump_to_probed);
         }
     });
     Some(rect)

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::light::on_screen;
 use crate::editor::Editor;
-use crate::overlay::acts::On;
+use crate::overlay::acts::Acts;
 use crate::overlay::style;
 use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
@@ -35,7 +35,7 @@ pub(super) fn show(
     screen: Rect,
     hidden: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(On<Editor, ()>),
+    acts: &mut Acts,
 ) -> Vec<Rect> {
     let parts =
         editor.document().and_then(|document| editor.held_numbers.place(document)).zip(editor.picture.view());
@@ -66,7 +66,7 @@ pub(super) fn show(
         handles.push(Handle { name, at: tip, ways: vec![(arm, along)] });
     }
     painter.circle(middle, 5.5, style::TEXT, Stroke::new(1.4, style::ON_ACCENT));
-    handles.iter().map(|handle| drag(context, handle, ask)).collect()
+    handles.iter().map(|handle| drag(context, handle, acts)).collect()
 }
 
 fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos2> {
@@ -74,7 +74,7 @@ fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos
     on_screen(map, screen, [0.5 + 0.5 * x, 0.5 - 0.5 * y])
 }
 
-fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(On<Editor, ()>)) -> Rect {
+fn drag(context: &Context, handle: &Handle, acts: &mut Acts) -> Rect {
     let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
     let id = Id::unique(("cross handle", handle.name));
     let area = style::area(id, Order::Background).fixed_pos(rect.min);
@@ -90,7 +90,7 @@ fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(On<Editor, ()>)
         }
         let fine = if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 };
         let way = (fine * way_of(&handle.ways, moved)).to_array();
-        ask(Box::new(move |editor| editor.move_place(way)));
+        acts.on_editor(move |editor| editor.move_place(way));
     });
     rect
 }

@@ -31,7 +31,7 @@ pub(in crate::overlay) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Op
 }
 
 pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
-    let Some((light, map)) = editor.light().zip(editor.picture.map()) else { return };
+    let Some((light, map)) = editor.light().zip(editor.picture.map.as_ref()) else { return };
     if !light.cells.contains(&true) {
         return;
     }

@@ -5,7 +5,7 @@ use egui::ecolor::Hsva;
 use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
 
 use crate::editor::Editor;
-use crate::overlay::acts::On;
+use crate::overlay::acts::Acts;
 use crate::overlay::{icons, style};
 
 /// Width of the colour field. The next constant is the approximate height of the whole picker.
@@ -32,12 +32,7 @@ fn brightness(values: [f64; 3]) -> f64 {
     values.into_iter().fold(1.0, f64::max)
 }
 
-pub(super) fn show(
-    context: &Context,
-    at: Rect,
-    editor: &Editor,
-    ask: &mut impl FnMut(On<Editor, ()>),
-) -> Option<Rect> {
+pub(super) fn show(context: &Context, at: Rect, editor: &Editor, acts: &mut Acts) -> Option<Rect> {
     let (place, values) = editor.held_numbers.picked_color(editor.document()?)?;
     let id = Id::unique("picked color");
     let known = context.data(|data| data.get_temp::<Picked>(id)).filter(|known| known.at == place);
@@ -79,12 +74,12 @@ pub(super) fn show(
     let closes = style::area(Id::unique("picker cross"), Order::Foreground).fixed_pos(cross.min);
     closes.show(context, |ui| {
         if icons::closing_cross(ui, cross, "close (Esc)") {
-            ask(Box::new(Editor::close_picker));
+            acts.on_editor(Editor::close_picker);
         }
     });
     if shown.inner.inner {
         let color = picked.color.to_rgb().map(|part| f64::from(part) * picked.bright);
-        ask(Box::new(move |editor| editor.set_color(color)));
+        acts.on_editor(move |editor| editor.set_color(color));
     }
     context.data_mut(|data| data.insert_temp(id, picked));
     Some(rect)

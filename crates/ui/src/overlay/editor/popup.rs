@@ -2,8 +2,8 @@
 
 use egui::{Color32, Id, LayerId, Order, Pos2, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use crate::editor::{Editor, ObjectPreview, Proposing};
-use crate::overlay::acts::On;
+use crate::editor::{ObjectPreview, Proposing};
+use crate::overlay::acts::Acts;
 use crate::overlay::picture::KeptPicture;
 use crate::overlay::{assisted, style};
 
@@ -21,7 +21,7 @@ pub(super) fn show(
     line: f32,
     proposing: &Proposing,
     object_preview: Option<&ObjectPreview>,
-    ask: &mut impl FnMut(On<Editor, ()>),
+    acts: &mut Acts,
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
     let count = proposing.list.len().min(ROWS);
@@ -48,7 +48,7 @@ pub(super) fn show(
         painter.galley(pos2(place.left() + 4.0, place.center().y - 0.5 * galley.size().y), galley, color);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &one.name));
         if response.clicked() {
-            ask(Box::new(move |editor| editor.accept_proposal(number)));
+            acts.on_editor(move |editor| editor.accept_proposal(number));
         }
     }
     let Some(one) = proposing.list.get(proposing.selected) else { return };

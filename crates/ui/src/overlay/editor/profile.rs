@@ -3,7 +3,7 @@
 use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use crate::editor::{Editor, parts_of};
-use crate::overlay::acts::On;
+use crate::overlay::acts::Acts;
 use crate::overlay::{assisted, style};
 
 const ROW: f32 = 16.0;
@@ -31,7 +31,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
 }
 
 /// Draws the table at the bottom of `space`. Returns the table's top edge.
-pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(On<Editor, ()>)) -> f32 {
+pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, acts: &mut Acts) -> f32 {
     if !editor.picture.switches().1 {
         return space.bottom();
     }
@@ -68,7 +68,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(O
                 painter.rect_filled(place, 3.0, style::RAIL);
             }
             if response.clicked() {
-                ask(Box::new(move |editor| editor.jump_to(text, byte)));
+                acts.on_editor(move |editor| editor.jump_to(text, byte));
             }
         }
         draw(y, &row.name, &row.cells, style::TEXT);

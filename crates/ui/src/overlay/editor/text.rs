@@ -14,7 +14,7 @@ use mariana_field::lang::WordKind;
 use super::page::Page;
 use super::{picker, popup};
 use crate::editor::{Document, Editor, Wrapping};
-use crate::overlay::acts::On;
+use crate::overlay::acts::Acts;
 use crate::overlay::{assisted, style};
 
 const SIZE: f32 = 13.0;
@@ -75,7 +75,7 @@ pub(super) fn show(
     space: Rect,
     editor: &Editor,
     document: &Document,
-    ask: &mut impl FnMut(On<Editor, ()>),
+    acts: &mut Acts,
 ) -> Option<Rect> {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
@@ -86,7 +86,7 @@ pub(super) fn show(
     let wrapping = Wrapping::new(columns);
     let page = Page::new(rect, cell, wrapping, buffer, document.view);
     let rows = (rect.height() / cell.y).max(1.0);
-    ask(Box::new(move |editor| editor.record_drawn(rows as usize, columns)));
+    acts.on_editor(move |editor| editor.record_drawn(rows as usize, columns));
 
     let whole = Rect::from_min_max(space.min, rect.max);
     let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
@@ -106,23 +106,23 @@ pub(super) fn show(
     }
     draw_mistakes(&painter, space, &page, document);
     draw_cursor(&painter, &page, document, editor.has_focus());
-    if editor.finding.line().is_none_or(|find| !find.typing) {
+    if editor.finding.line.as_ref().is_none_or(|find| !find.typing) {
         draw_preedit(&painter, &page, document, editor.preedit(), &font);
     }
-    point(ui, &painter, &page, editor, document, &response, ask);
+    point(ui, &painter, &page, editor, document, &response, acts);
     if wrapping.rows_up_to(buffer, rows as usize) > rows as usize || document.view != (0.0, 0.0) {
-        lane(ui, space, document, rows, ask);
+        lane(ui, space, document, rows, acts);
     }
     let cursor = document.editing.cursor();
     let line = buffer.line_of(cursor);
     let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
-    if let Some(proposing) = editor.proposals.shown() {
+    if let Some(proposing) = editor.proposals.shown.as_ref() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, proposing, editor.proposals.object_preview(), ask);
+        popup::show(ui, space, at, cell.y, proposing, editor.proposals.object_preview(), acts);
     }
     let (at, _) = editor.held_numbers.picked_color(document)?;
-    picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
+    picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, acts)
 }
 
 fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document) {
@@ -329,7 +329,7 @@ fn point(
     editor: &Editor,
     document: &Document,
     response: &Response,
-    ask: &mut impl FnMut(On<Editor, ()>),
+    acts: &mut Acts,
 ) {
     let buffer = document.editing.buffer();
     let (modifiers, pressed, down, moved, scrolled) = ui.input(|input| {
@@ -346,7 +346,7 @@ fn point(
     if editor.held_numbers.turns_three() {
         // The user is changing the numbers with the picker or the cross, so the text ignores the pointer.
         if !down {
-            ask(Box::new(Editor::let_go));
+            acts.on_editor(Editor::let_go);
         }
         return;
     }
@@ -359,16 +359,16 @@ fn point(
         draw_grip(painter, grip_of(page.rect_of(buffer, &turned)), true);
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
         if !down {
-            ask(Box::new(Editor::let_go));
+            acts.on_editor(Editor::let_go);
         } else if moved != 0.0 {
-            ask(Box::new(move |editor| editor.turn_number(moved, speed)));
+            acts.on_editor(move |editor| editor.turn_number(moved, speed));
         }
         return;
     }
     let Some(at) = response.hover_pos().or_else(|| response.interact_pointer_pos()) else { return };
     if scrolled != Vec2::ZERO {
         let rows = -scrolled.y / page.cell.y;
-        ask(Box::new(move |editor| editor.scroll(rows)));
+        acts.on_editor(move |editor| editor.scroll(rows));
     }
     let offset = page.offset(buffer, at);
     let number = document.is_open().then(|| number_at(page, document, at)).flatten();
@@ -384,18 +384,18 @@ fn point(
     });
     if let Some(rect) = grips.filter(|_| pressed) {
         let at = page.offset(buffer, rect.center());
-        return ask(Box::new(move |editor| editor.grab(at)));
+        return acts.on_editor(move |editor| editor.grab(at));
     }
     if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
-        ask(Box::new(move |editor| editor.pick_color(color)));
+        acts.on_editor(move |editor| editor.pick_color(color));
     } else if pressed && response.contains_pointer() {
-        ask(Box::new(move |editor| editor.press(offset, 1, modifiers.shift)));
+        acts.on_editor(move |editor| editor.press(offset, 1, modifiers.shift));
     } else if response.triple_clicked() {
-        ask(Box::new(move |editor| editor.press(offset, 3, false)));
+        acts.on_editor(move |editor| editor.press(offset, 3, false));
     } else if response.double_clicked() {
-        ask(Box::new(move |editor| editor.press(offset, 2, false)));
+        acts.on_editor(move |editor| editor.press(offset, 2, false));
     } else if response.dragged() && down && moved_enough(ui) {
-        ask(Box::new(move |editor| editor.drag_to(offset)));
+        acts.on_editor(move |editor| editor.drag_to(offset));
     } else if grips.is_none() {
         hover_help(response, document, page, offset, at);
     }
@@ -478,7 +478,7 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     });
 }
 
-fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(On<Editor, ()>)) {
+fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, acts: &mut Acts) {
     let count = document.editing.buffer().line_count() as f32;
     let lane = Rect::from_min_max(pos2(space.right() - LANE + 3.0, space.top()), space.max);
     let response = ui.interact(lane, Id::unique("editor lane"), Sense::click_and_drag());
@@ -497,7 +497,7 @@ fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnM
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
         let wanted = (at.y - lane.top()) / lane.height().max(1.0) * whole - 0.5 * rows;
         let rows = wanted - document.view.0;
-        ask(Box::new(move |editor| editor.scroll(rows)));
+        acts.on_editor(move |editor| editor.scroll(rows));
     }
 }
 
