@@ -1,6 +1,6 @@
 //! The content of the overlay, and the timing of notices.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use crate::help_panel::HelpPanel;
 use crate::open_panel::OpenPanel;
 use crate::overlay::NextScene;
 use mariana_commands::SnapshotKeys;
-use mariana_control::{Slider, SoundBinding};
+use mariana_control::Slider;
 use mariana_render::placement::Area;
 
 /// Everything over the frame. Every part is optional, and the default is empty.
@@ -105,15 +105,6 @@ pub struct CueRow {
     pub scene: String,
 }
 
-impl Hash for CueSheet {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.current.hash(state);
-        for row in &*self.rows {
-            (&row.moment, row.start.map(f64::to_bits), row.waits, &row.scene).hash(state);
-        }
-    }
-}
-
 /// Two decks with a crossfader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeckStrip {
@@ -138,12 +129,6 @@ pub struct Deck {
     pub is_in_hand: bool,
     /// True if the next frame can show the scene.
     pub is_ready: bool,
-}
-
-impl Hash for DeckStrip {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        (&self.decks, self.crossfade.to_bits(), &self.mixes, self.mix).hash(state);
-    }
 }
 
 /// A compiler's messages.
@@ -240,23 +225,12 @@ impl OverlayContent<'_> {
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer, self.panel, self.learning).hash(&mut hasher);
         self.editor.map(|panel| panel.revision).hash(&mut hasher);
-        (&self.cues, &self.decks).hash(&mut hasher);
+        // Numbers with a fraction have no hash, but a text.
+        format!("{:?}", (&self.cues, &self.decks, self.params, self.picture)).hash(&mut hasher);
         let preview = |next: &NextScene| next.picture.as_ref().map(Arc::as_ptr);
         let next =
             self.next.map(|next| (&next.title, preview(next), [next.level, next.beat].map(f32::to_bits)));
         (next, self.ray.map(|ray| Arc::as_ptr(&ray.diagram))).hash(&mut hasher);
-        self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
-        for slider in self.params.unwrap_or_default() {
-            let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
-            (&slider.name, numbers, slider.changed_by).hash(&mut hasher);
-            let bound = slider.bound.as_ref();
-            bound.map(|bound| (&bound.binding.input, bound.binding.curve, bound.is_active)).hash(&mut hasher);
-            let numbers = |binding: &SoundBinding| {
-                let SoundBinding { low, high, smoothing, release, .. } = *binding;
-                ([low, high, smoothing].map(f32::to_bits), release.map(f32::to_bits))
-            };
-            bound.map(|bound| numbers(&bound.binding)).hash(&mut hasher);
-        }
         self.params.is_some().then_some(self.snapshots).hash(&mut hasher);
         hasher.finish()
     }
