@@ -25,8 +25,6 @@ pub struct FileEntry {
     pub path: PathBuf,
     /// The kind, by the file's extension.
     pub kind: FileKind,
-    /// The name in lower case, for the search.
-    key: String,
 }
 
 /// Kinds of entries.
@@ -350,17 +348,11 @@ impl FileBrowser {
     }
 
     fn search(&mut self) {
-        let words = self.query.words();
         let fits = |entry: &FileEntry| {
-            if words.iter().all(|word| entry.key.contains(word)) {
-                return true;
-            }
-            let tags = Some(entry).filter(|entry| entry.kind == FileKind::Music);
-            tags.and_then(|entry| self.tags.get(&entry.path)).is_some_and(|tags| {
-                let texts = [tags.title.as_deref(), tags.artist.as_deref()];
-                let [title, artist] = texts.map(|text| text.unwrap_or_default().to_lowercase());
-                words.iter().all(|word| [&entry.key, &title, &artist].iter().any(|text| text.contains(word)))
-            })
+            let music = Some(entry).filter(|entry| entry.kind == FileKind::Music);
+            let tags = music.and_then(|entry| self.tags.get(&entry.path)).unwrap_or_default();
+            let texts = [Some(&*entry.name), tags.title.as_deref(), tags.artist.as_deref()];
+            self.query.fits(&texts.map(Option::unwrap_or_default).join(" "))
         };
         let all = self.entries.iter().enumerate();
         self.found = all.filter(|(_, entry)| fits(entry)).map(|(at, _)| at).collect();

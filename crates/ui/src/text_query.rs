@@ -27,12 +27,7 @@ impl TextQuery {
 
     pub(crate) fn fits(&self, text: &str) -> bool {
         let text = text.to_lowercase();
-        self.words().iter().all(|word| text.contains(word))
-    }
-
-    /// The words in lower case, for a search in many texts.
-    pub(crate) fn words(&self) -> Vec<String> {
-        self.0.to_lowercase().split_whitespace().map(str::to_owned).collect()
+        self.0.to_lowercase().split_whitespace().all(|word| text.contains(word))
     }
 
     pub(crate) fn begins(&self, text: &str) -> bool {

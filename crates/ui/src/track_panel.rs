@@ -173,16 +173,13 @@ impl TrackPanel {
     fn search(&mut self) {
         self.revision += 1;
         self.found.clear();
-        let Some(words) = self.query.as_ref().map(TextQuery::words).filter(|words| !words.is_empty()) else {
-            return;
-        };
+        let Some(query) = &self.query else { return };
         for (index, track) in self.list.entries.iter().enumerate() {
             let tags = self.tags.of_track(track);
             let file = track.file.as_ref().and_then(|file| file.file_name()).map(PathBuf::from);
             let file = file.unwrap_or_default();
             let texts = [Some(&*track.name), file.to_str(), tags.title.as_deref(), tags.artist.as_deref()];
-            let texts = texts.map(|text| text.unwrap_or_default().to_lowercase());
-            if words.iter().all(|word| texts.iter().any(|text| text.contains(word))) {
+            if query.fits(&texts.map(Option::unwrap_or_default).join(" ")) {
                 self.found.push(index);
             }
         }

@@ -96,7 +96,7 @@ fn entry_of(entry: &fs::DirEntry) -> Option<FileEntry> {
     // Only links need a second look, which is slow on a network disk.
     let kind = entry.file_type().ok()?;
     let is_folder = if kind.is_symlink() { path.is_dir() } else { kind.is_dir() };
-    Some(FileEntry { key: name.to_lowercase(), name, kind: kind_of(&path, is_folder), path })
+    Some(FileEntry { name, kind: kind_of(&path, is_folder), path })
 }
 
 fn kind_of(path: &Path, is_folder: bool) -> FileKind {
