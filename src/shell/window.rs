@@ -52,7 +52,7 @@ pub(crate) struct OpenWindow {
     /// The size in the last event. A query would end the process if another program has closed the window.
     size: Cell<(u32, u32)>,
     /// The position in the last event; `None` if the window system does not report it.
-    place: Cell<Option<(i32, i32)>>,
+    pub(crate) place: Cell<Option<(i32, i32)>>,
     pub(crate) refresh_rate: Option<f64>,
     log_debug: bool,
 }
@@ -171,10 +171,6 @@ impl GlWindowContext {
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.open.size.get();
         (width > 0 && height > 0).then_some((width, height))
-    }
-
-    pub(crate) fn place(&self) -> Option<(i32, i32)> {
-        self.open.place.get()
     }
 
     pub(crate) fn record_place(&self, place: (i32, i32)) {

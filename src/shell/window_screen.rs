@@ -159,7 +159,7 @@ impl Screen for WindowScreen {
     }
 
     fn place(&self) -> Option<(i32, i32)> {
-        self.window.place()
+        self.window.open.place.get()
     }
 
     fn is_fullscreen(&self) -> bool {

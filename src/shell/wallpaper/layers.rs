@@ -9,7 +9,7 @@ mod output_surface;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
-use std::thread::JoinHandle;
+use std::time::Duration;
 
 use smithay_client_toolkit::compositor::{CompositorHandler, CompositorState, Region};
 use smithay_client_toolkit::output::{OutputHandler, OutputState};
@@ -30,6 +30,7 @@ use wayland_client::protocol::wl_surface::WlSurface;
 use wayland_client::{Connection, EventQueue, QueueHandle, delegate_noop};
 use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
 
+use mariana_work::Background;
 use output_surface::Borne;
 pub(crate) use output_surface::{Extent, OutputSurface, OutputSurfaces};
 
@@ -49,7 +50,7 @@ pub(crate) struct Layers {
     output_surfaces: OutputSurfaces,
     is_over: Arc<AtomicBool>,
     signal: LoopSignal,
-    thread: Option<JoinHandle<()>>,
+    thread: Background,
 }
 
 impl Layers {
@@ -86,10 +87,10 @@ impl Layers {
                 tracing::info!("no more events of the compositor can be read: {error}");
             }
         };
-        let thread = std::thread::Builder::new().name("layers".into());
-        let thread = thread.spawn(obey).map_err(|error| SessionError::NoThread(error.to_string()))?;
+        let thread = Background::start("layers", obey);
+        let thread = thread.map_err(|error| SessionError::NoThread(error.to_string()))?;
         let signal = signals.recv().map_err(|error| refused("a wallpaper", &error))?;
-        Ok(Self { output_surfaces, is_over, signal, thread: Some(thread) })
+        Ok(Self { output_surfaces, is_over, signal, thread })
     }
 
     pub(crate) fn output_surfaces(&self) -> OutputSurfaces {
@@ -101,11 +102,7 @@ impl Drop for Layers {
     fn drop(&mut self) {
         self.is_over.store(true, Ordering::Release);
         self.signal.wakeup();
-        if let Some(thread) = self.thread.take()
-            && thread.join().is_err()
-        {
-            tracing::warn!("the thread of the layers panicked");
-        }
+        self.thread.finish(Duration::MAX);
     }
 }
 

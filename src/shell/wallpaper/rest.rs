@@ -2,9 +2,9 @@
 //! Wayland, the compositor requests no frames for a covered surface.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use mariana_work::{Latest, Shared, looping};
 
 use super::layers::OutputSurfaces;
 use super::power;
@@ -16,20 +16,20 @@ use crate::shell::monitors::Rect;
 
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
-/// True while the wallpaper must pause; a thread sets this flag. Dropping the flag ends the thread.
-pub(super) struct WallpaperPause(Arc<AtomicBool>);
+/// True while the wallpaper must pause; a thread sets this flag. Dropping the flag ends the thread. `None` if the thread
+/// could not be started.
+pub(super) struct WallpaperPause(Option<Latest<bool>>);
 
 impl WallpaperPause {
     /// Starts the checks. The wallpaper is on `output_surfaces`, or else in an X11 window.
     pub(super) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
-        let is_on = Arc::new(AtomicBool::new(false));
-        let (reported, waker) = (Arc::downgrade(&is_on), waker.clone());
-        let watch = move || {
+        let waker = waker.clone();
+        let watch = move |shared: &Shared<bool>| {
             // Do not ask the X server of a Wayland session: it knows only some of the windows.
             #[cfg(all(unix, not(target_os = "macos")))]
             let windows = if output_surfaces.is_none() { Windows::connect() } else { None };
             let mut rested = false;
-            while let Some(is_on) = reported.upgrade() {
+            while !shared.is_over() {
                 #[cfg(all(unix, not(target_os = "macos")))]
                 let is_covered = windows.as_ref().is_some_and(Windows::cover_everything);
                 #[cfg(not(all(unix, not(target_os = "macos"))))]
@@ -42,23 +42,23 @@ impl WallpaperPause {
                 if std::mem::replace(&mut rested, rests) != rests {
                     tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
                 }
-                if is_on.swap(ordered, Ordering::Relaxed) != ordered {
+                if std::mem::replace(&mut *shared.lock(), ordered) != ordered {
                     waker.wake();
                 }
-                drop(is_on);
-                std::thread::sleep(LOOK_PERIOD);
+                shared.rest(LOOK_PERIOD);
             }
         };
-        if let Err(error) = std::thread::Builder::new().name("wallpaper".into()).spawn(watch) {
+        let watching = looping("wallpaper", false, watch);
+        let watching = watching.inspect_err(|error| {
             tracing::warn!(
                 "cannot start the thread that watches for covering windows, so the wallpaper does not pause: {error}"
             );
-        }
-        Self(is_on)
+        });
+        Self(watching.ok())
     }
 
     pub(super) fn is_on(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.as_ref().is_some_and(|watching| *watching.lock())
     }
 }
 
