@@ -15,20 +15,25 @@ mod linux {
     use std::io::{BufRead, IsTerminal, Read, Seek};
     use std::path::PathBuf;
     use std::process::{Child, Command, ExitCode, Stdio};
+    use std::sync::mpsc::{Sender, channel};
     use std::time::{Duration, Instant};
 
     use rustix::process::{
-        Pid, Signal, WaitId, WaitIdOptions, WaitOptions, kill_process, set_child_subreaper, waitid, waitpid,
+        Pid, Signal, WaitId, WaitIdOptions, WaitOptions, kill_process, set_child_subreaper,
+        setpriority_process, waitid, waitpid,
     };
     use serde_json::Value;
 
     /// Programs whose tests measure time or talk to real windows and devices. All others run with a lower priority.
     const PUNCTUAL: [&str; 5] = ["callback_no_alloc", "devices", "mariana_control", "server", "windows"];
+    /// The lower priority, in the units of the command `nice`.
+    const NICENESS: i32 = 3;
     /// The longest that a test may take.
     const TEST_LIMIT: Duration = Duration::from_secs(900);
     /// The longest that processes of a test may take to end after the test.
     const END_LIMIT: Duration = Duration::from_secs(5);
-    const POLL_PERIOD: Duration = Duration::from_millis(5);
+    /// The time between two looks at the limits, the orphans and the progress while no test ends.
+    const LOOK_PERIOD: Duration = Duration::from_millis(100);
     /// The time between two lines about progress, where there is no terminal.
     const REPORT_PERIOD: Duration = Duration::from_secs(30);
     /// The number of tests that the report lists with their times.
@@ -144,20 +149,15 @@ mod linux {
         open.min_by(|(_, a), (_, b)| share(a).total_cmp(&share(b))).map(|(number, _)| number)
     }
 
-    fn start(programs: &mut [Program], number: usize) -> Result<Running, String> {
+    /// Starts the next test of a program. When the test ends, sends the id of its process.
+    fn start(programs: &mut [Program], number: usize, ended: &Sender<Pid>) -> Result<Running, String> {
         let program = &mut programs[number];
         let test = program.tests[program.started].clone();
         program.started += 1;
         let name = format!("{}::{test}", program.name);
         let failed = |error: std::io::Error| format!("cannot start {name}: {error}");
         let output = tempfile::tempfile().map_err(failed)?;
-        let mut command = if PUNCTUAL.contains(&program.name.as_str()) {
-            Command::new(&program.path)
-        } else {
-            let mut command = Command::new("nice");
-            command.args(["-n", "3"]).arg(&program.path);
-            command
-        };
+        let mut command = Command::new(&program.path);
         command.args(["--exact", &test, "--nocapture"]).current_dir(&program.folder);
         command.env(NAME, &name).env("CARGO_MANIFEST_DIR", &program.folder);
         // Programs that several tests draw with are compiled once.
@@ -167,7 +167,21 @@ mod linux {
         let (out, err) = (output.try_clone().map_err(failed)?, output.try_clone().map_err(failed)?);
         command.stdin(Stdio::null()).stdout(out).stderr(err);
         let child = command.spawn().map_err(failed)?;
-        Ok(Running { name, program: number, child, output, start: Instant::now(), is_killed: false })
+        let test = Running { name, program: number, child, output, start: Instant::now(), is_killed: false };
+        if let Some(pid) = test.id() {
+            if !PUNCTUAL.contains(&program.name.as_str()) {
+                setpriority_process(Some(pid), NICENESS)
+                    .map_err(|error| format!("cannot start {}: {error}", test.name))?;
+            }
+            let ended = ended.clone();
+            // The process stays in the system's list, so that its times can be read.
+            let wait = move || {
+                let _ = waitid(WaitId::Pid(pid), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT);
+                let _ = ended.send(pid);
+            };
+            std::thread::Builder::new().spawn(wait).map_err(|error| format!("cannot wait: {error}"))?;
+        }
+        Ok(test)
     }
 
     fn text_of(file: &mut File) -> String {
@@ -216,15 +230,6 @@ mod linux {
     impl Running {
         fn id(&self) -> Option<Pid> {
             Pid::from_raw(self.child.id().cast_signed())
-        }
-
-        /// The processor time of the test, in seconds, if the test has ended.
-        fn ended(&self) -> Option<f64> {
-            let pid = self.id()?;
-            // The process stays in the system's list, so that its times can be read.
-            let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
-            let status = waitid(WaitId::Pid(pid), options);
-            status.is_ok_and(|status| status.is_some()).then(|| processor_seconds(pid))
         }
 
         fn kill(&mut self) {
@@ -283,16 +288,17 @@ mod linux {
         let total = programs.iter().map(|program| program.tests.len()).sum();
         let mut progress =
             Progress { is_terminal: std::io::stderr().is_terminal(), total, next: Instant::now() };
+        let (ends, ended) = channel();
         while !(running.is_empty() && seen.is_empty() && next(programs).is_none()) {
             while running.len() < jobs
                 && let Some(number) = next(programs)
             {
-                running.push(start(programs, number)?);
+                running.push(start(programs, number, &ends)?);
             }
-            while let Some((place, processor_seconds)) =
-                running.iter().enumerate().find_map(|(place, test)| Some((place, test.ended()?)))
+            if let Ok(pid) = ended.recv_timeout(LOOK_PERIOD)
+                && let Some(place) = running.iter().position(|test| test.id() == Some(pid))
             {
-                let test = running.swap_remove(place);
+                let (test, processor_seconds) = (running.swap_remove(place), processor_seconds(pid));
                 programs[test.program].processor_seconds += processor_seconds;
                 programs[test.program].seconds += test.start.elapsed().as_secs_f64();
                 results.add(test, processor_seconds, &progress)?;
@@ -317,7 +323,6 @@ mod linux {
                 }
             }
             progress.report(&results, &running);
-            std::thread::sleep(POLL_PERIOD);
         }
         progress.clear();
         Ok(results)
