@@ -164,6 +164,10 @@ mod linux {
         if let Some(target) = program.path.ancestors().nth(3) {
             command.env("MESA_SHADER_CACHE_DIR", target.join("tmp"));
         }
+        // As for `cargo test` (`.cargo/config.toml`).
+        if std::env::var_os("PROPTEST_RNG_SEED").is_none() {
+            command.env("PROPTEST_RNG_SEED", "1");
+        }
         let (out, err) = (output.try_clone().map_err(failed)?, output.try_clone().map_err(failed)?);
         command.stdin(Stdio::null()).stdout(out).stderr(err);
         let child = command.spawn().map_err(failed)?;
