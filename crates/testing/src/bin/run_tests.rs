@@ -26,6 +26,12 @@ mod linux {
 
     /// Programs whose tests measure time or talk to real windows and devices. All others run with a lower priority.
     const PUNCTUAL: [&str; 5] = ["callback_no_alloc", "devices", "mariana_control", "server", "windows"];
+    /// The program whose tests compile many shaders, and draw few pixels with each of them. llvmpipe's optimizer is off in
+    /// these tests: it takes longer than it saves.
+    const COMPILING: &str = "pictures";
+    /// Its tests that draw many pixels, or images of shipped scenes.
+    const DRAWING: [&str; 6] =
+        ["flash_limiter::", "flashes::", "golden::", "kept_paths::", "paths::", "shipped_scenes::"];
     /// The lower priority, in the units of the command `nice`.
     const NICENESS: i32 = 3;
     /// The longest that a test may take.
@@ -163,6 +169,9 @@ mod linux {
         // Programs that several tests draw with are compiled once.
         if let Some(target) = program.path.ancestors().nth(3) {
             command.env("MESA_SHADER_CACHE_DIR", target.join("tmp"));
+        }
+        if program.name == COMPILING && !DRAWING.iter().any(|module| test.starts_with(module)) {
+            command.env("GALLIVM_PERF", "nopt");
         }
         // As for `cargo test` (`.cargo/config.toml`).
         if std::env::var_os("PROPTEST_RNG_SEED").is_none() {
