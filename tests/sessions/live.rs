@@ -83,7 +83,7 @@ fn a_key_changes_the_source_which_is_remembered_by_name() {
     server.set_default("viz");
     let place = Place::new();
     let song = place.path("song.wav");
-    write_wav(&song, 48_000, 2, (0..48_000 * 120).map(|n| (f64::from(n) * 0.02).sin() as f32 * 0.3));
+    write_wav(&song, 8_000, 2, (0..8_000 * 120).map(|n| (f64::from(n) * 0.02).sin() as f32 * 0.3));
     let app = place.hear(Some(&song), &["--size", SMALL]);
     app.wait_for_title("the song", |title| title.starts_with("song.wav"));
     // The key steps from the computer's sound to the default input, and then through all inputs.

@@ -11,8 +11,8 @@ use mariana_testing::wave::write_wav;
 const SMALL: &[&str] = &["--size", "320x180"];
 
 fn write_song(path: &Path, seconds: f64) {
-    let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
-    write_wav(path, 48_000, 2, samples);
+    let samples = (0..(seconds * 16_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
+    write_wav(path, 8_000, 2, samples);
 }
 
 fn folder_of(place: &Place, songs: &[&str], seconds: f64) -> PathBuf {

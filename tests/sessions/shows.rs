@@ -21,6 +21,8 @@ const SIZE: &str = "64x36";
 const MOMENTS: usize = 20;
 /// Duration of the song in most tests, in seconds.
 const SECONDS: usize = 100;
+/// Samples a second. Few, because each process reads the whole song.
+const RATE: usize = 8_000;
 
 struct Place {
     inner: session::Place,
@@ -32,11 +34,11 @@ impl Place {
         let inner = session::Place::new();
         let song = inner.path("song.wav");
         // The song consists of clicks, so that it has a tempo.
-        let samples = (0..SECONDS * 48_000).flat_map(|frame| {
-            let since = frame % 24_000;
-            [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
+        let samples = (0..SECONDS * RATE).flat_map(|frame| {
+            let since = frame % (RATE / 2);
+            [if since < RATE / 120 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
         });
-        write_wav(&song, 48_000, 2, samples);
+        write_wav(&song, RATE as u32, 2, samples);
         let place = Self { inner, song };
         for (name, colour) in [("red", "0.9, 0, 0"), ("green", "0, 0.9, 0"), ("blue", "0, 0, 0.9")] {
             place.write(
@@ -134,24 +136,26 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
     apart!();
     let place = Place::new();
     let show = place.path("my.show");
-    // At each position to which keys can seek, a transition is in progress.
+    // At each of the first positions to which keys can seek, a transition is in progress. Each way occurs.
+    const POSITIONS: usize = 10;
     let mut text = "at start red.scene\n".to_owned();
     let ways = ["melt", "portal", "fade", "portal plane", "melt", "portal shape", "fade"];
     let scenes = ["green", "blue", "red", "blue"];
-    for (number, (way, scene)) in ways.iter().cycle().zip(scenes.iter().cycle()).take(MOMENTS - 2).enumerate()
+    for (number, (way, scene)) in
+        ways.iter().cycle().zip(scenes.iter().cycle()).take(POSITIONS - 2).enumerate()
     {
         let start = 5 * number + 4;
         text.push_str(&format!(
             "at {start} s {scene}.scene {way} over 2 s\n set level = 0.2 -> 1 over 8 s\n"
         ));
     }
-    text.push_str(&format!("at {} s red.scene fade over 4 s\n set level = 0.3\n", 5 * (MOMENTS - 1) - 1));
+    text.push_str(&format!("at {} s red.scene fade over 4 s\n set level = 0.3\n", 5 * (POSITIONS - 1) - 1));
     place.write("my.show", &text);
     let app = place.open(&["--show", &show]);
     pause(&app);
     go_to(&app, 0);
     let wanted: Vec<RgbaImage> =
-        (0..MOMENTS).map(|number| place.still(&show, &(5 * number).to_string())).collect();
+        (0..POSITIONS).map(|number| place.still(&show, &(5 * number).to_string())).collect();
     for (number, wanted) in wanted.iter().enumerate() {
         if number > 0 {
             app.press(&["Right"]);
@@ -159,7 +163,7 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
         app.wait_until(&format!("the still of {} s", 5 * number), |app| app.picture() == *wanted);
     }
     app.press(&["Left"; 4]);
-    app.wait_until("the same frame after a jump", |app| app.picture() == wanted[MOMENTS - 5]);
+    app.wait_until("the same frame after a jump", |app| app.picture() == wanted[POSITIONS - 5]);
     go_to(&app, 10);
     wait_for_channel(&app, 2);
     // When the file is saved, the session shows the change. If the saved text has mistakes, the session reports them
@@ -181,13 +185,14 @@ fn the_director_uses_the_structure_of_a_lists_first_track() {
     apart!();
     let place = Place::new();
     // The song has a calm half and a loud half. These are two sections, and each section gets a scene.
-    let samples = (0..60 * 48_000).flat_map(|frame: u32| {
-        let (loud, at) = (frame >= 30 * 48_000, (frame % 24_000) as f32);
+    let rate = RATE as u32;
+    let samples = (0..60 * rate).flat_map(|frame: u32| {
+        let (loud, at) = (frame >= 30 * rate, (frame % (rate / 2)) as f32);
         let hiss = (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
-        let beat = (-at / 2_000.0).exp() * (0.02 * at).sin();
+        let beat = (-at / 333.0).exp() * (0.12 * at).sin();
         [if loud { 0.5 * beat + 0.3 * hiss } else { 0.05 * beat }; 2]
     });
-    write_wav(&place.song, 48_000, 2, samples);
+    write_wav(&place.song, rate, 2, samples);
     for (name, range) in [("red", "0 .. 0.3"), ("green", "0.3 .. 0.5"), ("blue", "0.6 .. 1")] {
         let scene = fs::read_to_string(place.path(&format!("{name}.scene"))).unwrap();
         let scene = scene.replace("about {", &format!("about {{ energy = {range} "));

@@ -12,6 +12,8 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
+/// Samples a second.
+const RATE: usize = 8_000;
 
 const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 * progress, energy, bar) }\n\
                      object wall { shape = 5 - p.z material = paint }\n\
@@ -21,13 +23,13 @@ const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 
 
 /// Writes a song that is louder in its second half.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
-    let samples = (0..seconds * 48_000).flat_map(|frame| {
-        let since = frame % (48_000 / per_second);
-        let loudness = if frame < seconds * 24_000 { 0.1 } else { 0.6 };
-        let sample = if since < 400 { loudness * (0.4 * since as f32).sin() } else { 0.0 };
+    let samples = (0..seconds * RATE).flat_map(|frame| {
+        let since = frame % (RATE / per_second);
+        let loudness = if frame < seconds * RATE / 2 { 0.1 } else { 0.6 };
+        let sample = if since < RATE / 120 { loudness * (0.4 * since as f32).sin() } else { 0.0 };
         [sample; 2]
     });
-    write_wav(path, 48_000, 2, samples);
+    write_wav(path, RATE as u32, 2, samples);
 }
 
 #[test]

@@ -12,6 +12,8 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
+/// Samples a second.
+const RATE: usize = 8_000;
 
 const SCENE: &str = "material paint { color = 0 roughness = 1\n\
                      emission = vec3(2 * drums.volume.x, vocals.band(13.5 + 0.1 * p.x), 0.2 * volume.x) }\n\
@@ -22,11 +24,11 @@ const SCENE: &str = "material paint { color = 0 roughness = 1\n\
 
 /// Writes silence and then a tone.
 fn write_tone(path: &Path, silent: usize, seconds: usize) {
-    let samples = (0..seconds * 48_000).flat_map(|frame| {
-        let sample = if frame < silent * 48_000 { 0.0 } else { 0.5 * (0.0576 * frame as f32).sin() };
+    let samples = (0..seconds * RATE).flat_map(|frame| {
+        let sample = if frame < silent * RATE { 0.0 } else { 0.5 * (0.3456 * frame as f32).sin() };
         [sample; 2]
     });
-    write_wav(path, 48_000, 2, samples);
+    write_wav(path, RATE as u32, 2, samples);
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub(crate) const DISPLAY_LOST: &str = "mariana: the window is gone because its d
 fn a_killed_x_server_ends_the_program_with_a_message() {
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
-    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+    write_wav(&song, 8_000, 2, (0..8_000 * 40).map(|_| 0.0));
     let mut app = desktop.open(&song, &SMALL);
     app.wait_for_title("the scene", |title| title.contains('('));
     assert_threads_share_heaps(app.process_id());
@@ -78,7 +78,7 @@ fn the_program_ends_when_its_compositor_hangs_or_is_killed() {
 fn the_program_runs_in_a_gibibyte_of_address_space() {
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
-    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+    write_wav(&song, 8_000, 2, (0..8_000 * 40).map(|_| 0.0));
     let mut limited = desktop.command("bash");
     limited.args(["-c", "ulimit -v 1048576; exec \"$@\"", "bash", PROGRAM]).args(SMALL).arg(&song);
     limited.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -38,7 +38,10 @@ fn song(folder: &Path, name: &str, seconds: f64, loud_from: f64) -> PathBuf {
 }
 
 fn silent_song(folder: &Path, seconds: f64) -> PathBuf {
-    song(folder, "quiet.wav", seconds, f64::INFINITY)
+    let path = folder.join("quiet.wav");
+    let samples = (2.0 * 8_000.0 * seconds) as usize;
+    write_wav(&path, 8_000, 2, std::iter::repeat_n(0.0, samples));
+    path
 }
 
 /// Pauses and seeks to the song's start, the only time that the test knows exactly.

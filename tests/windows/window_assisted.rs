@@ -28,7 +28,7 @@ fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
     let bus = SessionBus::start(desktop.folder());
     let reader = ScreenReader::start(&bus);
     let song = desktop.folder().join("song.wav");
-    write_wav(&song, 48_000, 2, (0..96_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
+    write_wav(&song, 8_000, 2, (0..16_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
     let mut app = desktop.open(&song, &["--silent", "--size", "640x360"]);
     app.wait_for_title("the song", |title| title.starts_with("song.wav"));
     assert!(!reader.controls().iter().any(|control| control.name.contains("Space")), "nobody listens");
@@ -71,7 +71,7 @@ fn with_a_screen_reader_tab_opened_no_sliders_although_the_help_said_so() {
     let bus = SessionBus::start(desktop.folder());
     let reader = ScreenReader::start(&bus);
     let song = desktop.folder().join("song.wav");
-    write_wav(&song, 48_000, 2, (0..96_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
+    write_wav(&song, 8_000, 2, (0..16_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
     let scene = desktop.folder().join("own.scene");
     std::fs::write(&scene, "param girth = 1 in 0 .. 2\nobject ball { shape = length(p) - girth }\n").unwrap();
     let options = ["--silent", "--size", "640x360", "--scene", scene.to_str().unwrap()];
