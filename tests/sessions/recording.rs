@@ -15,7 +15,8 @@ use mariana_control::{Curve, SoundBinding};
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
-const MOMENTS: usize = 20;
+/// Each action occurs twice.
+const MOMENTS: usize = 10;
 /// In seconds.
 const SECONDS: f64 = 120.0;
 /// The OSC address of the playback position, 0..1.
