@@ -204,7 +204,7 @@ mod tests {
                 let near = |at: f32| Interval::new(at - 0.1, at + 0.1);
                 let (over, none) = ([near(x), near(y), near(0.0)], [Interval::point(0.0); 3]);
                 let over = [over, none].as_flattened().try_into().unwrap();
-                let bound = world.scene.graph.bounds(world.scene.distance, over, &frame.inputs).unwrap();
+                let bound = world.scene.graph.bounds(world.scene.distance, over, &frame.inputs);
                 assert!(bound.contains(value), "{value} at {x}, {y}: {bound:?}");
                 value
             })

@@ -384,8 +384,9 @@ async function packed(bytes, stream, most = Infinity) {
 async function linkOf() {
     const sliders = {};
     for (const input of of("sliders").querySelectorAll("input")) sliders[input.name] = Number(input.value);
-    const state = { name: shown.name, sliders };
-    if (shown.text !== scene_text(shown.name)) state.text = shown.text;
+    const { name, text } = coming ?? shown;
+    const state = { name, sliders };
+    if (text !== scene_text(name)) state.text = text;
     const bytes = await packed(new TextEncoder().encode(JSON.stringify(state)), new CompressionStream("deflate-raw"));
     const letters = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
     return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
@@ -591,8 +592,10 @@ async function start() {
     if (own.title) greetWithSong();
     const linked = location.hash.length > 1 && (await showLink(location.hash.slice(1)));
     const name = own.scene ?? "orb";
-    of("text").value = own.text ?? scene_text(name);
-    if (!linked) show(name, of("text").value);
+    if (!linked) {
+        of("text").value = own.text ?? scene_text(name);
+        show(name, of("text").value);
+    }
     if (of("message").textContent === "Loading") tell("", 0);
     requestAnimationFrame(frame);
 }

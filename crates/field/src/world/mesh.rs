@@ -69,15 +69,15 @@ impl World {
         let options = RegionOptions { texels_max: TEXELS_MAX, ..RegionOptions::default() };
         let tree = RegionPlan::new(self).build(frame, &options);
         let ends = self.has_rest && self.bounds.is_some();
-        let (low, high) = tree.bounds.filter(|_| ends).ok_or(MeshError::Unbounded)?;
-        let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f32::max);
-        let side = longest / detail.max(1) as f32;
+        let bounds = tree.bounds.filter(|_| ends).ok_or(MeshError::Unbounded)?;
+        let side = bounds.size() / detail.max(1) as f32;
         if side.is_nan() || side <= 0.0 {
             return Err(MeshError::Empty);
         }
         // A cell more on each side, so that no surface leaves the grid.
-        let cells = [0, 1, 2].map(|axis| ((high[axis] - low[axis]) / side).ceil() as usize + 2);
-        let low = [0, 1, 2].map(|axis| 0.5 * (low[axis] + high[axis] - side * cells[axis] as f32));
+        let cells = [0, 1, 2].map(|axis| (bounds.side(axis) / side).ceil() as usize + 2);
+        let low =
+            [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis] - side * cells[axis] as f32));
         let grid = Grid { tree: &tree, frame, low, side, cells };
         let mut mesh = grid.mesh()?;
         if mesh.triangles.is_empty() {
