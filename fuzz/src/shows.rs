@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use mariana::frame::held_inputs::HeldInputs;
 use mariana::scenes::{ReadyScene, SceneSource};
-use mariana::show::{Moment, PreparedShow, Step, Timeline, source_of};
+use mariana::show::{Layer, Moment, PreparedShow, Timeline, source_of};
 use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
@@ -95,21 +95,21 @@ fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
         for can_blend in [false, true] {
             let recipe = prepared_show.recipe(time, time, |_| can_blend).unwrap();
             assert!((0.0..=1.0).contains(&recipe.brightness), "{recipe:?}");
-            assert!(recipe.steps.first().is_some_and(|step| step.below.is_none()), "{recipe:?}");
-            recipe.steps.iter().for_each(draw);
+            assert!(recipe.layers.first().is_some_and(|layer| layer.below.is_none()), "{recipe:?}");
+            recipe.layers.iter().for_each(draw);
         }
     }
 }
 
 /// Computes everything about a scene's frame that needs no driver.
-fn draw(step: &Step<'_>) {
-    assert!(step.below.is_none_or(|weight| weight > 0.0 && weight <= 1.0), "{step:?}");
+fn draw(layer: &Layer<'_>) {
+    assert!(layer.below.is_none_or(|weight| weight > 0.0 && weight <= 1.0), "{layer:?}");
     let (folder, ready) = &*SCENES;
-    if step.source != SceneSource::File(PathBuf::from(folder.path()).join(SCENE)) {
+    if layer.source != SceneSource::File(PathBuf::from(folder.path()).join(SCENE)) {
         return;
     }
-    let time = if step.time.is_finite() { step.time } else { 0.0 };
-    let frame = step.frame(&ready.world, time, Sound::default(), (32, 18), &HeldInputs::default());
-    assert!(frame.inputs.params.iter().all(|value| value.is_finite()), "{step:?}");
-    assert!(frame.camera.position.is_finite(), "{step:?}: {:?}", frame.camera);
+    let time = if layer.time.is_finite() { layer.time } else { 0.0 };
+    let frame = layer.frame(&ready.world, time, Sound::default(), (32, 18), &HeldInputs::default());
+    assert!(frame.inputs.params.iter().all(|value| value.is_finite()), "{layer:?}");
+    assert!(frame.camera.position.is_finite(), "{layer:?}: {:?}", frame.camera);
 }

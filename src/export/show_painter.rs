@@ -8,7 +8,7 @@ use super::error::ExportError;
 use super::painter::{HeadlessRenderer, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
-use crate::show::{Held, PreparedShow, Recipe, ShowError, Step, Timeline};
+use crate::show::{Held, Layer, PreparedShow, Recipe, ShowError, Timeline};
 use mariana_field::graph::Graph;
 use mariana_music::Sound;
 
@@ -113,7 +113,7 @@ impl ShowPainter {
         Ok(self.headless_renderer.renderer.dim(brightness)?)
     }
 
-    /// Draws an exposure of the frame at `time`: the steps of its recipe. `held` has the sounds of frozen frames.
+    /// Draws an exposure of the frame at `time`: the layers of its recipe. `held` has the sounds of frozen frames.
     fn draw_exposure(
         &mut self,
         time: f64,
@@ -123,56 +123,56 @@ impl ShowPainter {
     ) -> Result<(), ExportError> {
         let prepared_show = self.prepared_show.clone();
         let (exposed, sound) = heard;
-        let (steps, models) = loop {
+        let (layers, models) = loop {
             let can_blend = |blend: &SceneSource| !self.refused.contains(blend);
             let recipe = prepared_show.recipe(time, exposed, can_blend).ok_or_else(not_in_show)?;
             if let Some(models) = self.models_of(&recipe)? {
-                break (recipe.steps, models);
+                break (recipe.layers, models);
             }
         };
         // Views are not mixed.
-        let only = if self.headless_renderer.view.is_some() { steps.len() - 1 } else { 0 };
-        for (step, model) in steps.iter().zip(models).skip(only) {
-            let sound = match held.iter().find(|(held, _)| held.since == step.time) {
+        let only = if self.headless_renderer.view.is_some() { layers.len() - 1 } else { 0 };
+        for (layer, model) in layers.iter().zip(models).skip(only) {
+            let sound = match held.iter().find(|(held, _)| held.since == layer.time) {
                 Some((_, sound)) => sound.clone(),
                 None => sound.clone(),
             };
-            self.draw_step(step, &model, sound, size)?;
+            self.draw_layer(layer, &model, sound, size)?;
         }
         Ok(())
     }
 
-    fn draw_step(
+    fn draw_layer(
         &mut self,
-        step: &Step<'_>,
+        layer: &Layer<'_>,
         model: &Model,
         sound: Sound,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        let held = match &step.source {
+        let held = match &layer.source {
             SceneSource::Blend(blend) => {
                 let [from, to] = [self.read(&blend.from.source)?, self.read(&blend.to.source)?];
                 from.held.followed_by(&to.held, from.ready.world.scene.params.len())
             }
             source => self.read(source)?.held.clone(),
         };
-        let frame_at = |time, sound| step.frame(model.world(), time, sound, size, &held);
-        self.headless_renderer.feed_back(model, step.time, &sound, size, &frame_at)?;
-        let frame = frame_at(step.time, sound);
-        match step.below {
+        let frame_at = |time, sound| layer.frame(model.world(), time, sound, size, &held);
+        self.headless_renderer.feed_back(model, layer.time, &sound, size, &frame_at)?;
+        let frame = frame_at(layer.time, sound);
+        match layer.below {
             None => self.headless_renderer.draw(model, frame),
             Some(fraction) => self.headless_renderer.draw_over(model, frame, fraction),
         }
     }
 
-    /// Returns the models of the steps; `None` if a blend has turned out to be impossible.
+    /// Returns the models of the layers; `None` if a blend has turned out to be impossible.
     fn models_of(&mut self, recipe: &Recipe<'_>) -> Result<Option<Vec<Rc<Model>>>, ExportError> {
         let mut models = Vec::new();
-        for step in &recipe.steps {
-            match self.model(&step.source) {
+        for layer in &recipe.layers {
+            match self.model(&layer.source) {
                 Err(ExportError::Scene(SceneError::Blend(refusal))) => {
                     tracing::info!("{refusal}");
-                    self.refused.push(step.source.clone());
+                    self.refused.push(layer.source.clone());
                     return Ok(None);
                 }
                 model => models.push(model?),

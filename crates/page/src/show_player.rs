@@ -8,7 +8,7 @@ use mariana_render::gpu::shader_source::ShaderLibrary;
 use mariana_scenes::{SceneSource, shipped_names};
 use mariana_stage::{PreparedShow, Recipe, SceneCard, card_of};
 
-use super::shown::{Coming, Layer, Shown};
+use super::shown::{Coming, Shown, ShownLayer};
 
 pub(crate) struct ShowPlayer {
     show: PreparedShow,
@@ -74,11 +74,11 @@ impl ShowPlayer {
         let mut wanted = Vec::new();
         for moment in std::iter::once(time).chain(of_next.into_iter().flatten()) {
             let recipe = self.show.recipe(moment, moment, |blend| !self.is_refused(blend));
-            for step in recipe.into_iter().flat_map(|recipe| recipe.steps) {
+            for layer in recipe.into_iter().flat_map(|recipe| recipe.layers) {
                 // A fade may have to replace a blend, which needs both scenes.
-                let leaving = step.leaving.and_then(|(clip, _)| self.show.source(&clip.scene));
-                let entering = self.show.source(&step.clip.scene);
-                let all = [Some(&step.source), entering, leaving];
+                let leaving = layer.leaving.and_then(|(clip, _)| self.show.source(&clip.scene));
+                let entering = self.show.source(&layer.clip.scene);
+                let all = [Some(&layer.source), entering, leaving];
                 wanted.extend(all.into_iter().flatten().cloned());
             }
         }
@@ -100,7 +100,7 @@ impl ShowPlayer {
     /// Replaces the blend at `time` seconds by a fade if it is not ready when it begins.
     pub(crate) fn give_late_blends_up(&mut self, time: f64) {
         let recipe = self.show.recipe(time, time, |blend| !self.is_refused(blend));
-        let mut sources = recipe.into_iter().flat_map(|recipe| recipe.steps).map(|step| step.source);
+        let mut sources = recipe.into_iter().flat_map(|recipe| recipe.layers).map(|layer| layer.source);
         let is_late =
             |source: &SceneSource| matches!(source, SceneSource::Blend(_)) && self.ready(source).is_none();
         self.late.extend(sources.find(is_late));
@@ -108,18 +108,18 @@ impl ShowPlayer {
 
     /// The ready scenes of the moment `time`, in seconds, for a picture of `size` pixels, and the brightness of the picture,
     /// 0..1. There are no layers if no scene is ready.
-    pub(crate) fn layers(&self, time: f64, size: (u32, u32)) -> (Vec<Layer<'_>>, f32) {
-        let mut layers: Vec<Layer<'_>> = Vec::new();
-        let Some(Recipe { steps, brightness }) =
+    pub(crate) fn layers(&self, time: f64, size: (u32, u32)) -> (Vec<ShownLayer<'_>>, f32) {
+        let mut layers: Vec<ShownLayer<'_>> = Vec::new();
+        let Some(Recipe { layers: planned, brightness }) =
             self.show.recipe(time, time, |blend| !self.is_refused(blend))
         else {
             return (layers, 1.0);
         };
-        for step in steps {
-            let Some(shown) = self.ready(&step.source) else { continue };
-            let (time, below) = (step.time, step.below.filter(|_| !layers.is_empty()));
-            let frame_at = move |time, sound| step.frame(shown.world(), time, sound, size, &self.held);
-            layers.push(Layer { shown, time, below, frame_at: Box::new(frame_at) });
+        for layer in planned {
+            let Some(shown) = self.ready(&layer.source) else { continue };
+            let (time, below) = (layer.time, layer.below.filter(|_| !layers.is_empty()));
+            let frame_at = move |time, sound| layer.frame(shown.world(), time, sound, size, &self.held);
+            layers.push(ShownLayer { shown, time, below, frame_at: Box::new(frame_at) });
         }
         (layers, brightness)
     }

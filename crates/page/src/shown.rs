@@ -62,7 +62,7 @@ impl Coming {
 }
 
 /// A frame of a scene in a picture.
-pub(crate) struct Layer<'a> {
+pub(crate) struct ShownLayer<'a> {
     pub(crate) shown: &'a Shown,
     /// The moment of the sound, in seconds.
     pub(crate) time: f64,
@@ -72,7 +72,7 @@ pub(crate) struct Layer<'a> {
     pub(crate) frame_at: Box<dyn Fn(f64, Sound) -> Frame + 'a>,
 }
 
-impl Layer<'_> {
+impl ShownLayer<'_> {
     /// Draws the layer over the last picture, with the frames that its scene remembers.
     ///
     /// # Errors
@@ -101,9 +101,9 @@ impl Shown {
     }
 
     /// The scene with the values of its sliders, as the only layer of a picture of `size` pixels.
-    pub(crate) fn layer(&self, time: f64, size: (u32, u32)) -> Layer<'_> {
+    pub(crate) fn layer(&self, time: f64, size: (u32, u32)) -> ShownLayer<'_> {
         let frame_at = move |time, sound| Frame::with_params(self.world(), time, sound, size, &self.params);
-        Layer { shown: self, time, below: None, frame_at: Box::new(frame_at) }
+        ShownLayer { shown: self, time, below: None, frame_at: Box::new(frame_at) }
     }
 
     /// The index of each parameter with a slider: all but numbers of the text that are inputs while it is edited.

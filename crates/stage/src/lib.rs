@@ -10,4 +10,4 @@ pub use mariana_show::{
     snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, card_of, name_of, source_of};
-pub use recipe::{Recipe, Step};
+pub use recipe::{Layer, Recipe};

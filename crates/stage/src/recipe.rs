@@ -14,15 +14,15 @@ use mariana_show::{Clip, Timeline};
 /// What a show draws at a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe<'a> {
-    /// The scenes to draw, from the lowest layer to the highest. There is at least one.
-    pub steps: Vec<Step<'a>>,
+    /// The scenes to draw, from the lowest to the highest. There is at least one.
+    pub layers: Vec<Layer<'a>>,
     /// Factor on the linear light of the finished image, 0..1.
     pub brightness: f32,
 }
 
 /// A scene, or a blend of two scenes, in a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step<'a> {
+pub struct Layer<'a> {
     /// The scene or blend.
     pub source: SceneSource,
     /// The moment of the song that is drawn, in seconds. A frozen frame shows an earlier moment.
@@ -31,7 +31,7 @@ pub struct Step<'a> {
     pub clip: &'a Clip,
     /// In a blend, the outgoing clip and the fraction of the incoming one, between 0 and 1.
     pub leaving: Option<(&'a Clip, f32)>,
-    /// The weight of all earlier steps in the mix with this one, 0..1; `None` for the first step.
+    /// The weight of all earlier layers in the mix with this one, 0..1; `None` for the first layer.
     pub below: Option<f32>,
 }
 
@@ -47,17 +47,17 @@ impl PreparedShow {
         let timeline = self.timeline()?;
         let mut held = timeline.held_at(time);
         let lowest = held.last().map_or(exposed, |oldest| oldest.since);
-        let mut steps = self.live(timeline, lowest, &can_blend)?;
+        let mut layers = self.live(timeline, lowest, &can_blend)?;
         // Later frozen frames, and then the frame of the moment, cover the oldest one. If a scene is fading out in them, it
         // is left out.
         while let Some(lower) = held.pop() {
             let since = held.last().map_or(exposed, |upper| upper.since);
             if lower.fraction < 1.0 || !held.is_empty() {
                 let clip = timeline.at(since).clip;
-                steps.push(self.step(clip, since)?.over(lower.fraction));
+                layers.push(self.layer(clip, since)?.over(lower.fraction));
             }
         }
-        Some(Recipe { steps, brightness: timeline.picture_at(time).brightness })
+        Some(Recipe { layers, brightness: timeline.picture_at(time).brightness })
     }
 
     fn live<'a>(
@@ -65,32 +65,32 @@ impl PreparedShow {
         timeline: &'a Timeline,
         time: f64,
         can_blend: &impl Fn(&SceneSource) -> bool,
-    ) -> Option<Vec<Step<'a>>> {
+    ) -> Option<Vec<Layer<'a>>> {
         let moment = timeline.at(time);
-        let step = self.step(moment.clip, time)?;
-        let Some((leaving, fraction)) = moment.leaving else { return Some(vec![step]) };
+        let layer = self.layer(moment.clip, time)?;
+        let Some((leaving, fraction)) = moment.leaving else { return Some(vec![layer]) };
         let kind = moment.clip.transition.kind.blend();
         let blend = kind.and_then(|kind| self.blend(leaving, moment.clip, kind));
         let blend = blend.map(|blend| SceneSource::Blend(Arc::new(blend)));
         Some(match blend.filter(can_blend) {
-            Some(source) => vec![Step { source, leaving: Some((leaving, fraction)), ..step }],
-            None => vec![self.step(leaving, time)?, step.over(1.0 - fraction)],
+            Some(source) => vec![Layer { source, leaving: Some((leaving, fraction)), ..layer }],
+            None => vec![self.layer(leaving, time)?, layer.over(1.0 - fraction)],
         })
     }
 
-    fn step<'a>(&self, clip: &'a Clip, time: f64) -> Option<Step<'a>> {
+    fn layer<'a>(&self, clip: &'a Clip, time: f64) -> Option<Layer<'a>> {
         let source = self.source(&clip.scene)?.clone();
-        Some(Step { source, time, clip, leaving: None, below: None })
+        Some(Layer { source, time, clip, leaving: None, below: None })
     }
 }
 
-impl Step<'_> {
+impl Layer<'_> {
     fn over(self, weight: f32) -> Self {
         Self { below: Some(weight), ..self }
     }
 
-    /// Returns the frame of the step's world in `size` pixels. Its moment is `time`, which is earlier than that of the step
-    /// for frames that the step's frame remembers.
+    /// Returns the frame of the layer's world in `size` pixels. Its moment is `time`, which is earlier than that of the layer
+    /// for frames that the layer's frame remembers.
     pub fn frame(
         &self,
         world: &World,
@@ -134,13 +134,13 @@ mod tests {
         PreparedShow::of_text("test.show", text, &SongStructure::default(), find).unwrap().0
     }
 
-    /// Name, moment and weight of the layers below of each step.
-    fn steps(show: &PreparedShow, time: f64) -> Vec<(String, f64, Option<f32>)> {
-        let steps = show.recipe(time, time, |_| true).unwrap().steps.into_iter();
-        steps.map(|step| (step.source.title(), step.time, step.below)).collect()
+    /// Name, moment and weight of the layers below of each layer.
+    fn layers(show: &PreparedShow, time: f64) -> Vec<(String, f64, Option<f32>)> {
+        let layers = show.recipe(time, time, |_| true).unwrap().layers.into_iter();
+        layers.map(|layer| (layer.source.title(), layer.time, layer.below)).collect()
     }
 
-    fn step(scene: &str, time: f64, below: Option<f32>) -> (String, f64, Option<f32>) {
+    fn layer(scene: &str, time: f64, below: Option<f32>) -> (String, f64, Option<f32>) {
         (scene.to_owned(), time, below)
     }
 
@@ -149,9 +149,9 @@ mod tests {
         let show = show(
             "at start orb\nat 10 s city fade over 4 s\nset picture brightness = 1 -> 0 over 2 s after 4 s",
         );
-        assert_eq!(steps(&show, 5.0), [step("orb", 5.0, None)]);
-        assert_eq!(steps(&show, 11.0), [step("orb", 11.0, None), step("city", 11.0, Some(0.75))]);
-        assert_eq!(steps(&show, 14.0), [step("city", 14.0, None)]);
+        assert_eq!(layers(&show, 5.0), [layer("orb", 5.0, None)]);
+        assert_eq!(layers(&show, 11.0), [layer("orb", 11.0, None), layer("city", 11.0, Some(0.75))]);
+        assert_eq!(layers(&show, 14.0), [layer("city", 14.0, None)]);
         assert_eq!(show.recipe(15.0, 15.0, |_| true).unwrap().brightness, 0.5);
         assert!(PreparedShow::default().recipe(1.0, 1.0, |_| true).is_none(), "it has no timeline");
     }
@@ -160,7 +160,7 @@ mod tests {
     fn a_fade_replaces_a_blend_that_is_refused() {
         let show = show("at start orb\nset relief = 0.25\nat 10 s metaballs melt over 4 s");
         let recipe = show.recipe(11.0, 11.0, |_| true).unwrap();
-        let [blend] = recipe.steps.as_slice() else { panic!("{recipe:?}") };
+        let [blend] = recipe.layers.as_slice() else { panic!("{recipe:?}") };
         assert!(matches!(blend.source, SceneSource::Blend(_)) && blend.leaving.is_some());
         let world = blend.source.ready().unwrap().world;
         let frame = blend.frame(&world, 11.0, Sound::default(), (16, 9), &HeldInputs::default());
@@ -174,7 +174,7 @@ mod tests {
             "the fraction is the last one"
         );
         let recipe = show.recipe(11.0, 11.0, |blend| !matches!(blend, SceneSource::Blend(_))).unwrap();
-        let below: Vec<Option<f32>> = recipe.steps.iter().map(|step| step.below).collect();
+        let below: Vec<Option<f32>> = recipe.layers.iter().map(|layer| layer.below).collect();
         assert_eq!(below, [None, Some(0.75)]);
     }
 
@@ -184,14 +184,14 @@ mod tests {
             "at start orb\n set picture freeze = 1 -> 0.5 over 2 s after 1 s\n\
              at 3 s city cut\n set picture freeze = 0.5 -> 1 over 0 s -> 0 over 4 s",
         );
-        assert_eq!(steps(&show, 2.0), [step("orb", 0.0, None), step("orb", 2.0, Some(0.75))]);
-        assert_eq!(steps(&show, 3.0), [step("orb", 0.0, None), step("city", 3.0, Some(0.5))]);
-        let mixed = [step("orb", 0.0, None), step("city", 3.0, Some(0.5)), step("city", 5.0, Some(0.5))];
-        assert_eq!(steps(&show, 5.0), mixed);
-        assert_eq!(steps(&show, 9.0), [step("city", 9.0, None)]);
+        assert_eq!(layers(&show, 2.0), [layer("orb", 0.0, None), layer("orb", 2.0, Some(0.75))]);
+        assert_eq!(layers(&show, 3.0), [layer("orb", 0.0, None), layer("city", 3.0, Some(0.5))]);
+        let mixed = [layer("orb", 0.0, None), layer("city", 3.0, Some(0.5)), layer("city", 5.0, Some(0.5))];
+        assert_eq!(layers(&show, 5.0), mixed);
+        assert_eq!(layers(&show, 9.0), [layer("city", 9.0, None)]);
         // A shutter that opens before the frame shows earlier moments of what moves only.
-        let exposed = show.recipe(5.0, 4.9, |_| true).unwrap().steps;
-        assert_eq!(exposed.iter().map(|step| step.time).collect::<Vec<_>>(), [0.0, 3.0, 4.9]);
+        let exposed = show.recipe(5.0, 4.9, |_| true).unwrap().layers;
+        assert_eq!(exposed.iter().map(|layer| layer.time).collect::<Vec<_>>(), [0.0, 3.0, 4.9]);
     }
 
     #[test]
@@ -199,7 +199,7 @@ mod tests {
         let scenes = ["orb", "city"].map(|name| SceneSource::Shipped(name.to_owned()));
         let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &SongStructure::default(), &scenes).unwrap();
         for time in [-1.0, 0.0, 3.0, 1e9] {
-            assert!(!show.recipe(time, time, |_| true).unwrap().steps.is_empty());
+            assert!(!show.recipe(time, time, |_| true).unwrap().layers.is_empty());
         }
     }
 }

@@ -78,7 +78,7 @@ impl World {
         let cells = [0, 1, 2].map(|axis| (bounds.side(axis) / side).ceil() as usize + 2);
         let low =
             [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis] - side * cells[axis] as f32));
-        let grid = Grid { tree: &tree, frame, low, side, cells };
+        let grid = CellGrid { tree: &tree, frame, low, side, cells };
         let mut mesh = grid.mesh()?;
         if mesh.triangles.is_empty() {
             return Err(MeshError::Empty);
@@ -106,7 +106,7 @@ impl World {
     }
 }
 
-struct Grid<'a> {
+struct CellGrid<'a> {
     tree: &'a Regions,
     frame: &'a FrameInputs,
     low: [f32; 3],
@@ -136,7 +136,7 @@ struct Layer {
     vertices: Vec<u32>,
 }
 
-impl Grid<'_> {
+impl CellGrid<'_> {
     fn point(&self, place: [usize; 3]) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.low[axis] + self.side * place[axis] as f32)
     }
@@ -228,7 +228,7 @@ impl Grid<'_> {
 
 impl Mesh {
     /// Gives each cell with crossings between two layers its vertex.
-    fn place_vertices(&mut self, grid: &Grid<'_>, layer: &mut Layer, upper: &Layer, z: usize) {
+    fn place_vertices(&mut self, grid: &CellGrid<'_>, layer: &mut Layer, upper: &Layer, z: usize) {
         for y in 0..grid.cells[1] {
             for x in 0..grid.cells[0] {
                 let [at, right, back, both] =
@@ -249,7 +249,7 @@ impl Mesh {
     }
 
     /// Joins the vertices of the four cells around each crossed edge that begins in `layer`.
-    fn join(&mut self, grid: &Grid<'_>, layer: &Layer, below: &Layer) {
+    fn join(&mut self, grid: &CellGrid<'_>, layer: &Layer, below: &Layer) {
         for y in 0..=grid.cells[1] {
             for x in 0..=grid.cells[0] {
                 let index = |left, front| Some(grid.index(x.checked_sub(left)?, y.checked_sub(front)?));
