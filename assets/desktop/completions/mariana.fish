@@ -113,7 +113,8 @@ complete -c mariana -n "__fish_mariana_needs_command" -a "eval" -d 'Evaluate a s
 complete -c mariana -n "__fish_mariana_needs_command" -a "import" -d 'Make a scene from a shader in GLSL, such as one from Shadertoy'
 complete -c mariana -n "__fish_mariana_needs_command" -a "export" -d 'Write a scene\'s distance and colours as GLSL, for example for Shadertoy'
 complete -c mariana -n "__fish_mariana_needs_command" -a "show" -d 'Write the director\'s show for a song to a show file, for editing'
-complete -c mariana -n "__fish_mariana_needs_command" -a "page" -d 'Write a web page that plays a song in a scene, in one file'
+complete -c mariana -n "__fish_mariana_needs_command" -a "mesh" -d 'Write the surfaces of a moment as triangles, for Blender and for printing'
+complete -c mariana -n "__fish_mariana_needs_command" -a "page" -d 'Write a web page that plays a song with a show or a scene, in one file'
 complete -c mariana -n "__fish_mariana_needs_command" -a "scenes" -d 'List the shipped scenes with their descriptions'
 complete -c mariana -n "__fish_mariana_needs_command" -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
 complete -c mariana -n "__fish_mariana_needs_command" -a "help" -d 'Print this message or the help of the given subcommand(s)'
@@ -292,9 +293,30 @@ complete -c mariana -n "__fish_mariana_using_subcommand export" -s h -l help -d 
 complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A scene from which to choose; can be given more than once [default: all shipped scenes]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s o -l output -d 'The show file to write; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s h -l help -d 'Print help'
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l at -d 'The moment in the song, as 80 or 1:20.5' -r
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l detail -d 'The number of cells along the longest side: each finer by half makes four times as many triangles' -r
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world"
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -s o -l output -d 'The file to write: .glb with colours, for Blender and others; .stl, for printing; or .obj' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
+compiled\t''
+auto\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
+off\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s own choice'
+agx\t'Natural colours; bright colours fade to white, as on film'
+aces\t'Deep shadows and vivid colours'
+reinhard\t'Gentle highlights'
+none\t'Light as it is; all that is too bright becomes white'"
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
+off\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -s v -l verbose -d 'Log what the program does; twice for more'
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand page" -s o -l output -d 'The page to write; it opens without a server' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l template -d 'The page without a song that \'scripts/site\' builds [default: page.html beside the program]' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world"
+complete -c mariana -n "__fish_mariana_using_subcommand page" -l show -d 'A show instead of one scene: \'auto\' for a show that follows the song, \'demo\' for the demo track\'s show, a .show file, or \'off\' [default: auto, unless a scene is given]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
@@ -308,24 +330,27 @@ none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand page" -l loop -d 'Begin the song again at its end'
+complete -c mariana -n "__fish_mariana_using_subcommand page" -l embed -d 'Leave out the controls of a visitor, for a frame in another page'
 complete -c mariana -n "__fish_mariana_using_subcommand page" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand page" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand scenes" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand devices" -l json -d 'Print JSON instead of text'
 complete -c mariana -n "__fish_mariana_using_subcommand devices" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "still" -d 'Render one moment of a song to a PNG, JPEG or WebP, without a window or a sound card'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "video" -d 'Render a part of a song to a video (needs ffmpeg) or to numbered stills'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "analyze" -d 'Print the features of a song, one line for each frame'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "bench" -d 'Measure frame times and distance evaluations, without a window'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "check" -d 'Check scenes: print each mistake with its position, or the cost of the scene'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "format" -d 'Format scene files; the scenes stay the same'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "lsp" -d 'Run the language server for editors, on standard input and output'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "tape" -d 'Print the tape of a scene\'s distance: the clauses that the interpreter runs'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "eval" -d 'Evaluate a scene\'s distance at points, one number per line'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "import" -d 'Make a scene from a shader in GLSL, such as one from Shadertoy'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "export" -d 'Write a scene\'s distance and colours as GLSL, for example for Shadertoy'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "show" -d 'Write the director\'s show for a song to a show file, for editing'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "page" -d 'Write a web page that plays a song in a scene, in one file'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "scenes" -d 'List the shipped scenes with their descriptions'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show page scenes devices help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "still" -d 'Render one moment of a song to a PNG, JPEG or WebP, without a window or a sound card'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "video" -d 'Render a part of a song to a video (needs ffmpeg) or to numbered stills'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "analyze" -d 'Print the features of a song, one line for each frame'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "bench" -d 'Measure frame times and distance evaluations, without a window'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "check" -d 'Check scenes: print each mistake with its position, or the cost of the scene'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "format" -d 'Format scene files; the scenes stay the same'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "lsp" -d 'Run the language server for editors, on standard input and output'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "tape" -d 'Print the tape of a scene\'s distance: the clauses that the interpreter runs'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "eval" -d 'Evaluate a scene\'s distance at points, one number per line'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "import" -d 'Make a scene from a shader in GLSL, such as one from Shadertoy'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "export" -d 'Write a scene\'s distance and colours as GLSL, for example for Shadertoy'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "show" -d 'Write the director\'s show for a song to a show file, for editing'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "mesh" -d 'Write the surfaces of a moment as triangles, for Blender and for printing'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "page" -d 'Write a web page that plays a song with a show or a scene, in one file'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "scenes" -d 'List the shipped scenes with their descriptions'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check format lsp tape eval import export show mesh page scenes devices help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
