@@ -41,7 +41,7 @@ const COMPARE = async (scene, show, moments, [width, height], difference, ahead)
     studio.finish_song();
     if (show) studio.follow_show(show, [], []);
     else studio.load(scene, page.scene_text(scene), false);
-    while (!show && !studio.receive_scene()) await rest();
+    while (!show && !studio.receive_scene(false)) await rest();
     let heard = 0;
     const found = [];
     for (const moment of moments) {

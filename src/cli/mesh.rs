@@ -18,8 +18,8 @@ pub(super) struct MeshArguments {
     /// The moment in the song, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
-    /// The number of cells along the longest side: each finer by half makes four times as many triangles
-    #[arg(long, value_name = "CELLS", default_value = "128", value_parser = clap::value_parser!(u16).range(4..=2048))]
+    /// The number of cells along the longest side: twice as many give four times as many triangles
+    #[arg(long, value_name = "CELLS", default_value = "128", value_parser = clap::value_parser!(u16).range(4..=1024))]
     detail: u16,
     #[command(flatten)]
     scene: OneScene,

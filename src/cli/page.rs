@@ -52,7 +52,7 @@ pub(super) struct PageArguments {
     /// Begin the song again at its end
     #[arg(long = "loop")]
     repeats: bool,
-    /// Leave out the controls of a visitor, for a frame in another page
+    /// Leave out the buttons and keys for scenes, sliders and texts, for a frame in another page
     #[arg(long)]
     embed: bool,
     #[command(flatten)]
@@ -65,6 +65,9 @@ pub(super) fn run(arguments: PageArguments) -> anyhow::Result<()> {
     let (song, file) = Files::of(arguments.files)?.song_and_scene()?;
     refuse_to_replace(&arguments.output, Some(BEGINNING))?;
     let template = read_template(arguments.template)?;
+    if let (Some(Some(_)), Some(file)) = (&arguments.show, &file) {
+        bail!("a show and the scene {} were given: give one of them", file.display());
+    }
     let is_one = file.is_some() || !arguments.scene.is_default();
     let show = arguments.show.unwrap_or_else(|| (!is_one).then_some(ShowSource::Auto));
     let choice = arguments.scene.choose(file, &arguments.common)?;

@@ -42,7 +42,7 @@ fn what_has_no_mesh_is_refused() {
     let mesh = |arguments: &[&str]| place.run(&[&["mesh"], arguments].concat());
     mesh(&["--scene", "sphere(p, 1)", "-o", "ball.png"])
         .refused(&["ball.png cannot be written: meshes are glTF"]);
-    mesh(&["--scene", "p.y", "-o", "a.stl"]).refused(&["no surface that ends: intersect it with a box"]);
+    mesh(&["--scene", "p.y", "-o", "a.stl"]).refused(&["one without an end: intersect it with a box"]);
     mesh(&["--scene", "sphere(p, 1)", "--set", "size=2", "-o", "a.stl"]).refused(&["size"]);
     mesh(&["--scene", "sphere(p, 1)", "--at", "9:00", "-o", "a.stl"]).refused(&["ends at"]);
     assert!(place.names().is_empty(), "{:?}", place.names());

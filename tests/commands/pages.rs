@@ -81,6 +81,8 @@ fn pages_that_cannot_work_are_refused() {
     page(&["-o", "notes.html"]).refused(&["notes.html exists"]);
     page(&["song.wma", "-o", "song.html"]).refused(&["browsers do not play song.wma"]);
     page(&["missing.mp3", "-o", "song.html"]).refused(&["missing.mp3 does not exist"]);
+    page(&["whole.scene", "--show", "auto", "-o", "song.html"])
+        .refused(&["a show and the scene whole.scene were given"]);
     place.write("waits.show", "at cue orb\n");
     page(&["--show", "waits.show", "-o", "song.html"]).refused(&["every entry of the show waits for a key"]);
     place.write("whole.show", "at start orb\nat cue whole.scene\n");

@@ -15,8 +15,8 @@ use mariana_control::{Curve, SoundBinding};
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
-/// Each action occurs twice.
-const MOMENTS: usize = 10;
+/// Each action occurs at least twice.
+const MOMENTS: usize = 12;
 /// In seconds.
 const SECONDS: f64 = 120.0;
 /// The OSC address of the playback position, 0..1.

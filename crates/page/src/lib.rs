@@ -140,11 +140,11 @@ impl Studio {
         self.coming.is_some() || self.show.as_ref().is_some_and(|show| show.is_preparing(time))
     }
 
-    /// Shows the chosen scene if the browser has compiled it. Returns true if it is new.
+    /// Shows the chosen scene if the browser has compiled it, or keeps it `behind` the show. Returns true if it is new.
     ///
     /// # Errors
     /// Fails if the browser refuses the program. The last scene stays.
-    pub fn receive_scene(&mut self) -> Result<bool, String> {
+    pub fn receive_scene(&mut self, behind: bool) -> Result<bool, String> {
         if !self.coming.as_ref().is_some_and(|(_, coming)| coming.is_compiled()) {
             return Ok(false);
         }
@@ -154,12 +154,14 @@ impl Studio {
         if let Some((_, last)) = &self.chosen {
             shown.keep_values_of(last);
         }
-        let was_show = self.show.take().is_some();
-        if is_another || was_show {
-            self.begin_fade();
+        if !behind {
+            let was_show = self.show.take().is_some();
+            if is_another || was_show {
+                self.begin_fade();
+            }
+            self.was_show = false;
         }
         self.chosen = Some((name, shown));
-        self.was_show = false;
         Ok(true)
     }
 
@@ -270,6 +272,12 @@ impl Studio {
         }
     }
 
+    /// The text of the scene that a show draws at `time` seconds; empty without a show.
+    pub fn scene_text_at(&self, time: f64) -> String {
+        let source = self.show.as_ref().and_then(|show| show.scene_at(time));
+        source.and_then(|source| source.text().ok()).map_or_else(String::new, |text| text.into_owned())
+    }
+
     /// Draws the frame at `time` seconds of the sound into the canvas of `width` and `height` pixels.
     ///
     /// # Errors
@@ -283,7 +291,7 @@ impl Studio {
         let mut is_show = false;
         if let Some(show) = &mut self.show {
             show.prepare(&self.gl, &self.library, time);
-            show.give_late_blends_up(time);
+            show.replace_late_blends(time);
             is_show = !show.layers(time, size).0.is_empty();
         }
         if is_show && !self.was_show {

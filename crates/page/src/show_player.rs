@@ -12,10 +12,12 @@ use super::shown::{Coming, Shown, ShownLayer};
 
 pub(crate) struct ShowPlayer {
     show: PreparedShow,
-    /// The scenes and blends of the last, the present and the next moments.
+    /// The scenes and blends of the present moment and of the next transition.
     scenes: Vec<(SceneSource, State)>,
-    /// Blends that were not ready when they began. Fades replace them.
+    /// Blends that were not ready when they began. Fades replace them until the next clip.
     late: Vec<SceneSource>,
+    /// The start of the present clip, in seconds.
+    clip: Option<f64>,
     held: HeldInputs,
 }
 
@@ -28,7 +30,7 @@ enum State {
 
 impl ShowPlayer {
     pub(crate) fn new(show: PreparedShow) -> Self {
-        Self { show, scenes: Vec::new(), late: Vec::new(), held: HeldInputs::default() }
+        Self { show, scenes: Vec::new(), late: Vec::new(), clip: None, held: HeldInputs::default() }
     }
 
     /// Prepares a scene of the moment `time`, in seconds, or of the next change. Call it once a frame, because reading a
@@ -45,7 +47,11 @@ impl ShowPlayer {
             return;
         }
         let wanted = self.wanted(time);
-        self.scenes.retain(|(source, state)| matches!(state, State::Refused) || wanted.contains(source));
+        // An old scene stays in the picture until a new one is ready.
+        let has_ready = wanted.iter().any(|source| self.ready(source).is_some());
+        self.scenes.retain(|(source, state)| {
+            !has_ready || matches!(state, State::Refused) || wanted.contains(source)
+        });
         let is_new = |source: &SceneSource| self.scenes.iter().all(|(known, _)| known != source);
         if let Some(source) = wanted.into_iter().find(is_new) {
             let ready = source.ready().map_err(|error| error.to_string());
@@ -98,7 +104,11 @@ impl ShowPlayer {
     }
 
     /// Replaces the blend at `time` seconds by a fade if it is not ready when it begins.
-    pub(crate) fn give_late_blends_up(&mut self, time: f64) {
+    pub(crate) fn replace_late_blends(&mut self, time: f64) {
+        let clip = self.show.at(time).map(|moment| moment.clip.start);
+        if std::mem::replace(&mut self.clip, clip) != clip {
+            self.late.clear();
+        }
         let recipe = self.show.recipe(time, time, |blend| !self.is_refused(blend));
         let mut sources = recipe.into_iter().flat_map(|recipe| recipe.layers).map(|layer| layer.source);
         let is_late =
@@ -120,6 +130,13 @@ impl ShowPlayer {
             let (time, below) = (layer.time, layer.below.filter(|_| !layers.is_empty()));
             let frame_at = move |time, sound| layer.frame(shown.world(), time, sound, size, &self.held);
             layers.push(ShownLayer { shown, time, below, frame_at: Box::new(frame_at) });
+        }
+        let others = self.scenes.iter().filter_map(|(_, state)| match state {
+            State::Ready(shown) => Some(shown),
+            _ => None,
+        });
+        if layers.is_empty() {
+            layers.extend(others.last().map(|shown| shown.layer(time, size)));
         }
         (layers, brightness)
     }

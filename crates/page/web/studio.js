@@ -30,8 +30,10 @@ let names = [];
 const shown = { name: "", text: "", interpreted: false };
 /// The chosen scene while the browser compiles it, with the sliders of its link.
 let coming = null;
-/// What plays the scenes: whether a show may, whether one does, and whether the director knows all scenes.
+/// The show: `wanted` by the user, `runs` now. `knows`: the director has read all scenes, the last one at the time `last`.
 const directed = { wanted: true, runs: false, knows: false, last: 0 };
+/// The name of the scene whose text is in the editor, and the timer of its typed text.
+const edited = { name: "", timer: 0 };
 
 function tell(words, seconds = 4) {
     of("message").textContent = words;
@@ -66,13 +68,21 @@ class Song {
 
     begin() {
         studio.begin_sound(this.rate, false);
-        if (this.structure) {
+        this.seek(0);
+        if (this.structure) this.know();
+        this.play();
+    }
+
+    /// Uses the structure that `mariana page` has found.
+    know() {
+        try {
             studio.know_song(JSON.stringify(this.structure));
             this.whole = this.left.length;
+            followShow();
+        } catch {
+            this.structure = undefined;
+            tell("The page's song is from another version of Mariana: write the page again", 8);
         }
-        this.seek(0);
-        this.play();
-        if (this.structure) followShow();
     }
 
     get seconds() {
@@ -129,7 +139,8 @@ class Song {
             studio.push_samples(this.left.subarray(this.heard, until), this.right.subarray(this.heard, until));
             this.heard = until;
         }
-        if (directed.wanted && !directed.knows && performance.now() > directed.last + CARD_EVERY) {
+        const asksDirector = directed.wanted && !directed.runs && !own.scene && !directed.knows;
+        if (asksDirector && performance.now() > directed.last + CARD_EVERY) {
             directed.knows = !studio.read_next_card();
             directed.last = performance.now();
             if (directed.knows && this.whole >= this.left.length) followShow();
@@ -205,7 +216,8 @@ class Live {
 function begin(next) {
     sound?.end();
     sound = next;
-    directed.runs = false;
+    setShowRuns(false);
+    of("scene").value = coming?.name ?? shown.name;
     of("welcome").hidden = true;
     const isSong = next instanceof Song;
     for (const id of ["play", "seek", "follow"]) of(id).disabled = !isSong;
@@ -268,11 +280,12 @@ function report(name, mistakes) {
     if (typeof mistakes !== "string") return stop(mistakes.message);
     of("mistakes").textContent = mistakes;
     if (of("editor").hidden) tell(`${name} cannot be shown: ${mistakes.split("\n")[0]}`, 8);
+    else if (of("message").textContent.startsWith("Compiling")) tell("", 0);
     return false;
 }
 
 /// Chooses a scene, which comes once the browser has compiled it ([`receive`]). Returns false if it has mistakes.
-function show(name, text, interpreted = shown.interpreted, sliders = {}) {
+function show(name, text, interpreted = (coming ?? shown).interpreted, sliders = {}) {
     try {
         studio.load(name, text, interpreted);
         of("mistakes").textContent = "";
@@ -286,33 +299,41 @@ function show(name, text, interpreted = shown.interpreted, sliders = {}) {
 /// Shows the chosen scene as soon as it is compiled.
 function receive() {
     try {
-        if (!coming || !studio.receive_scene()) return;
+        if (!coming || !studio.receive_scene(coming.behind)) return;
     } catch (mistakes) {
         report(coming.name, mistakes);
         coming = null;
         return;
     }
-    const { name, text, interpreted, sliders, begun } = coming;
+    const { name, text, interpreted, sliders, begun, behind } = coming;
     for (const [slider, value] of Object.entries(sliders)) studio.turn(slider, Number(value));
     coming = null;
     Object.assign(shown, { name, text, interpreted });
     Object.assign(pace, { late: 0, calm: 0, patience: PATIENCE });
-    of("scene").value = name;
     of("mode").textContent = interpreted ? "Interpreted" : "Compiled";
     if (of("message").textContent.startsWith("Compiling")) tell(name);
-    directs(false);
+    if (!behind) {
+        of("scene").value = name;
+        setShowRuns(false);
+    }
     console.info(`${name}: ${Math.round(performance.now() - begun)} ms`);
 }
 
 /// A scene that the user chooses stays: the show ends.
-function choose(name) {
+function choose(name, text = scene_text(name)) {
     directed.wanted = false;
-    const text = scene_text(name);
+    clearTimeout(edited.timer);
+    of("scene").value = name;
     tell(`Compiling ${name}`, 0);
-    if (show(name, text)) of("text").value = text;
+    if (!show(name, text)) return;
+    of("text").value = text;
+    edited.name = name;
 }
 
-function directs(runs) {
+/// The scene that the show draws.
+const present = () => ({ name: studio.scene_name(sound.time) || "orb", text: studio.scene_text_at(sound.time) });
+
+function setShowRuns(runs) {
     directed.runs = runs;
     of("follow").setAttribute("aria-pressed", String(runs));
     fillSliders();
@@ -320,28 +341,30 @@ function directs(runs) {
 
 /// Lets the page's own show or the director choose the scenes of the song, if a show is wanted.
 function followShow() {
-    if (!directed.wanted) return;
+    if (!directed.wanted || directed.runs) return;
     try {
         if (own.show && sound.structure) studio.follow_show(own.show, Object.keys(own.scenes), Object.values(own.scenes));
         else if (own.scene || !studio.follow_song()) return;
-        directs(true);
+        setShowRuns(true);
+        if (coming) coming.behind = true;
     } catch (mistakes) {
-        report("The show", mistakes);
+        if (typeof mistakes !== "string") return stop(mistakes.message);
+        tell(`The show cannot be played: ${mistakes.split("\n")[0]}. Write the page again`, 8);
     }
 }
 
 /// Begins to follow the song, or keeps the present scene.
 function toggleShow() {
     if (!(sound instanceof Song)) return;
-    if (directed.runs) return choose(studio.scene_name(sound.time) || shown.name);
+    if (directed.runs) return choose(present().name, present().text);
     directed.wanted = true;
     delete own.scene;
-    if (directed.knows || own.show) followShow();
-    tell("The scenes follow the song");
+    if (directed.knows || (own.show && sound.structure)) followShow();
+    tell(directed.runs ? "The scenes follow the song" : "The show begins once the song is heard");
 }
 
 function step(by) {
-    const at = names.indexOf(of("scene").value);
+    const at = names.indexOf(coming?.name ?? of("scene").value);
     choose(names[(at + by + names.length) % names.length]);
 }
 
@@ -382,9 +405,8 @@ async function packed(bytes, stream, most = Infinity) {
 }
 
 async function linkOf() {
-    const sliders = {};
-    for (const input of of("sliders").querySelectorAll("input")) sliders[input.name] = Number(input.value);
-    const { name, text } = coming ?? shown;
+    const { name, text, sliders = {} } = coming ?? (directed.runs ? present() : shown);
+    if (!coming) for (const input of of("sliders").querySelectorAll("input")) sliders[input.name] = Number(input.value);
     const state = { name, sliders };
     if (text !== scene_text(name)) state.text = text;
     const bytes = await packed(new TextEncoder().encode(JSON.stringify(state)), new CompressionStream("deflate-raw"));
@@ -407,6 +429,7 @@ async function showLink(link) {
         return false;
     }
     of("text").value = state.text;
+    edited.name = state.name;
     directed.wanted = false;
     return show(state.name, state.text, shown.interpreted, state.sliders);
 }
@@ -462,7 +485,8 @@ function frame(now) {
         sound?.hear(time);
         receive();
         studio.draw(time, width, height);
-        if (directed.runs) of("scene").value = studio.scene_name(time);
+        const name = directed.runs && !coming && studio.scene_name(time);
+        if (name && of("scene").value !== name) of("scene").value = name;
     } catch (error) {
         stop(error.message ?? error);
     }
@@ -486,13 +510,14 @@ const full = () => (document.fullscreenElement ? document.exitFullscreen() : doc
 const playOrPause = () => sound instanceof Song && (sound.source ? sound.pause() : (speakers(), sound.play()));
 const otherMode = () => {
     if (directed.runs) return tell("The show moves the scenes: press A to keep one");
-    tell(shown.interpreted ? "Compiling" : "Interpreted: the text is a list of clauses, run by one program");
-    show(shown.name, shown.text, !shown.interpreted);
+    const { name, text, interpreted, sliders } = coming ?? shown;
+    tell(interpreted ? "Compiling" : "Interpreted: the text is a list of clauses, run by one program");
+    show(name, text, !interpreted, sliders);
 };
 const leap = (seconds) => sound instanceof Song && sound.seek(sound.time + seconds);
 
 const edit = () => {
-    if (directed.runs && of("editor").hidden) of("text").value = scene_text(of("scene").value);
+    if (directed.runs && of("editor").hidden) [of("text").value, edited.name] = [present().text, present().name];
     toggle("editor", "edit");
 };
 
@@ -527,12 +552,10 @@ function connect() {
     of("seek").onchange = ({ target }) => {
         if (sound instanceof Song) sound.seek(target.value * sound.seconds);
     };
-    let typed;
     of("text").oninput = ({ target }) => {
-        clearTimeout(typed);
-        const name = of("scene").value || shown.name;
+        clearTimeout(edited.timer);
         directed.wanted = false;
-        typed = setTimeout(() => show(name, target.value), 150);
+        edited.timer = setTimeout(() => show(edited.name, target.value), 150);
     };
     addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey || (event.repeat && !event.key.startsWith("Arrow"))) return;
@@ -541,7 +564,8 @@ function connect() {
         const sliding = event.target.tagName === "INPUT" && event.key.startsWith("Arrow");
         const pressing = event.target.tagName === "BUTTON" && event.key === " ";
         const action = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-        if (!action || typing || sliding || pressing) return;
+        const isLeftOut = own.embed && "nplcesa".includes(event.key.toLowerCase());
+        if (!action || isLeftOut || typing || sliding || pressing) return;
         event.preventDefault();
         action();
     });
@@ -578,7 +602,7 @@ function greetWithSong() {
 
 async function start() {
     tell("Loading", 0);
-    if (own.poster) canvas.style.background = `center / cover url(${own.poster})`;
+    if (own.poster) of("welcome").style.background = `linear-gradient(#08090c99 0 0), center / cover url(${own.poster})`;
     document.body.classList.toggle("embed", Boolean(own.embed));
     const packedModule = of("module").textContent && (await bytesIn("module"));
     const module_or_path = packedModule ? await packed(packedModule, new DecompressionStream("gzip")) : "mariana_page_bg.wasm";
@@ -593,6 +617,7 @@ async function start() {
     const linked = location.hash.length > 1 && (await showLink(location.hash.slice(1)));
     const name = own.scene ?? "orb";
     if (!linked) {
+        edited.name = name;
         of("text").value = own.text ?? scene_text(name);
         show(name, of("text").value);
     }

@@ -42,12 +42,22 @@ impl SentState {
     }
 }
 
+/// The shortest number that is this one in 32 bits.
+fn short(value: f32) -> Value {
+    value.to_string().parse::<f64>().map_or(Value::Null, Value::from)
+}
+
 fn state_of(now: &Present, pictures: u64) -> State {
     let params = now.params.iter();
-    let values: State =
-        params.clone().map(|one| (one.name.clone(), json!([one.value, one.changed_by.name()]))).collect();
+    let values: State = params
+        .clone()
+        .map(|one| (one.name.clone(), json!([short(one.value), one.changed_by.name()])))
+        .collect();
     let shapes: Vec<Value> = params
-        .map(|one| json!({ "name": one.name, "min": one.min, "max": one.max, "default": one.default }))
+        .map(|one| {
+            let [min, max, default] = [one.min, one.max, one.default].map(short);
+            json!({ "name": one.name, "min": min, "max": max, "default": default })
+        })
         .collect();
     let switches: State =
         now.switches.iter().map(|(name, is_on)| ((*name).to_owned(), json!(is_on))).collect();
@@ -56,7 +66,7 @@ fn state_of(now: &Present, pictures: u64) -> State {
             let steps = (f64::from(*level) * now.length / POSITION_STEP).floor();
             ((*name).to_owned(), json!(steps * POSITION_STEP / now.length))
         }
-        name => (name.to_owned(), json!(level)),
+        name => (name.to_owned(), short(*level)),
     });
     let all = [
         ("scene", json!(now.scene)),

@@ -173,7 +173,7 @@ impl TrackPanel {
     fn search(&mut self) {
         self.revision += 1;
         self.found.clear();
-        let Some(query) = &self.query else { return };
+        let Some(query) = self.query.as_ref().filter(|query| !query.text().is_empty()) else { return };
         for (index, track) in self.list.entries.iter().enumerate() {
             let tags = self.tags.of_track(track);
             let file = track.file.as_ref().and_then(|file| file.file_name()).map(PathBuf::from);

@@ -91,7 +91,7 @@ impl Views {
         self.programs.missing(scene, mode)
     }
 
-    /// Takes a requested view program. If the driver rejects it, the view is turned off.
+    /// Takes a requested view program.
     pub(super) fn add(&mut self, of: ProgramOf, program: Program) {
         tracing::info!("views are ready");
         self.programs.add(of, program);

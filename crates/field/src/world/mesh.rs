@@ -35,12 +35,15 @@ pub struct Vertex {
 pub enum MeshError {
     /// Planes and infinite surfaces have no mesh.
     #[error(
-        "the scene has no surface that ends: intersect it with a box, such as max(shape, box(p, vec3(2)))"
+        "the scene has no surface, or one without an end: intersect it with a box, such as max(shape, box(p, vec3(2)))"
     )]
     Unbounded,
     /// The surfaces are thinner than a cell, or there are none at this moment.
     #[error("the scene has no surface at this moment, or only thinner ones than a cell: ask for more detail")]
     Empty,
+    /// The formula needs more registers than a tree has.
+    #[error("the scene's formula is too long for a mesh: use fewer objects")]
+    TooComplex,
     /// The mesh would have too many triangles.
     #[error("the mesh would have more than {MESH_TRIANGLES_MAX} triangles: ask for less detail")]
     TooLarge,
@@ -67,7 +70,11 @@ impl World {
     /// [`MeshError`]
     pub fn mesh(&self, frame: &FrameInputs, detail: usize) -> Result<Mesh, MeshError> {
         let options = RegionOptions { texels_max: TEXELS_MAX, ..RegionOptions::default() };
-        let tree = RegionPlan::new(self).build(frame, &options);
+        let plan = RegionPlan::new(self);
+        if !plan.runs {
+            return Err(MeshError::TooComplex);
+        }
+        let tree = plan.build(frame, &options);
         let ends = self.has_rest && self.bounds.is_some();
         let bounds = tree.bounds.filter(|_| ends).ok_or(MeshError::Unbounded)?;
         let side = bounds.size() / detail.max(1) as f32;
@@ -168,10 +175,13 @@ impl CellGrid<'_> {
     }
 
     fn normal(&self, position: [f32; 3]) -> [f32; 3] {
+        let farthest = position.iter().fold(0.0f32, |most, part| most.max(part.abs()));
+        // Rounding must not decide, far from the origin.
+        let step = (TAP * self.side).max(1e-4 * farthest).min(0.25 * self.side);
         let gradient = [0, 1, 2].map(|axis| {
             let tap = |way: f32| {
                 let mut point = position;
-                point[axis] += way * TAP * self.side;
+                point[axis] += way * step;
                 self.value(point)
             };
             tap(1.0) - tap(-1.0)

@@ -434,7 +434,7 @@ fn read_info(gl: &glow::Context) -> GlInfo {
             software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"]
                 .iter()
                 .any(|s| lower.contains(s)),
-            // Asked in pages only: at home, threads compile.
+            // Only the web page asks: the program compiles on threads.
             tells_completion: cfg!(target_family = "wasm")
                 && has_extension(gl, "KHR_parallel_shader_compile"),
             renderer,

@@ -225,8 +225,14 @@ impl OverlayContent<'_> {
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer, self.panel, self.learning).hash(&mut hasher);
         self.editor.map(|panel| panel.revision).hash(&mut hasher);
+        if let Some(cues) = &self.cues {
+            cues.current.hash(&mut hasher);
+            for row in cues.rows.iter() {
+                (&row.moment, row.start.map(f64::to_bits), row.waits, &row.scene).hash(&mut hasher);
+            }
+        }
         // Numbers with a fraction have no hash, but a text.
-        format!("{:?}", (&self.cues, &self.decks, self.params, self.picture)).hash(&mut hasher);
+        format!("{:?}", (self.cues.is_some(), &self.decks, self.params, self.picture)).hash(&mut hasher);
         let preview = |next: &NextScene| next.picture.as_ref().map(Arc::as_ptr);
         let next =
             self.next.map(|next| (&next.title, preview(next), [next.level, next.beat].map(f32::to_bits)));

@@ -164,6 +164,7 @@ impl World {
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
+        graph.check().map_err(WorldError::of(&name))?;
         let scene = Scene {
             graph,
             objects: vec![whole(name.clone(), distance)],
