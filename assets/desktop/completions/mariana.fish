@@ -294,7 +294,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A sce
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s o -l output -d 'The show file to write; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l at -d 'The moment in the song, as 80 or 1:20.5' -r
-complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l detail -d 'The number of cells along the longest side: each finer by half makes four times as many triangles' -r
+complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l detail -d 'The number of cells along the longest side: twice as many give four times as many triangles' -r
 complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea fireflies first_steps forest glass_organ gyroid heart ink kaleidoscope lattice lava_lamp letters library mandelbulb marbling metaballs moonrise nave orb quadric rain reef speakers spiral terrain tunnel village wave_tank wax_world"
 complete -c mariana -n "__fish_mariana_using_subcommand mesh" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand mesh" -s o -l output -d 'The file to write: .glb with colours, for Blender and others; .stl, for printing; or .obj' -r -F
@@ -331,7 +331,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand page" -l gain -d 'Automa
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand page" -l loop -d 'Begin the song again at its end'
-complete -c mariana -n "__fish_mariana_using_subcommand page" -l embed -d 'Leave out the controls of a visitor, for a frame in another page'
+complete -c mariana -n "__fish_mariana_using_subcommand page" -l embed -d 'Leave out the buttons and keys for scenes, sliders and texts, for a frame in another page'
 complete -c mariana -n "__fish_mariana_using_subcommand page" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand page" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand scenes" -s h -l help -d 'Print help'
