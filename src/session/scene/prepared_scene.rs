@@ -4,7 +4,6 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::context_change::LoadedScene;
 use super::knobs::{Knob, SceneKnobs};
 use super::program_task::ProgramOf;
 use crate::clock;
@@ -128,7 +127,7 @@ impl PreparedScene {
         })
     }
 
-    pub(super) fn into_loaded(self) -> LoadedScene {
+    pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
         let resources = &self.resources;
         let scene = ReadyScene {
             world: resources.world().clone(),
@@ -137,7 +136,7 @@ impl PreparedScene {
             settles: false,
             warnings: Arc::default(),
         };
-        LoadedScene { source: self.source, scene }
+        (self.source, scene)
     }
 
     pub(super) fn title(&self) -> String {

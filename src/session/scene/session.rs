@@ -94,7 +94,10 @@ impl SceneSession {
         let SceneLibrary { loader, wanted, .. } = self.preparation.library;
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
-            shown: shown.or(coming).map(PreparedScene::into_loaded),
+            shown: shown
+                .or(coming)
+                .map(PreparedScene::into_ready)
+                .map(|(source, scene)| LoadedScene { source, scene }),
             ways: DrawingWays { choice, view, projection, fade },
             taken_over: TakenOver { parameters: self.parameters, wanted, show: self.show, decks: self.decks },
         }
