@@ -36,8 +36,8 @@ pub struct Layer<'a> {
 }
 
 impl PreparedShow {
-    /// Returns what the show draws at `time` seconds; `None` without a timeline. What is not frozen is shown as it is at
-    /// `exposed`, a moment while the shutter is open. A fade replaces each blend of worlds that `can_blend` refuses.
+    /// Returns what the show draws at `time` seconds; `None` without a timeline. `exposed` is the moment of the scenes that
+    /// are not frozen; the shutter is open then. A fade replaces each blend of worlds that `can_blend` refuses.
     pub fn recipe(
         &self,
         time: f64,
@@ -106,7 +106,7 @@ impl Layer<'_> {
         frame.by_hand(world, OrbitControls::of_turns(self.clip.turns_at(time)))
     }
 
-    /// The parameters at `time` seconds. Those of a blend are those of the outgoing scene, those of the incoming scene, and
+    /// The parameters at `time` seconds. A blend has the parameters of the outgoing scene, then of the incoming scene, then
     /// the fraction ([`World::blend`]).
     fn params(&self, world: &World, time: f64) -> Vec<f32> {
         let params = world.scene.params.as_slice();

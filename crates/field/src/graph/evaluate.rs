@@ -59,7 +59,7 @@ impl Graph {
     }
 
     /// Returns bounds of a value for inputs of the point within `point`, in the order of [`Input::OF_POINT`]. With
-    /// [`FrameInputs::any`], they hold for every frame. Nothing is known about textures.
+    /// [`FrameInputs::any`], they hold for every frame. Textures have no bounds.
     pub fn bounds(&self, root: NodeId, point: [Interval; 6], frame: &FrameInputs) -> Interval {
         let mut bounds = vec![Interval::ANY; root.index() + 1];
         for id in self.order(&[root]) {

@@ -1,4 +1,4 @@
-//! Fused operators: two operators become one if nothing but the second reads the result of the first.
+//! Fused operators: two operators become one if only the second reads the result of the first.
 //!
 //! Most distances consist of lengths, boxes and balls, in which squares, sums, differences and roots follow each
 //! other. The time of an interpreter grows with the number of clauses, and fusing saves a third of a distance's

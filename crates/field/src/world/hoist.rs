@@ -8,7 +8,7 @@ use super::Roots;
 use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Point};
 use crate::limits::LIMITS;
 
-/// Expressions of the frame in a graph of their own.
+/// Expressions of the frame, in a separate graph.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
     graph: Graph,

@@ -1,8 +1,8 @@
 //! Meshes of triangles along the surfaces of a world, for other programs and for printing.
 //!
 //! Ju, Losasso, Schaefer, Warren, "Dual contouring of Hermite data" (2002): each cell of a grid with a surface gets a
-//! vertex, where the planes through its edges' crossings meet best. So edges and corners of shapes stay sharp. The tree of
-//! the frame gives each point the shortest tape, and tells where no surface is.
+//! vertex, where the planes through its edges' crossings meet best. So edges and corners of shapes stay sharp. The frame's
+//! tree gives each point the shortest tape. Cells far from all surfaces are skipped.
 
 use crate::graph::{FrameInputs, Point};
 use crate::lang::Material;
@@ -24,7 +24,7 @@ pub struct Mesh {
 pub struct Vertex {
     /// The position.
     pub position: [f32; 3],
-    /// The unit normal, outwards; 0 where the surface has none.
+    /// The unit normal, outwards; 0 at points where the gradient is 0.
     pub normal: [f32; 3],
     /// The colour of the object's material, linear.
     pub color: [f32; 3],
@@ -38,7 +38,7 @@ pub enum MeshError {
         "the scene has no surface, or one without an end: intersect it with a box, such as max(shape, box(p, vec3(2)))"
     )]
     Unbounded,
-    /// The surfaces are thinner than a cell, or there are none at this moment.
+    /// The surfaces are thinner than a cell, or have vanished at this moment.
     #[error("the scene has no surface at this moment, or only thinner ones than a cell: ask for more detail")]
     Empty,
     /// The formula needs more registers than a tree has.

@@ -316,7 +316,7 @@ impl Lowering<'_> {
         fit
     }
 
-    /// Returns the location of an argument; that of the call if it is not known.
+    /// Returns the location of an argument, or of the call if the argument has no location.
     pub(super) fn argument_span(&self, call: Call, index: usize) -> Span {
         let known = call.first.map(|first| self.ast.span(ExprId(self.ast.extra(first + index as u32))));
         known.filter(|span| *span != Span::default()).unwrap_or(call.span)
