@@ -292,7 +292,7 @@ impl Studio {
         if let Some(show) = &mut self.show {
             show.prepare(&self.gl, &self.library, time);
             show.replace_late_blends(time);
-            is_show = !show.layers(time, size).0.is_empty();
+            is_show = show.can_draw();
         }
         if is_show && !self.was_show {
             self.begin_fade();

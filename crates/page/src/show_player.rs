@@ -12,8 +12,11 @@ use super::shown::{Coming, Shown, ShownLayer};
 
 pub(crate) struct ShowPlayer {
     show: PreparedShow,
-    /// The scenes and blends of the present moment and of the next transition.
-    scenes: Vec<(SceneSource, State)>,
+    /// The scenes and blends of the present moment and of the next transition; `None` for those with mistakes, and those
+    /// that the browser cannot compile.
+    scenes: Vec<(SceneSource, Option<Shown>)>,
+    /// The next one of `scenes`, whose program the browser compiles.
+    coming: Option<(SceneSource, Coming)>,
     /// Blends that were not ready when they began. Fades replace them until the next clip.
     late: Vec<SceneSource>,
     /// The start of the present clip, in seconds.
@@ -21,54 +24,45 @@ pub(crate) struct ShowPlayer {
     held: HeldInputs,
 }
 
-enum State {
-    Coming(Coming),
-    Ready(Shown),
-    /// It has mistakes, or the browser cannot compile it.
-    Refused,
-}
-
 impl ShowPlayer {
     pub(crate) fn new(show: PreparedShow) -> Self {
-        Self { show, scenes: Vec::new(), late: Vec::new(), clip: None, held: HeldInputs::default() }
+        let held = HeldInputs::default();
+        Self { show, scenes: Vec::new(), coming: None, late: Vec::new(), clip: None, held }
     }
 
     /// Prepares a scene of the moment `time`, in seconds, or of the next change. Call it once a frame, because reading a
     /// scene takes a part of the page's time.
     pub(crate) fn prepare(&mut self, gl: &Gl, library: &ShaderLibrary, time: f64) {
-        let coming = self.scenes.iter().position(|(_, state)| matches!(state, State::Coming(_)));
-        if let Some(place) = coming {
-            let is_compiled = |(_, state): &(SceneSource, State)| matches!(state, State::Coming(coming) if coming.is_compiled());
-            if self.scenes.get(place).is_some_and(is_compiled)
-                && let (source, State::Coming(coming)) = self.scenes.swap_remove(place)
-            {
-                self.scenes.push((source, coming.finish().map_or(State::Refused, State::Ready)));
-            }
+        if let Some((source, coming)) = self.coming.take_if(|(_, coming)| coming.is_compiled()) {
+            self.scenes.push((source, coming.finish().ok()));
+            return;
+        }
+        if self.coming.is_some() {
             return;
         }
         let wanted = self.wanted(time);
         // An old scene stays in the picture until a new one is ready.
-        let has_ready = wanted.iter().any(|source| self.ready(source).is_some());
-        self.scenes.retain(|(source, state)| {
-            !has_ready || matches!(state, State::Refused) || wanted.contains(source)
-        });
+        let has_new = wanted.iter().any(|source| self.ready(source).is_some());
+        self.scenes.retain(|(source, shown)| !has_new || shown.is_none() || wanted.contains(source));
         let is_new = |source: &SceneSource| self.scenes.iter().all(|(known, _)| known != source);
         if let Some(source) = wanted.into_iter().find(is_new) {
-            let ready = source.ready().map_err(|error| error.to_string());
-            let begin =
-                |ready| Coming::begin(gl, library, ready, Mode::Compiled).map_err(|error| error.to_string());
-            let state = ready.and_then(begin).map_or(State::Refused, State::Coming);
-            self.scenes.push((source, state));
+            let ready = source.ready().ok();
+            match ready.and_then(|ready| Coming::begin(gl, library, ready, Mode::Compiled).ok()) {
+                Some(coming) => self.coming = Some((source, coming)),
+                None => self.scenes.push((source, None)),
+            }
         }
     }
 
-    /// True until [`Self::prepare`] has nothing to do at `time` seconds.
+    /// True until [`Self::prepare`] has all scenes of `time` seconds and of the next change.
     pub(crate) fn is_preparing(&self, time: f64) -> bool {
-        let is_known = |wanted: &SceneSource| {
-            let mut known = self.scenes.iter();
-            known.any(|(source, state)| source == wanted && !matches!(state, State::Coming(_)))
-        };
+        let is_known = |wanted: &SceneSource| self.scenes.iter().any(|(source, _)| source == wanted);
         !self.wanted(time).iter().all(is_known)
+    }
+
+    /// True once a scene of the show can be drawn.
+    pub(crate) fn can_draw(&self) -> bool {
+        self.scenes.iter().any(|(_, shown)| shown.is_some())
     }
 
     /// The scenes and blends at `time` and in the next transition, the most urgent first.
@@ -93,14 +87,11 @@ impl ShowPlayer {
 
     fn is_refused(&self, source: &SceneSource) -> bool {
         self.late.contains(source)
-            || self.scenes.iter().any(|(known, state)| known == source && matches!(state, State::Refused))
+            || self.scenes.iter().any(|(known, shown)| known == source && shown.is_none())
     }
 
     fn ready(&self, source: &SceneSource) -> Option<&Shown> {
-        self.scenes.iter().find_map(|(known, state)| match state {
-            State::Ready(shown) if known == source => Some(shown),
-            _ => None,
-        })
+        self.scenes.iter().find(|(known, _)| known == source)?.1.as_ref()
     }
 
     /// Replaces the blend at `time` seconds by a fade if it is not ready when it begins.
@@ -117,7 +108,7 @@ impl ShowPlayer {
     }
 
     /// The ready scenes of the moment `time`, in seconds, for a picture of `size` pixels, and the brightness of the picture,
-    /// 0..1. There are no layers if no scene is ready.
+    /// 0..1. An old scene stays while none of them is ready.
     pub(crate) fn layers(&self, time: f64, size: (u32, u32)) -> (Vec<ShownLayer<'_>>, f32) {
         let mut layers: Vec<ShownLayer<'_>> = Vec::new();
         let Some(Recipe { layers: planned, brightness }) =
@@ -131,12 +122,9 @@ impl ShowPlayer {
             let frame_at = move |time, sound| layer.frame(shown.world(), time, sound, size, &self.held);
             layers.push(ShownLayer { shown, time, below, frame_at: Box::new(frame_at) });
         }
-        let others = self.scenes.iter().filter_map(|(_, state)| match state {
-            State::Ready(shown) => Some(shown),
-            _ => None,
-        });
         if layers.is_empty() {
-            layers.extend(others.last().map(|shown| shown.layer(time, size)));
+            let old = self.scenes.iter().rev().find_map(|(_, shown)| shown.as_ref());
+            layers.extend(old.map(|shown| shown.layer(time, size)));
         }
         (layers, brightness)
     }
