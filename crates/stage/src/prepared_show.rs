@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use mariana_assets::DEMO_SHOW;
-use mariana_field::world::BlendKind;
 use mariana_files::reading::{TextError, read_text};
 use mariana_music::SongStructure;
 use mariana_scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
@@ -227,15 +227,18 @@ impl PreparedShow {
         self.scenes.iter().map(|(name, source)| (name.as_str(), source))
     }
 
-    /// Returns the blend of the scene in `from` with the scene in `to`; `None` if either scene is unknown.
-    pub fn blend(&self, from: &Clip, to: &Clip, kind: BlendKind) -> Option<SceneBlend> {
+    /// Returns the blend that leads from one clip to the next; `None` if the transition is none, or if both clips show the
+    /// same scene.
+    pub fn blend(&self, from: &Clip, to: &Clip) -> Option<SceneSource> {
+        let kind = to.transition.kind.blend().filter(|_| from.scene != to.scene)?;
         let seen = |clip: &Clip| {
             Some(SeenScene { source: self.source(&clip.scene)?.clone(), camera: clip.camera.clone() })
         };
         // A fader moves at any time, so the time of its clip says nothing.
         let middle = if to.transition.by_fader { 0.0 } else { to.start + 0.5 * to.transition.seconds };
         let aligned_at = (1000.0 * middle).max(0.0) as u64;
-        Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
+        let blend = SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at };
+        Some(SceneSource::Blend(Arc::new(blend)))
     }
 
     /// Returns the scenes of the timeline, in the order of their first clips.

@@ -1,7 +1,5 @@
 //! The recipe of a frame: the scenes that a show draws at a moment, one over the other.
 
-use std::sync::Arc;
-
 use super::prepared_show::PreparedShow;
 use mariana_field::world::World;
 use mariana_music::Sound;
@@ -9,7 +7,7 @@ use mariana_render::frame::held_inputs::HeldInputs;
 use mariana_render::frame::orbit_controls::OrbitControls;
 use mariana_render::frame::{Frame, FrameOptions};
 use mariana_scenes::{SceneSource, camera_number};
-use mariana_show::{Clip, Timeline};
+use mariana_show::{Clip, Moment};
 
 /// What a show draws at a moment.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +45,7 @@ impl PreparedShow {
         let timeline = self.timeline()?;
         let mut held = timeline.held_at(time);
         let lowest = held.last().map_or(exposed, |oldest| oldest.since);
-        let mut layers = self.live(timeline, lowest, &can_blend)?;
+        let mut layers = self.layers(timeline.at(lowest), lowest, &can_blend)?;
         // Later frozen frames, and then the frame of the moment, cover the oldest one. If a scene is fading out in them, it
         // is left out.
         while let Some(lower) = held.pop() {
@@ -60,19 +58,17 @@ impl PreparedShow {
         Some(Recipe { layers, brightness: timeline.picture_at(time).brightness })
     }
 
-    fn live<'a>(
+    /// Returns the scenes that are not frozen in the state `moment` of the timeline, for the frame at `time` seconds: one,
+    /// or two that fade into each other. `can_blend` is as in [`Self::recipe`].
+    pub fn layers<'a>(
         &'a self,
-        timeline: &'a Timeline,
+        moment: Moment<'a>,
         time: f64,
-        can_blend: &impl Fn(&SceneSource) -> bool,
+        can_blend: impl Fn(&SceneSource) -> bool,
     ) -> Option<Vec<Layer<'a>>> {
-        let moment = timeline.at(time);
         let layer = self.layer(moment.clip, time)?;
         let Some((leaving, fraction)) = moment.leaving else { return Some(vec![layer]) };
-        let kind = moment.clip.transition.kind.blend();
-        let blend = kind.and_then(|kind| self.blend(leaving, moment.clip, kind));
-        let blend = blend.map(|blend| SceneSource::Blend(Arc::new(blend)));
-        Some(match blend.filter(can_blend) {
+        Some(match self.blend(leaving, moment.clip).filter(can_blend) {
             Some(source) => vec![Layer { source, leaving: Some((leaving, fraction)), ..layer }],
             None => vec![self.layer(leaving, time)?, layer.over(1.0 - fraction)],
         })
@@ -176,6 +172,12 @@ mod tests {
         let recipe = show.recipe(11.0, 11.0, |blend| !matches!(blend, SceneSource::Blend(_))).unwrap();
         let below: Vec<Option<f32>> = recipe.layers.iter().map(|layer| layer.below).collect();
         assert_eq!(below, [None, Some(0.75)]);
+    }
+
+    #[test]
+    fn a_melt_from_a_scene_to_itself_is_a_fade() {
+        let show = show("at start orb\nat 10 s orb melt over 4 s");
+        assert_eq!(layers(&show, 11.0), [layer("orb", 11.0, None), layer("orb", 11.0, Some(0.75))]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
-use crate::show::{Clip, Moment, PreparedShow, ShownPicture};
+use crate::show::{Clip, Layer, Moment, PreparedShow, ShownPicture};
 
 /// Up to this many seconds after a cut of the show, the scene is still cut; later, it fades in as the user chose.
 const LATE: f64 = 0.5;
@@ -249,7 +249,7 @@ impl ShowFollower {
         }
         self.course.overruled = None;
         let scene = prepared_show.source(&moment.clip.scene).cloned()?;
-        let blended = moment.leaving.and_then(|(from, _)| blend_of(&prepared_show, from, moment.clip));
+        let blended = moment.leaving.and_then(|(from, _)| prepared_show.blend(from, moment.clip));
         let blended = blended.filter(|blend| !self.refused.contains(blend));
         // While the song is paused, there is time to prepare missing scenes.
         let stands_still = self.course.last_time.replace(time) == Some(time);
@@ -325,34 +325,36 @@ impl ShowFollower {
 
     /// The outgoing scene at `time` seconds of the song, if the show has a fade then and both scenes are available.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
-        let (prepared_show, moment) = (self.course.prepared_show.as_deref()?, self.moment(time)?);
-        let (clip, fraction) = moment.leaving?;
-        let is_on = prepared_show.source(&moment.clip.scene) == Some(scenes.shown_source()?);
-        if self.course.overruled == Some(moment.index) || !is_on {
+        if self.course.overruled == Some(self.moment(time)?.index) {
             return None;
         }
-        let place = scenes.place_of(prepared_show.source(&clip.scene)?, sdf)?;
-        Some(Outgoing { place, clip: Some(clip.clone()), fraction: 1.0 - fraction })
+        let [leaving, entering] = self.layers(time, |_| false)?.try_into().ok()?;
+        let fraction = entering.below.filter(|_| scenes.shown_source() == Some(&entering.source))?;
+        let place = scenes.place_of(&leaving.source, sdf)?;
+        Some(Outgoing { place, clip: Some(leaving.clip.clone()), fraction })
+    }
+
+    /// The layers of the show at `time` seconds of the song, without frozen frames.
+    fn layers(&self, time: f64, can_blend: impl Fn(&SceneSource) -> bool) -> Option<Vec<Layer<'_>>> {
+        self.course.prepared_show.as_deref()?.layers(self.moment(time)?, time, can_blend)
     }
 
     /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
     pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
-        let Some((prepared_show, moment)) = self.course.prepared_show.as_deref().zip(self.moment(time))
-        else {
-            return Default::default();
-        };
-        if !scene.is_blend() || scene.resources.world().blended.is_none() {
-            let is_on = prepared_show.source(&moment.clip.scene) == Some(&scene.source);
-            return (ActiveClips { first: is_on.then_some(moment.clip), second: None }, None);
-        }
-        match moment.leaving {
-            Some((from, fraction)) => {
-                (ActiveClips { first: Some(from), second: Some(moment.clip) }, Some(fraction))
+        let layers = self.layers(time, |blend| *blend == scene.source);
+        let Some(layer) = layers.and_then(|mut layers| layers.pop()) else { return Default::default() };
+        match (&scene.source, layer.leaving) {
+            (source, Some((from, fraction))) if *source == layer.source => {
+                (ActiveClips { first: Some(from), second: Some(layer.clip) }, Some(fraction))
             }
-            None => {
-                let is_from = matches!(&scene.source, SceneSource::Blend(blend)
-                    if prepared_show.source(&moment.clip.scene) == Some(&blend.from.source));
-                (ActiveClips::default(), Some(if is_from { 0.0 } else { 1.0 }))
+            // The transition has not begun, or is over.
+            (SceneSource::Blend(blend), _) => {
+                let fraction = if blend.from.source == layer.source { 0.0 } else { 1.0 };
+                (ActiveClips::default(), Some(fraction))
+            }
+            (source, _) => {
+                let clip = Some(layer.clip).filter(|_| *source == layer.source);
+                (ActiveClips { first: clip, second: None }, None)
             }
         }
     }
@@ -367,15 +369,6 @@ fn moment_of(show: &PreparedShow, fader: Option<f32>, time: f64) -> Option<Momen
 fn is_one_visit(clips: &[Clip], since: usize, until: usize) -> bool {
     let visit = clips.get(since..=until).unwrap_or_default();
     visit.first().is_some_and(|first| visit.iter().all(|clip| clip.scene == first.scene))
-}
-
-fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<SceneSource> {
-    if from.scene == to.scene {
-        return None;
-    }
-    prepared_show
-        .blend(from, to, to.transition.kind.blend()?)
-        .map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
 /// The next two sources after `wanted` in the clip at `index`. The source of the next cue comes first.
@@ -397,7 +390,7 @@ fn upcoming(
         && to.transition.by_fader
     {
         // The fader may move back.
-        add(&mut found, blend_of(prepared_show, from, to));
+        add(&mut found, prepared_show.blend(from, to));
         add(&mut found, source_of(from));
     }
     for pair in clips.get(index..).unwrap_or_default().windows(2) {
@@ -406,7 +399,7 @@ fn upcoming(
             break;
         }
         let is_mixed = to.transition.seconds > 0.0 || to.transition.by_fader;
-        add(&mut found, blend_of(prepared_show, from, to).filter(|_| is_mixed));
+        add(&mut found, prepared_show.blend(from, to).filter(|_| is_mixed));
         add(&mut found, source_of(to));
     }
     found.truncate(2);
@@ -422,7 +415,7 @@ fn upcoming(
 mod tests {
     use super::super::ahead::PreparedAhead;
     use super::*;
-    use crate::show::ShowSource;
+    use crate::show::{ShowSource, TimedTransition};
     use mariana_field::world::BlendKind;
     use mariana_music::{Section, SongStructure};
 
@@ -476,8 +469,8 @@ mod tests {
         let (mut show, [(_, one), (second, other)]) = follower();
         let prepared_show = show.course.prepared_show.clone().unwrap();
         let [from, to, ..] = prepared_show.clips() else { panic!("{:?}", prepared_show.clips()) };
-        let blend = prepared_show.blend(from, to, BlendKind::Melt).unwrap();
-        let blend = SceneSource::Blend(Arc::new(blend));
+        let melt = Clip { transition: TimedTransition::new(BlendKind::Melt, 1.0), ..to.clone() };
+        let blend = prepared_show.blend(from, &melt).unwrap();
         assert!(one != other);
         let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
         show.set_prepared_show(None, None);
