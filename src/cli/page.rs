@@ -40,7 +40,7 @@ pub(super) struct PageArguments {
     /// The page to write; it opens without a server
     #[arg(short, long, value_name = "FILE.html")]
     output: PathBuf,
-    /// The page without a song that 'scripts/site' builds [default: page.html beside the program]
+    /// The page without a song that 'scripts/site' builds [default: the installed one, or the one in target/site]
     #[arg(long, value_name = "FILE.html")]
     template: Option<PathBuf>,
     #[command(flatten)]
@@ -96,9 +96,11 @@ pub(super) fn run(arguments: PageArguments) -> anyhow::Result<()> {
 /// Reads the page without a song from `file`, or from a folder near the program.
 fn read_template(file: Option<PathBuf>) -> anyhow::Result<String> {
     let own = std::env::current_exe().unwrap_or_default();
-    let folder = own.parent().and_then(Path::parent).unwrap_or(Path::new(""));
-    // Built by `scripts/site`, or installed.
-    let mut places = ["site", "share/mariana"].map(|place| folder.join(place).join("page.html")).into_iter();
+    let folder = own.parent().unwrap_or(Path::new(""));
+    // In the archive for Windows, built by `scripts/site`, installed, or in Mariana.app.
+    let mut places = [".", "../site", "../share/mariana", "../Resources"]
+        .map(|place| folder.join(place).join("page.html"))
+        .into_iter();
     let Some(file) = file.or_else(|| places.find(|place| place.is_file())) else {
         bail!("the web page is not built: run scripts/site once, or give its page.html with --template");
     };

@@ -16,9 +16,9 @@ stage_files() {
     if [[ -d $stage ]]; then return; fi
     must_be "program for Linux" 7f454c46
     find_glibc
-    DESTDIR=$stage "$root/scripts/install" --prefix /usr --binary "$binary"
+    DESTDIR=$stage "$root/scripts/install" --prefix /usr --binary "$binary" --page "$page"
     # Package managers have their own lists of installed files.
-    rm -r "$stage/usr/share/mariana"
+    rm "$stage/usr/share/mariana/installed.txt"
     strip --strip-all "$stage/usr/bin/mariana" ||
         fail "strip cannot read $binary. Package a program on a computer of its own kind."
     gzip -9n "$stage"/usr/share/man/man1/*.1

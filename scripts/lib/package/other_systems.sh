@@ -7,6 +7,7 @@ make_zip() {
     if [[ $fast == yes ]]; then level=-1; fi
     make_archive_folder "$name"
     cp "$binary" "$work/$name/mariana.exe"
+    cp "$page" "$work/$name/page.html"
     rm -f "$out/$name.zip"
     if have zip; then
         (cd "$work" && zip -q -X -r "$level" "$out/$name.zip" "$name")
@@ -53,6 +54,7 @@ fill_app() {
     mkdir -p "$contents/MacOS" "$contents/Resources"
     cp "$binary" "$contents/MacOS/mariana"
     chmod 755 "$contents/MacOS/mariana"
+    cp "$page" "$contents/Resources/page.html"
     fill Info.plist >"$contents/Info.plist"
     printf 'APPL????' >"$contents/PkgInfo"
     make_icns >"$contents/Resources/mariana.icns"
