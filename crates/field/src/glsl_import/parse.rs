@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
+use naga::front::glsl::{Error, ErrorKind, ExpectedToken, Frontend, Options, TokenValue};
 use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Type, TypeInner};
 
 use super::Result;
@@ -14,7 +14,7 @@ use super::preprocess::{PRELUDE, preprocess};
 use super::quiet::catch_quietly;
 use super::rewrite::{BROKEN, DRAWING, Globals, IMAGE, IMAGE_IN_SCENES, START, ShaderItems, Written};
 use super::tokens::tokenize;
-use crate::lang::{Diagnostic, Span};
+use crate::lang::{Diagnostic, Span, nearest};
 use crate::limits::Limits;
 
 /// The type of a parameter or result that scenes know.
@@ -338,8 +338,21 @@ fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (D
                     .hint("a scene keeps the last frame alone: read `backbuffer`")
             } else {
                 let message = format!("there is no function `{}` for these arguments", shortened(name));
-                Diagnostic::new(place, message).hint("declare it in this file, before its use")
+                match nearest(name, program.names().chain(["vec2", "vec3", "vec4"])) {
+                    Some(similar) if similar != name => {
+                        Diagnostic::new(place, message).did_you_mean(Some(similar))
+                    }
+                    _ => Diagnostic::new(place, message).hint("declare it in this file, before its use"),
+                }
             }
+        }
+        ErrorKind::InvalidToken(found, expected) => {
+            let mut expected: Vec<String> = expected.iter().map(expected_in_words).collect();
+            let last = expected.pop().unwrap_or_default();
+            let expected =
+                if expected.is_empty() { last } else { format!("{} or {last}", expected.join(", ")) };
+            Diagnostic::new(place, format!("{} does not belong here", in_words(found)))
+                .hint(format!("write {expected} before it"))
         }
         kind => {
             let message: String = kind.to_string().chars().take(200).collect();
@@ -347,6 +360,54 @@ fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (D
         }
     };
     (problem, item)
+}
+
+/// Signs of GLSL with naga's names.
+const SIGNS: [(&str, &str); 20] = [
+    ("Assign", "="),
+    ("Bang", "!"),
+    ("Colon", ":"),
+    ("Comma", ","),
+    ("Dash", "-"),
+    ("Dot", "."),
+    ("Equal", "=="),
+    ("LeftAngle", "<"),
+    ("LeftBrace", "{"),
+    ("LeftBracket", "["),
+    ("LeftParen", "("),
+    ("Plus", "+"),
+    ("Question", "?"),
+    ("RightAngle", ">"),
+    ("RightBrace", "}"),
+    ("RightBracket", "]"),
+    ("RightParen", ")"),
+    ("Semicolon", ";"),
+    ("Slash", "/"),
+    ("Star", "*"),
+];
+
+/// Names a token as a user knows it.
+fn in_words(token: &TokenValue) -> String {
+    match token {
+        TokenValue::Identifier(name) => format!("`{}`", shortened(name)),
+        TokenValue::FloatConstant(_) | TokenValue::IntConstant(_) => "this number".to_owned(),
+        TokenValue::TypeName(_) => "this type".to_owned(),
+        token => {
+            let name = format!("{token:?}");
+            let name = name.split('(').next().unwrap_or_default();
+            let sign = SIGNS.iter().find(|(known, _)| *known == name).map(|(_, sign)| (*sign).to_owned());
+            format!("`{}`", sign.unwrap_or_else(|| name.to_lowercase()))
+        }
+    }
+}
+
+fn expected_in_words(token: &ExpectedToken) -> String {
+    match token {
+        ExpectedToken::Token(token) => in_words(token),
+        ExpectedToken::Identifier => "a name".to_owned(),
+        ExpectedToken::IntLiteral | ExpectedToken::FloatLiteral => "a number".to_owned(),
+        other => other.to_string(),
+    }
 }
 
 fn type_of(module: &Module, of: Handle<Type>) -> Option<GlslType> {

@@ -69,9 +69,18 @@ ivec2 glsl_texture_size(int s, int l) { return ivec2(256); }
 ";
 
 /// Functions of GLSL that naga lacks, by name.
-const MISSING: [(&str, &str); 3] = [
+const MISSING: [(&str, &str); 5] = [
     ("normalize", "float normalize(float a) { return sign(a); }\n"),
     ("dot", "float dot(float a, float b) { return a * b; }\n"),
+    ("ldexp", "float ldexp(float a, int power) { return a * exp2(float(power)); }\n"),
+    (
+        "modf",
+        "float modf(float a, out float whole) { whole = trunc(a); return a - whole; }
+vec2 modf(vec2 a, out vec2 whole) { whole = trunc(a); return a - whole; }
+vec3 modf(vec3 a, out vec3 whole) { whole = trunc(a); return a - whole; }
+vec4 modf(vec4 a, out vec4 whole) { whole = trunc(a); return a - whole; }
+",
+    ),
     (
         "matrixCompMult",
         "mat2 matrixCompMult(mat2 a, mat2 b) { return mat2(a[0] * b[0], a[1] * b[1]); }
@@ -252,6 +261,15 @@ impl<'a> ShaderItems<'a> {
     }
 
     /// The name of the function with this index.
+    /// Returns the names of all functions.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'a str> {
+        let name = |item: &Item<'a>| match item {
+            Item::Function { name, .. } => Some(name.text),
+            _ => None,
+        };
+        self.items.iter().filter_map(name)
+    }
+
     pub(super) fn name_of(&self, index: usize) -> Option<&Token<'a>> {
         match self.items.get(index) {
             Some(Item::Function { name, .. }) => Some(name),

@@ -366,6 +366,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
+    use crate::lang::library;
 
     fn mesh(text: &str, detail: usize) -> Result<Mesh, MeshError> {
         let world = World::parse("test", text).unwrap();
@@ -410,6 +411,19 @@ mod tests {
             let mesh = mesh(shape, 24).unwrap_or_else(|error| panic!("{shape}: {error}"));
             assert_closed(&mesh, shape);
         }
+    }
+
+    #[test]
+    fn the_shapes_of_the_reference_give_closed_meshes() {
+        let mut closed = 0;
+        for (name, shape) in library::examples() {
+            match mesh(shape, 32) {
+                Ok(mesh) => assert_closed(&mesh, name),
+                Err(error) => panic!("{name}: {error}"),
+            }
+            closed += 1;
+        }
+        assert!(closed > 70, "{closed}");
     }
 
     #[test]

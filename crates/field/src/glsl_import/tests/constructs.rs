@@ -126,6 +126,31 @@ fn a_mistake_in_one_function_leaves_the_others() {
 }
 
 #[test]
+fn typos_are_named_by_their_signs_and_have_suggestions() {
+    for (text, message, marked) in [
+        ("float f(vec3 p) { float a = p.x\n return a; }", "`return` does not belong here", "return"),
+        ("float f(vec3 p) { float a = p.x; b = 2; return a }", "`}` does not belong here", "}"),
+        (
+            "float fold(float a) { return a; }\nfloat f(vec3 p) { return fodl(p.x); }",
+            "there is no function `fodl`",
+            "fodl",
+        ),
+    ] {
+        let (kind, found, place) = problem(text, "f");
+        assert_eq!(kind, Fault::Malformed, "{text}");
+        assert!(found.starts_with(message) && place.starts_with(marked), "{text}: {found} at {place}");
+    }
+}
+
+#[test]
+fn functions_that_naga_lacks_are_there() {
+    let text =
+        "float f(vec3 p) { float whole; float part = modf(p.x, whole); return ldexp(part, 3) + whole; }";
+    assert_eq!(value(text, "f", [2.25, 0.0, 0.0]), [4.0]);
+    assert_eq!(value(text, "f", [-2.25, 0.0, 0.0]), [-4.0]);
+}
+
+#[test]
 fn places_are_right_after_macros_comments_and_joined_lines() {
     let text = "/* two\n lines */ #define A(x) ((x) * \\\n 2.0)\n#define B 3.0\n\
         float f(vec3 p) { float a = A(p.x); // é\n return a + B + nothing; }";
