@@ -1,7 +1,6 @@
 //! Errors of exports: stills, videos, analyses and measurements.
 
 use crate::atomic_file::Unwritable;
-use crate::frame::held_inputs::OutOfRange;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use crate::show::ShowError;
@@ -29,9 +28,6 @@ pub enum ExportError {
     /// The scene has no mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A value outside an input's range.
-    #[error(transparent)]
-    OutOfRange(#[from] OutOfRange),
     /// The image encoder reported an error.
     #[error("the image could not be encoded: {0}")]
     Encode(#[from] image::ImageError),

@@ -10,7 +10,7 @@ use super::paths::{PathChoice, PathDrawing, PathWatch};
 use super::show_painter::Heard;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
-use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
+use crate::frame::held_inputs::{HeldInputs, Setting, input_names};
 use crate::frame::projection::Projection;
 use crate::frame::{Frame, FrameOptions};
 use crate::gpu::scene_program::{
@@ -336,7 +336,7 @@ impl ScenePainter {
     /// Holds inputs of the scene at given values; ignores inputs that the scene does not have.
     ///
     /// # Errors
-    /// [`ExportError::OutOfRange`] if a value is outside its input's range.
+    /// Fails if a value is outside its input's range.
     pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
         self.held = held_of(&self.model.world().scene, set)?;
         Ok(())
@@ -397,11 +397,11 @@ impl ScenePainter {
 /// Returns the values at which `set` holds inputs of `scene`. Ignores inputs that the scene does not have.
 ///
 /// # Errors
-/// [`ExportError::OutOfRange`] if a value is outside its input's range.
+/// Fails if a value is outside its input's range.
 pub fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError> {
     let mut held = HeldInputs::default();
     for setting in set {
-        held.hold(scene, setting)?;
+        held.hold(scene, setting).map_err(ExportError::Refused)?;
     }
     Ok(held)
 }
@@ -409,15 +409,15 @@ pub fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError
 /// Refuses settings of inputs that none of the scenes has, and values outside an input's range.
 ///
 /// # Errors
-/// Fails if all scenes lack an input, with [`ExportError::OutOfRange`] if a value is outside the range.
+/// Fails if all scenes lack an input, or if a value is outside its range.
 pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportError> {
     for setting in set {
         let mut known = false;
         for scene in scenes {
-            known |= HeldInputs::default().hold(scene, setting)?;
+            known |= HeldInputs::default().hold(scene, setting).map_err(ExportError::Refused)?;
         }
         if !known {
-            let (name, inputs) = (&setting.name, InputNames(scenes));
+            let (name, inputs) = (&setting.name, input_names(scenes));
             let dotted = format!("{name}.");
             let sides = SoundInput::ALL.map(SoundInput::name);
             let sides: Vec<&str> = sides.into_iter().filter(|side| side.starts_with(&dotted)).collect();

@@ -1,6 +1,5 @@
 //! Scene inputs that `--set` holds at a fixed value, whatever the music does.
 
-use std::fmt;
 use std::str::FromStr;
 
 use mariana_field::graph::{FrameInputs, Level, LevelList, PartInput, SongPart, SoundInput};
@@ -26,20 +25,6 @@ impl FromStr for Setting {
     }
 }
 
-/// A value outside the input's range. It is refused, because outside the range a scene's bounds are wrong.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("--set {name}={value}: {name} ranges from {least} to {most}; choose a value in this range")]
-pub struct OutOfRange {
-    /// The input's name.
-    pub name: String,
-    /// The requested value.
-    pub value: f32,
-    /// The smallest value allowed.
-    pub least: f32,
-    /// The largest value allowed.
-    pub most: f32,
-}
-
 /// The held inputs of one scene, each with a value within its range.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeldInputs(Vec<(Place, f32)>);
@@ -57,8 +42,8 @@ impl HeldInputs {
     /// Holds an input of `scene` from now on. Returns `false` if the scene has no input of that name.
     ///
     /// # Errors
-    /// [`OutOfRange`] if the input cannot have that value.
-    pub fn hold(&mut self, scene: &Scene, setting: &Setting) -> Result<bool, OutOfRange> {
+    /// A message if the value is outside the input's range, because a scene's bounds are wrong there.
+    pub fn hold(&mut self, scene: &Scene, setting: &Setting) -> Result<bool, String> {
         let Some(place) = place_of(scene, &setting.name) else { return Ok(false) };
         let (least, most) = match place {
             Place::Time => (f32::MIN, f32::MAX),
@@ -69,11 +54,13 @@ impl HeldInputs {
                 scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
             }
         };
-        let Setting { name, value } = setting.clone();
-        if !(least..=most).contains(&value) {
-            return Err(OutOfRange { name, value, least, most });
+        let Setting { name, value } = setting;
+        if !(least..=most).contains(value) {
+            return Err(format!(
+                "--set {name}={value}: {name} ranges from {least} to {most}; choose a value in this range"
+            ));
         }
-        self.0.push((place, value));
+        self.0.push((place, *value));
         Ok(true)
     }
 
@@ -126,25 +113,23 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     LevelList::named(list)?.level(number.trim().parse().ok()?).map(Place::Level)
 }
 
-/// Formats the input names of scenes as a list.
-pub struct InputNames<'a>(pub &'a [&'a Scene]);
-
-impl fmt::Display for InputNames<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut params: Vec<&str> = Vec::new();
-        for param in self.0.iter().flat_map(|scene| &scene.params).filter(|param| !param.is_number) {
-            if !params.contains(&param.name.as_str()) {
-                params.push(&param.name);
-            }
+/// Returns a list of the input names of scenes as text.
+pub fn input_names(scenes: &[&Scene]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for param in scenes.iter().flat_map(|scene| &scene.params).filter(|param| !param.is_number) {
+        if !names.contains(&param.name) {
+            names.push(param.name.clone());
         }
-        params.iter().try_for_each(|param| write!(f, "{param}, "))?;
-        write!(f, "t, {}", SoundInput::ALL.map(SoundInput::name).join(", "))?;
-        for list in LevelList::ALL {
-            write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
-        }
-        let parts = SongPart::ALL.map(SongPart::name).join(", ");
-        write!(f, ", or a number of a part of the song ({parts}), such as {}.beat", SongPart::Drums.name())
     }
+    names.push("t".into());
+    names.extend(SoundInput::ALL.map(|input| input.name().to_owned()));
+    names.extend(LevelList::ALL.map(|list| format!("{0}(0) to {0}({1})", list.name(), list.count() - 1)));
+    let parts = SongPart::ALL.map(SongPart::name).join(", ");
+    names.push(format!(
+        "or a number of a part of the song ({parts}), such as {}.beat",
+        SongPart::Drums.name()
+    ));
+    names.join(", ")
 }
 
 #[cfg(test)]

@@ -113,49 +113,5 @@ pub enum DoesNotFit {
 
 /// An error in the assembly of a shader's text.
 #[derive(Debug, thiserror::Error)]
-pub enum ShaderSourceError {
-    /// The folder given with `--shaders` lacks a file, or the file cannot be read.
-    #[error(
-        "the shader file {path} cannot be read: give --shaders a folder that holds every file of shaders/"
-    )]
-    Unreadable {
-        /// The missing or unreadable file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// No embedded shader has this name.
-    #[error(
-        "there is no shader file '{name}' (included in {asked_by}): correct the name in the #include line"
-    )]
-    Unknown {
-        /// The name in the include line.
-        name: String,
-        /// The file and line of the `#include`.
-        asked_by: String,
-    },
-    /// An include line that is not of the form `#include "name"`.
-    #[error("{file}:{line}: write the include as #include \"name.glsl\", with a file name and no folder")]
-    BadInclude {
-        /// The file with the line.
-        file: String,
-        /// The line's number, from 1.
-        line: usize,
-    },
-    /// Includes nested deeper than [`mariana_field::limits::Limits::include_depth_max`].
-    #[error("{file}: shader includes are nested deeper than {limit}: remove some")]
-    TooDeep {
-        /// The file at which the limit was exceeded.
-        file: String,
-        /// The limit.
-        limit: usize,
-    },
-    /// A text longer than [`crate::limits::SHADER_BYTES_MAX`].
-    #[error("{file}: the shader with its includes is longer than {limit} bytes: remove some of them")]
-    TooLong {
-        /// The shader.
-        file: String,
-        /// The limit.
-        limit: usize,
-    },
-}
+#[error("{0}")]
+pub struct ShaderSourceError(pub(super) String);

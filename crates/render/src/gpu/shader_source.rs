@@ -85,13 +85,22 @@ impl ShaderLibrary {
         match &self.folder {
             Some(folder) => {
                 let path = folder.join(name);
-                std::fs::read_to_string(&path)
-                    .map_err(|source| ShaderSourceError::Unreadable { path, source })
+                std::fs::read_to_string(&path).map_err(|error| {
+                    ShaderSourceError(format!(
+                        "the shader file {} cannot be read ({error}): give --shaders a folder that holds every file \
+                         of shaders/",
+                        path.display()
+                    ))
+                })
             }
             None => {
-                SHADERS.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned).ok_or_else(
-                    || ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() },
-                )
+                let text = SHADERS.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned);
+                text.ok_or_else(|| {
+                    ShaderSourceError(format!(
+                        "there is no shader file '{name}' (included in {asked_by}): correct the name in the #include \
+                         line"
+                    ))
+                })
             }
         }
     }
@@ -123,10 +132,10 @@ struct Assembly<'a> {
 impl Assembly<'_> {
     fn append(&mut self, name: &str, asked_by: &str, depth: usize) -> Result<(), ShaderSourceError> {
         if depth > FIELD_LIMITS.include_depth_max {
-            return Err(ShaderSourceError::TooDeep {
-                file: name.into(),
-                limit: FIELD_LIMITS.include_depth_max,
-            });
+            let limit = FIELD_LIMITS.include_depth_max;
+            return Err(ShaderSourceError(format!(
+                "{name}: shader includes are nested deeper than {limit}: remove some"
+            )));
         }
         if !self.included.insert(name.to_owned()) {
             return Ok(());
@@ -141,19 +150,23 @@ impl Assembly<'_> {
         self.mark(name, 1);
         for (index, line) in source.lines().enumerate() {
             if let Some(rest) = line.trim_start().strip_prefix("#include") {
-                let bare = bare_name(rest)
-                    .ok_or_else(|| ShaderSourceError::BadInclude { file: name.into(), line: index + 1 })?;
-                self.append(bare, &format!("{name}:{}", index + 1), depth + 1)?;
+                let place = format!("{name}:{}", index + 1);
+                let bare = bare_name(rest).ok_or_else(|| {
+                    ShaderSourceError(format!(
+                        "{place}: write the include as #include \"name.glsl\", with a file name and no folder"
+                    ))
+                })?;
+                self.append(bare, &place, depth + 1)?;
                 self.mark(name, index + 2);
             } else {
                 self.text.push_str(line);
                 self.text.push('\n');
             }
             if self.text.len() > limits::SHADER_BYTES_MAX {
-                return Err(ShaderSourceError::TooLong {
-                    file: name.into(),
-                    limit: limits::SHADER_BYTES_MAX,
-                });
+                let limit = limits::SHADER_BYTES_MAX;
+                return Err(ShaderSourceError(format!(
+                    "{name}: the shader with its includes is longer than {limit} bytes: remove some of them"
+                )));
             }
         }
         Ok(())
@@ -244,17 +257,13 @@ mod tests {
         let files: Vec<(&str, &str)> =
             names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
         let (_folder, deep) = library(&files);
-        assert!(matches!(
-            deep.assemble("f0", "", &Variant::default()),
-            Err(ShaderSourceError::TooDeep { .. })
-        ));
+        let error = deep.assemble("f0", "", &Variant::default()).unwrap_err().to_string();
+        assert!(error.contains("includes are nested deeper than"), "{error}");
 
         let long_text = "// padding\n".repeat(limits::SHADER_BYTES_MAX / 11 + 1);
         let (_folder, long) = library(&[("long", &long_text)]);
-        assert!(matches!(
-            long.assemble("long", "", &Variant::default()),
-            Err(ShaderSourceError::TooLong { .. })
-        ));
+        let error = long.assemble("long", "", &Variant::default()).unwrap_err().to_string();
+        assert!(error.contains("the shader with its includes is longer than"), "{error}");
     }
 
     #[test]

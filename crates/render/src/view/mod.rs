@@ -83,27 +83,6 @@ pub struct ViewChoice {
     pub number: Option<f32>,
 }
 
-/// An invalid name or number of a view.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoView {
-    /// No view has this name.
-    #[error("there is no view '{0}'; the views are {names}", names = names())]
-    Unknown(String),
-    /// The view takes no number.
-    #[error("the view '{0}' takes no number: leave out ':{1}'")]
-    TakesNone(&'static str, String),
-    /// The text after the colon is not a number.
-    #[error("'{1}' after '{0}:' is not a number: write it as {0}:0.5")]
-    NoNumber(&'static str, String),
-    /// The number is out of range.
-    #[error("{1} after '{0}:' is out of range: write a number from 0.00001 to 1000000")]
-    OutOfRange(&'static str, String),
-}
-
-fn names() -> String {
-    VIEWS.map(|row| row.name).join(", ")
-}
-
 /// The list of views for the command line's help, one per line.
 pub fn help() -> String {
     let mut text = String::from("Show a view of the rendering process, with a legend:\n");
@@ -139,29 +118,33 @@ impl From<View> for ViewChoice {
 }
 
 impl FromStr for ViewChoice {
-    type Err = NoView;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, NoView> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let (name, number) = match text.split_once(':') {
             Some((name, number)) => (name, Some(number)),
             None => (text, None),
         };
         let name = name.trim();
-        let row =
-            VIEWS.iter().find(|row| row.name == name).ok_or_else(|| NoView::Unknown(name.to_owned()))?;
+        let row = VIEWS.iter().find(|row| row.name == name).ok_or_else(|| {
+            format!("there is no view '{name}'; the views are {}", VIEWS.map(|row| row.name).join(", "))
+        })?;
         let number = match number {
             None => None,
             Some(number) if row.number.is_none() => {
-                return Err(NoView::TakesNone(row.name, number.to_owned()));
+                return Err(format!("the view '{name}' takes no number: leave out ':{number}'"));
             }
-            Some(text) => {
-                let number: f32 =
-                    text.trim().parse().map_err(|_| NoView::NoNumber(row.name, text.to_owned()))?;
-                if !(NUMBERS.0..=NUMBERS.1).contains(&number) {
-                    return Err(NoView::OutOfRange(row.name, text.to_owned()));
+            Some(text) => match text.trim().parse() {
+                Err(_) => {
+                    return Err(format!("'{text}' after '{name}:' is not a number: write it as {name}:0.5"));
                 }
-                Some(number)
-            }
+                Ok(number) if (NUMBERS.0..=NUMBERS.1).contains(&number) => Some(number),
+                Ok(_) => {
+                    return Err(format!(
+                        "{text} after '{name}:' is out of range: write a number from 0.00001 to 1000000"
+                    ));
+                }
+            },
         };
         Ok(Self { view: row.view, number })
     }
@@ -209,17 +192,17 @@ mod tests {
 
     #[test]
     fn invalid_views_are_reported() {
-        let error = "step".parse::<ViewChoice>().unwrap_err().to_string();
+        let error = "step".parse::<ViewChoice>().unwrap_err();
         assert!(VIEWS.iter().all(|row| error.contains(row.name)), "{error}");
         for (text, expected) in [
-            ("shadow:2", NoView::TakesNone("shadow", "2".into())),
-            ("steps:many", NoView::NoNumber("steps", "many".into())),
-            ("steps:", NoView::NoNumber("steps", String::new())),
-            ("depth:0", NoView::OutOfRange("depth", "0".into())),
-            ("depth:inf", NoView::OutOfRange("depth", "inf".into())),
-            ("normals:NaN", NoView::OutOfRange("normals", "NaN".into())),
+            ("shadow:2", "the view 'shadow' takes no number: leave out ':2'"),
+            ("steps:many", "'many' after 'steps:' is not a number: write it as steps:0.5"),
+            ("steps:", "'' after 'steps:' is not a number: write it as steps:0.5"),
+            ("depth:0", "0 after 'depth:' is out of range: write a number from 0.00001 to 1000000"),
+            ("depth:inf", "inf after 'depth:' is out of range: write a number from 0.00001 to 1000000"),
+            ("normals:NaN", "NaN after 'normals:' is out of range: write a number from 0.00001 to 1000000"),
         ] {
-            assert_eq!(text.parse::<ViewChoice>(), Err(expected));
+            assert_eq!(text.parse::<ViewChoice>(), Err(expected.to_owned()));
         }
     }
 
