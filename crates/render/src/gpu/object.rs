@@ -9,7 +9,8 @@ use super::gl::Gl;
 
 /// Defines an owned newtype around one kind of GL name, with its constructor and destructor.
 macro_rules! owned_object {
-    ($(#[$doc:meta])* $name:ident, $native:ty, $what:literal, $create:ident, $delete:ident) => {
+    ($(#[$doc:meta])* $name:ident, $native:ty, $what:literal,
+     $create:ident $(($stage:ident))?, $delete:ident) => {
         $(#[$doc])*
         pub struct $name {
             gl: Gl,
@@ -21,9 +22,10 @@ macro_rules! owned_object {
             ///
             /// # Errors
             /// [`GpuError::Object`] if the driver cannot create another object.
-            pub fn new(gl: &Gl) -> Result<Self> {
+            pub fn new(gl: &Gl $(, $stage: u32)?) -> Result<Self> {
                 // SAFETY: the context of `gl` is current on this thread.
-                let native = unsafe { gl.$create() }.map_err(|reason| GpuError::Object { what: $what, reason })?;
+                let native = unsafe { gl.$create($($stage)?) };
+                let native = native.map_err(|reason| GpuError::Object { what: $what, reason })?;
                 Ok(Self { gl: gl.clone(), native })
             }
 
@@ -71,33 +73,7 @@ owned_object!(
     Query, glow::Query, "a query", create_query, delete_query
 );
 
-/// A shader, compiled or not.
-pub struct ShaderObject {
-    gl: Gl,
-    native: glow::Shader,
-}
-
-impl ShaderObject {
-    /// Creates an empty shader for a stage in the current context.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver cannot create another shader.
-    pub fn new(gl: &Gl, stage: u32) -> Result<Self> {
-        // SAFETY: the context of `gl` is current on this thread.
-        let native = unsafe { gl.create_shader(stage) };
-        let native = native.map_err(|reason| GpuError::Object { what: "a shader", reason })?;
-        Ok(Self { gl: gl.clone(), native })
-    }
-
-    /// The OpenGL name of the shader; valid while `self` exists.
-    pub fn native(&self) -> glow::Shader {
-        self.native
-    }
-}
-
-impl Drop for ShaderObject {
-    fn drop(&mut self) {
-        // SAFETY: `self` owns the name and deletes it once. The driver keeps an attached shader with its program.
-        unsafe { self.gl.delete_shader(self.native) }
-    }
-}
+owned_object!(
+    /// A shader of a stage, compiled or not. The driver keeps an attached shader with its program.
+    ShaderObject, glow::Shader, "a shader", create_shader(stage), delete_shader
+);
