@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
-use super::letters::Letters;
+use super::letters::{Letters, Line};
 use super::scale::{Color, heat};
 
 /// The content of a legend.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
     /// The view's name.
-    pub title: String,
+    pub title: &'static str,
     /// The description, in lines.
-    pub lines: Vec<String>,
+    pub text: String,
     /// A scale with labelled positions.
     pub scale: Option<Scale>,
     /// Single colours with their meanings.
@@ -104,7 +104,7 @@ impl LegendPainter {
 }
 
 enum Part {
-    Text { text: String, size: f32, color: Color },
+    Text(Line, Color),
     Block { size: (usize, usize), ramp: Option<Ramp>, color: Color },
 }
 
@@ -114,11 +114,10 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
     let padding = in_units(0.7);
     let mut parts: Vec<((usize, usize), Part)> = Vec::new();
     let mut y = padding;
-    let title = Part::Text { text: legend.title.clone(), size: (1.15 * unit).round(), color: TEXT };
-    parts.push(((padding, y), title));
+    parts.push(((padding, y), Part::Text(letters.line(legend.title, (1.15 * unit).round()), TEXT)));
     y += in_units(1.65);
-    for line in &legend.lines {
-        parts.push(((padding, y), Part::Text { text: line.clone(), size: unit, color: DIM }));
+    for line in legend.text.lines() {
+        parts.push(((padding, y), Part::Text(letters.line(line, unit), DIM)));
         y += in_units(1.35);
     }
     if let Some(scale) = &legend.scale {
@@ -129,11 +128,11 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
         for (fraction, text) in &scale.ticks {
             let x = padding + (fraction.clamp(0.0, 1.0) * (bar.0 - 1) as f32).round() as usize;
             parts.push(((x, y), Part::Block { size: (1, in_units(0.3)), ramp: None, color: TEXT }));
-            let width = letters.line(text, unit).size.0;
+            let line = letters.line(text, unit);
+            let width = line.size.0;
             let left =
                 x.saturating_sub(width / 2).clamp(padding, (padding + bar.0).max(padding + width) - width);
-            let text = Part::Text { text: text.clone(), size: unit, color: TEXT };
-            parts.push(((left, y + in_units(0.3)), text));
+            parts.push(((left, y + in_units(0.3)), Part::Text(line, TEXT)));
         }
         y += in_units(1.75);
     }
@@ -148,34 +147,22 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
         let row = top + (index % rows) * in_units(1.4);
         let block = Part::Block { size: (in_units(1.5), in_units(1.0)), ramp: None, color: *color };
         parts.push(((x, row + in_units(0.15)), block));
-        let width = letters.line(text, unit).size.0;
-        parts.push(((x + in_units(2.0), row), Part::Text { text: text.clone(), size: unit, color: TEXT }));
-        column_width = column_width.max(in_units(2.0) + width);
+        let line = letters.line(text, unit);
+        column_width = column_width.max(in_units(2.0) + line.size.0);
+        parts.push(((x + in_units(2.0), row), Part::Text(line, TEXT)));
         bottom = bottom.max(row + in_units(1.4));
     }
-    lay_out(letters, &parts, padding, bottom, picture)
+    lay_out(&parts, padding, bottom, picture)
 }
 
 fn lay_out(
-    letters: &mut Letters,
     parts: &[((usize, usize), Part)],
     padding: usize,
     bottom: usize,
     picture: (u32, u32),
 ) -> Option<LegendPicture> {
-    let texts: Vec<_> = parts
-        .iter()
-        .map(|(_, part)| match part {
-            Part::Text { text, size, .. } => Some(letters.line(text, *size)),
-            Part::Block { .. } => None,
-        })
-        .collect();
-    let right = parts.iter().zip(&texts).map(|((place, part), line)| {
-        let width = match part {
-            Part::Block { size, .. } => size.0,
-            Part::Text { .. } => line.as_ref().map_or(0, |line| line.size.0),
-        };
-        place.0 + width
+    let right = parts.iter().map(|(place, part)| match part {
+        Part::Block { size, .. } | Part::Text(Line { size, .. }, _) => place.0 + size.0,
     });
     let size = (right.max().unwrap_or(0) + padding, bottom + padding);
     let margin = padding as u32;
@@ -196,20 +183,19 @@ fn lay_out(
             *to = byte(f32::from(*to) / 255.0 * (1.0 - fraction) + from * fraction);
         }
     };
-    for ((place, part), line) in parts.iter().zip(&texts) {
-        match (part, line) {
-            (Part::Block { size, ramp, color }, _) => {
+    for (place, part) in parts {
+        match part {
+            Part::Block { size, ramp, color } => {
                 for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
                     let fraction = x as f32 / (size.0.max(2) - 1) as f32;
                     put(place.0 + x, place.1 + y, ramp.map_or(*color, |ramp| ramp.at(fraction)), 255);
                 }
             }
-            (Part::Text { color, .. }, Some(line)) => {
+            Part::Text(line, color) => {
                 for (index, cover) in line.cover.iter().enumerate().filter(|(_, cover)| **cover > 0) {
                     put(place.0 + index % line.size.0, place.1 + index / line.size.0, *color, *cover);
                 }
             }
-            (Part::Text { .. }, None) => {}
         }
     }
     Some(LegendPicture { size: (width, height), margin, rgba })
@@ -226,8 +212,8 @@ mod tests {
 
     fn legend() -> Legend {
         Legend {
-            title: "steps".into(),
-            lines: vec!["what it shows".into()],
+            title: "steps",
+            text: "what it shows".into(),
             scale: Some(Scale { ramp: Ramp::Heat, ticks: vec![(0.0, "0".into()), (1.0, "100".into())] }),
             colors: vec![([1.0, 0.0, 0.0], "floor".into()), ([0.0, 1.0, 0.0], "ball".into())],
         }
@@ -252,7 +238,7 @@ mod tests {
         for size in [(160, 90), (1, 1), (16_384, 1)] {
             assert_eq!(painter.picture(legend(), size), None, "{size:?}");
         }
-        let other = Legend { title: "depth".into(), ..legend() };
+        let other = Legend { title: "depth", ..legend() };
         assert_ne!(painter.picture(other, (1280, 720)).unwrap(), picture);
     }
 }

@@ -47,45 +47,84 @@ impl ViewSetup {
     /// Sets up a view of a frame of a world.
     pub fn of(choice: ViewChoice, frame: &Frame, world: &World, drawn: Drawn) -> Self {
         let reach = (frame.camera.position - frame.target()).length() as f32;
-        let number = |own: f32| choice.number.unwrap_or(own);
-        let legend = Legend { title: choice.view.row().name.to_owned(), ..Legend::default() };
-        let (number, legend) = match choice.view {
-            View::Steps => with(number(STEPS_RED), |red| steps(legend, red)),
-            View::Slice => {
-                let height = 2.0 * reach * frame.camera.tan_half.1 as f32;
-                with(number(nice(height / SLICE_LINES)), |spacing| slice(legend, spacing, world))
-            }
-            View::Normals => (choice.number, normals(legend, choice.number)),
-            View::Shadow => (None, shadow(legend)),
-            View::Occlusion => (None, occlusion(legend)),
-            View::Clauses => {
-                let each =
-                    if drawn.interpreted { nice(RUNS_RED * drawn.clauses.max(1) as f32) } else { RUNS_RED };
-                with(number(each), |red| clauses(legend, red, drawn))
-            }
-            View::Cells => with(nice(drawn.clauses.max(1) as f32), |red| cells(legend, red, drawn)),
-            View::Materials => (None, materials(legend, world)),
-            View::Depth => with(number(nice(DEPTH_BLACK * reach)), |black| depth(legend, black)),
+        let clauses = drawn.clauses.max(1) as f32;
+        let own = match choice.view {
+            View::Steps => Some(STEPS_RED),
+            View::Slice => Some(nice(2.0 * reach * frame.camera.tan_half.1 as f32 / SLICE_LINES)),
+            View::Clauses if drawn.interpreted => Some(nice(RUNS_RED * clauses)),
+            View::Clauses => Some(RUNS_RED),
+            View::Cells => Some(nice(clauses)),
+            View::Depth => Some(nice(DEPTH_BLACK * reach)),
+            View::Normals | View::Shadow | View::Occlusion | View::Materials => None,
         };
+        let number = choice.number.or(own);
+        let shown = number.unwrap_or(0.0);
+        let counted = || Some(marks(Ramp::Heat, shown, "+"));
+        let fraction = || Some(marks(Ramp::Light, 1.0, ""));
+        let (text, scale, colors) = match choice.view {
+            View::Steps => (STEPS.to_owned(), counted(), vec![]),
+            View::Slice => (slice(shown, world), None, named(&SLICE_COLORS)),
+            View::Normals => (normals(number), None, named(&NORMAL_COLORS)),
+            View::Shadow => {
+                let colors = named(&[(scale::FACES_AWAY, "faces away from lights"), NOTHING]);
+                ("The fraction of direct light that arrives.".to_owned(), fraction(), colors)
+            }
+            View::Occlusion => {
+                ("The fraction of the ambient light\nthat arrives.".to_owned(), fraction(), named(&[NOTHING]))
+            }
+            View::Clauses => {
+                let text = if drawn.interpreted { INTERPRETED } else { COMPILED };
+                (text.to_owned(), counted(), vec![])
+            }
+            View::Cells if drawn.cells => (CELLS.to_owned(), counted(), named(&CELL_COLORS)),
+            View::Cells => (NO_CELLS.to_owned(), None, vec![]),
+            View::Materials => ("Objects and their materials.".to_owned(), None, materials(world)),
+            View::Depth => {
+                let text = "Distance from the eye to the surface,\nin the scene's units.".to_owned();
+                (text, Some(marks(Ramp::Dark, shown, "+")), named(&[NOTHING]))
+            }
+        };
+        let row = choice.view.row();
         // The plane of the slice contains the camera's target and faces the camera.
         let normal: DVec3 = frame.camera.forward;
         let offset = -normal.dot(frame.target());
         let [x, y, z] = normal.as_vec3().to_array();
-        let view = choice.view as usize as f32;
         Self {
-            block: [[view, number.unwrap_or(0.0), 0.0, 0.0], [x, y, z, offset as f32]],
-            legend,
-            number: number.filter(|_| choice.view.row().number.is_some()),
+            block: [[choice.view as usize as f32, shown, 0.0, 0.0], [x, y, z, offset as f32]],
+            legend: Legend { title: row.name, text, scale, colors },
+            number: number.filter(|_| row.number.is_some()),
         }
     }
 }
 
-fn with(number: f32, legend: impl FnOnce(f32) -> Legend) -> (Option<f32>, Legend) {
-    (Some(number), legend(number))
-}
+const STEPS: &str =
+    "Steps of the ray from the eye: evaluations\nof the distance. Skipped cells take no steps.";
+const INTERPRETED: &str =
+    "Clauses that the interpreter runs for a pixel:\nrays, normals, shadows, occlusion, materials.";
+const COMPILED: &str =
+    "Compiled: no clauses are interpreted. Colours\ncount the pixel's distance evaluations.";
+const CELLS: &str = "Cells at the surfaces. Colours count the\nclauses of a cell's tape. Lines are faces of\n\
+                     cells, bold lines faces of the root's cells.";
+const NO_CELLS: &str =
+    "Regions are off: one tape applies everywhere.\nKey R, or --regions on, divides space.";
 
-fn nothing() -> (Color, String) {
-    (scale::NOTHING, "no surface".to_owned())
+const NOTHING: (Color, &str) = (scale::NOTHING, "no surface");
+const SLICE_COLORS: [(Color, &str); 3] =
+    [(scale::OUTSIDE, "outside"), (scale::INSIDE, "inside"), (scale::ZERO, "the surface: 0")];
+const CELL_COLORS: [(Color, &str); 3] =
+    [(scale::EMPTY_CELL, "a cell without a traced surface"), (scale::NO_CELL, "outside the tree"), NOTHING];
+const NORMAL_COLORS: [(Color, &str); 7] = [
+    ([1.0, 0.5, 0.5], "+x right"),
+    ([0.0, 0.5, 0.5], "-x left"),
+    ([0.5, 1.0, 0.5], "+y up"),
+    ([0.5, 0.0, 0.5], "-y down"),
+    ([0.5, 0.5, 1.0], "+z away"),
+    ([0.5, 0.5, 0.0], "-z near"),
+    NOTHING,
+];
+
+fn named(colors: &[(Color, &str)]) -> Vec<(Color, String)> {
+    colors.iter().map(|(color, meaning)| (*color, (*meaning).to_owned())).collect()
 }
 
 fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
@@ -97,124 +136,32 @@ fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
     Scale { ramp, ticks: quarters.collect() }
 }
 
-fn steps(legend: Legend, number: f32) -> Legend {
-    let lines =
-        ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells take no steps."];
-    Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
-}
-
-fn slice(legend: Legend, spacing: f32, world: &World) -> Legend {
+fn slice(spacing: f32, world: &World) -> String {
     let what = if world.non_lipschitz { "Values of the formula" } else { "Distances to the nearest surface" };
-    Legend {
-        lines: vec![
-            format!("{what} on a plane through the"),
-            "camera's target. Surfaces in front are faint.".to_owned(),
-            format!("A line every {}, a bold one every {}.", written(spacing), written(5.0 * spacing)),
-        ],
-        colors: vec![
-            (scale::OUTSIDE, "outside".to_owned()),
-            (scale::INSIDE, "inside".to_owned()),
-            (scale::ZERO, "the surface: 0".to_owned()),
-        ],
-        ..legend
-    }
+    let (line, bold) = (written(spacing), written(5.0 * spacing));
+    format!(
+        "{what} on a plane through the\ncamera's target. Surfaces in front are faint.\nA line every {line}, a bold \
+         one every {bold}."
+    )
 }
 
-fn normals(legend: Legend, number: Option<f32>) -> Legend {
-    let length = match number {
-        Some(number) => format!("by finite differences over {}", written(number)),
-        None => "by finite differences over 0.6 pixel radii".to_owned(),
-    };
-    let axis = |place: usize, sign: f32| -> Color {
-        std::array::from_fn(|axis| if axis == place { 0.5 + 0.5 * sign } else { 0.5 })
-    };
-    let names = [("right", "left"), ("up", "down"), ("away", "near")];
-    let colors = names.iter().enumerate().flat_map(|(place, (plus, minus))| {
-        let letter = ["x", "y", "z"][place];
-        [(axis(place, 1.0), format!("+{letter} {plus}")), (axis(place, -1.0), format!("-{letter} {minus}"))]
-    });
-    let colors = colors.chain([nothing()]).collect();
-    let lines = vec!["Normals of the surfaces,".to_owned(), length];
-    Legend { lines, colors, ..legend }
+fn normals(step: Option<f32>) -> String {
+    let step = step.map_or("0.6 pixel radii".to_owned(), written);
+    format!("Normals of the surfaces,\nby finite differences over {step}")
 }
 
-fn shadow(legend: Legend) -> Legend {
-    Legend {
-        lines: vec!["The fraction of direct light that arrives.".to_owned()],
-        scale: Some(marks(Ramp::Light, 1.0, "")),
-        colors: vec![(scale::FACES_AWAY, "faces away from lights".to_owned()), nothing()],
-        ..legend
-    }
-}
-
-fn occlusion(legend: Legend) -> Legend {
-    Legend {
-        lines: vec!["The fraction of the ambient light".to_owned(), "that arrives.".to_owned()],
-        scale: Some(marks(Ramp::Light, 1.0, "")),
-        colors: vec![nothing()],
-        ..legend
-    }
-}
-
-fn clauses(legend: Legend, number: f32, drawn: Drawn) -> Legend {
-    let lines = if drawn.interpreted {
-        ["Clauses that the interpreter runs for a pixel:", "rays, normals, shadows, occlusion, materials."]
-    } else {
-        ["Compiled: no clauses are interpreted. Colours", "count the pixel's distance evaluations."]
-    };
-    Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
-}
-
-fn cells(legend: Legend, number: f32, drawn: Drawn) -> Legend {
-    if !drawn.cells {
-        let lines =
-            ["Regions are off: one tape applies everywhere.", "Key R, or --regions on, divides space."];
-        return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
-    }
-    let lines = [
-        "Cells at the surfaces. Colours count the",
-        "clauses of a cell's tape. Lines are faces of",
-        "cells, bold lines faces of the root's cells.",
-    ];
-    Legend {
-        lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number, "+")),
-        colors: vec![
-            (scale::EMPTY_CELL, "a cell without a traced surface".to_owned()),
-            (scale::NO_CELL, "outside the tree".to_owned()),
-            nothing(),
-        ],
-        ..legend
-    }
-}
-
-fn materials(legend: Legend, world: &World) -> Legend {
+fn materials(world: &World) -> Vec<(Color, String)> {
     let objects = &world.scene.objects;
-    let name = |index: usize| {
-        let object = objects.get(index)?;
+    let names = objects.iter().take(OBJECTS_NAMED).map(|object| {
         let material = world.scene.materials.get(object.material).map(|material| material.name.as_str());
-        Some(match material {
+        match material {
             Some(material) if material != object.name && !material.is_empty() => {
                 format!("{}: {material}", object.name)
             }
             _ => object.name.clone(),
-        })
-    };
-    let named = objects.len().min(OBJECTS_NAMED);
-    let mut colors: Vec<(Color, String)> =
-        (0..named).filter_map(|index| Some((scale::of_object(index), name(index)?))).collect();
-    if objects.len() > named {
-        colors.push((scale::of_object(named), format!("and {} more", objects.len() - named)));
-    }
-    colors.push(nothing());
-    Legend { lines: vec!["Objects and their materials.".to_owned()], colors, ..legend }
-}
-
-fn depth(legend: Legend, number: f32) -> Legend {
-    Legend {
-        lines: vec!["Distance from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
-        scale: Some(marks(Ramp::Dark, number, "+")),
-        colors: vec![nothing()],
-        ..legend
-    }
+        }
+    });
+    let more = objects.len().checked_sub(OBJECTS_NAMED + 1).map(|more| format!("and {} more", more + 1));
+    let colored = names.chain(more).enumerate().map(|(index, name)| (scale::of_object(index), name));
+    colored.chain(named(&[NOTHING])).collect()
 }
