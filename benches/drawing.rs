@@ -25,7 +25,7 @@ fn main() {
     let context = Headless::new(false).unwrap();
     let (gl, library) = (context.gl(), ShaderLibrary::embedded());
     let ReadyScene { world, buffers, plan, .. } = SceneSource::Shipped("speakers".into()).ready().unwrap();
-    let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone()).unwrap();
+    let resources = SceneResources::upload(gl, None, world.clone(), buffers.clone(), plan.clone()).unwrap();
     let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
     let compiled = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
     let by_hand = compiled_variant(BY_HAND, world.pictures.len(), world.features, Counting::Off);

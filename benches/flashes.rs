@@ -25,7 +25,7 @@ fn main() {
     let context = Headless::new(false).unwrap();
     let (gl, library) = (context.gl(), ShaderLibrary::embedded());
     let ReadyScene { world, buffers, plan, .. } = SceneSource::Formula(WALL.into()).ready().unwrap();
-    let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone()).unwrap();
+    let resources = SceneResources::upload(gl, None, world.clone(), buffers.clone(), plan.clone()).unwrap();
     let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
     let program = link_scene(gl, &library, &variant).unwrap();
     for (name, hz) in [("calm", 0.0), ("a strobe", 10.0)] {

@@ -42,7 +42,7 @@ impl Model {
         let ReadyScene { world, buffers, plan, .. } = ready;
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, library, &variant).unwrap();
-        let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
+        let resources = SceneResources::upload(gl, None, world, buffers, plan).unwrap();
         resources.set_cells(true, Mode::Compiled);
         Self { resources, program }
     }

@@ -68,7 +68,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let gl = context.gl();
     let context_ms = milliseconds(start.elapsed());
     let resources =
-        SceneResources::upload(gl, ready.world.clone(), ready.buffers.clone(), ready.plan.clone())?;
+        SceneResources::upload(gl, None, ready.world.clone(), ready.buffers.clone(), ready.plan.clone())?;
     let bench = Bench { request, gl, ready, resources, frame, following };
     let (modes, mut notes) = bench.modes();
     let mut renderer = Renderer::new(gl, &request.scene.shaders, Counting::Off)?;

@@ -152,7 +152,7 @@ impl HeadlessRenderer {
             Ok::<_, GpuError>((Program::of(gl, &texts)?, scene.number()))
         });
         let paths = paths.transpose()?;
-        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        let resources = SceneResources::upload(gl, None, world, buffers, plan)?;
         // Diagnostic views show the cells, so they need cells even where cells do not save time.
         let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,

@@ -36,7 +36,7 @@ impl Other {
         let gl = test_renderer.context.gl();
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &ShaderLibrary::embedded(), &variant).unwrap();
-        Self { resources: SceneResources::upload(gl, world, buffers, plan).unwrap(), program }
+        Self { resources: SceneResources::upload(gl, None, world, buffers, plan).unwrap(), program }
     }
 
     fn frame(&self) -> Frame {

@@ -84,7 +84,7 @@ impl TestRenderer {
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
-        let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
+        let resources = SceneResources::upload(gl, None, world, buffers, plan).unwrap();
         Self { renderer, program, resources, adjust: |_| {}, drawn: 0, context }
     }
 

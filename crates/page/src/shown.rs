@@ -41,7 +41,7 @@ impl Coming {
         let cells = if mode == Mode::Compiled { CellUse::Never } else { CellUse::default() };
         let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
         let program = begin_scene(gl, library, &variant)?;
-        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        let resources = SceneResources::upload(gl, None, world, buffers, plan)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
         Ok(Self { program, resources })
     }

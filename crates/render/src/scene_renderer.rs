@@ -35,7 +35,7 @@ impl SceneRenderer {
         let (mode, cells) = (Mode::Compiled, CellUse::default());
         let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
         let program = link_scene(gl, &library, &variant)?;
-        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        let resources = SceneResources::upload(gl, None, world, buffers, plan)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
         Ok(Self { renderer: Renderer::new(gl, &library, Counting::Off)?, program, resources })
     }

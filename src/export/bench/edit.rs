@@ -32,8 +32,7 @@ pub(super) fn measure_edit(
 
     let start = Instant::now();
     let ReadyScene { world, buffers, plan, .. } = source.ready_as(&edited)?;
-    let resources =
-        SceneResources::upload_after(Some(before), &gl, world.clone(), buffers.clone(), plan.clone())?;
+    let resources = SceneResources::upload(&gl, Some(before), world.clone(), buffers.clone(), plan.clone())?;
     let frame = Frame::new(&world, request.at, sound, request.size);
     let built = resources.region_maker().build(&frame, resources.region_request(&frame));
     resources.upload_regions(built.into());

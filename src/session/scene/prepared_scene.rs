@@ -101,7 +101,7 @@ impl PreparedScene {
         let is_cover = |(_, source): &(usize, TextureSource)| *source == TextureSource::Cover;
         let has_song_texts = song_shapes::are_shown_by(&ready.world);
         let (covers, moving): (Vec<_>, Vec<_>) = TextureSource::of_world(&ready.world).partition(is_cover);
-        let resources = SceneResources::upload_after(last, gl, ready.world, ready.buffers, ready.plan)?;
+        let resources = SceneResources::upload(gl, last, ready.world, ready.buffers, ready.plan)?;
         Ok(Self {
             id,
             source,

@@ -236,7 +236,8 @@ mod tests {
         let context = Headless::new(false).unwrap();
         let world = World::parse("test", TWO_CAMERAS).unwrap();
         let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
-        let scene = SceneResources::upload(context.gl(), world.into(), buffers.into(), plan.into()).unwrap();
+        let scene =
+            SceneResources::upload(context.gl(), None, world.into(), buffers.into(), plan.into()).unwrap();
         let (woken, wakes) = channel();
         let mut regions = SceneRegions::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let size = (16, 9);

@@ -88,7 +88,7 @@ mod tests {
         let program = link_scene(gl, &library, &variant).unwrap();
         let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
         let frame = Frame::new(&world, 1.0, crate::frame::Sound::default(), (64, 36));
-        let scene = SceneResources::upload(gl, world, buffers, plan).unwrap();
+        let scene = SceneResources::upload(gl, None, world, buffers, plan).unwrap();
         renderer.draw(&frame, &scene, &program).unwrap();
         let before = renderer.read();
         let (texture, buffer) = (Texture::new(gl).unwrap(), Buffer::new(gl).unwrap());

@@ -220,33 +220,21 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
 
 impl SceneResources {
     /// Uploads a world's images and tape. A tape that exceeds the driver's limits is left out. A scene without a tape
-    /// can only be compiled (see [`Interpreter::fits`]).
+    /// can only be compiled (see [`Interpreter::fits`]). Reuses the textures of `last`.
     ///
     /// # Errors
     /// Fails with the driver's error.
     pub fn upload(
         gl: &Gl,
-        world: Arc<World>,
-        buffers: Arc<TapeBuffers>,
-        plan: Arc<RegionPlan>,
-    ) -> Result<Self> {
-        Self::upload_after(None, gl, world, buffers, plan)
-    }
-
-    /// Like [`SceneResources::upload`], but reuses the textures of `last`.
-    ///
-    /// # Errors
-    /// Fails with the driver's error.
-    pub fn upload_after(
         last: Option<&Self>,
-        gl: &Gl,
         world: Arc<World>,
         buffers: Arc<TapeBuffers>,
         plan: Arc<RegionPlan>,
     ) -> Result<Self> {
         let pictures = world.pictures.iter().zip(&world.scene.textures).map(|(picture, of)| {
             let known = last.and_then(|last| {
-                last.pictures_with_textures().find(|(known, _)| Arc::ptr_eq(known, picture))
+                let mut known = last.world.pictures.iter().zip(&last.pictures);
+                known.find(|(known, _)| Arc::ptr_eq(known, picture))
             });
             match known {
                 Some((_, texture)) => Ok(texture.clone()),
@@ -273,10 +261,6 @@ impl SceneResources {
             feedback: RefCell::new(feedback),
             texels_max: limits::REGION_TEXELS_MAX.min(gl.info().list_texels_max as usize),
         })
-    }
-
-    fn pictures_with_textures(&self) -> impl Iterator<Item = (&Arc<RgbaImage>, &Rc<SceneTexture>)> {
-        self.world.pictures.iter().zip(&self.pictures)
     }
 
     /// Facts for a view's legend when the view is drawn in `mode`.
