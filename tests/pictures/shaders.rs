@@ -12,7 +12,7 @@ use crate::support::test_renderer::{driver, driver_of, ready, speakers};
 use mariana::frame::projection::{Projection, ProjectionKind};
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
-use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
+use mariana::gpu::flash_pass::{FLASH_SHADERS, LIMIT_SHADERS};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
@@ -94,7 +94,7 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 }
 
 fn cases() -> Vec<Case> {
-    let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
+    let plain = [VERTEX_SHADER, LIMIT_SHADERS.1, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
     let plain = plain.into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
     let own = plain.chain(FLASH_SHADERS).chain(POST_SHADERS).chain(PATH_RESULT_SHADERS);
     let mut cases: Vec<Case> = own

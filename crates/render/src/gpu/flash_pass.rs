@@ -21,13 +21,13 @@ use super::error::{GpuError, Result};
 use super::gl::Gl;
 use super::object::VertexArray;
 use super::passes::Block;
-use super::program::{Program, ProgramTexts, unit_of};
+use super::program::{Program, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 use crate::flash::{CELLS, COLUMNS, ROWS, Steps};
 
-/// The vertex shader that places the cells to dim.
-pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
+/// The shader that dims cells, and the vertex shader that places these cells.
+pub const LIMIT_SHADERS: (&str, &str) = ("limit_flashes.frag", "flash_cells.vert");
 /// The fragment shaders of the limiter and their defines, in the order of `FlashPrograms::new`.
 pub const FLASH_SHADERS: [(&str, &[&str]); 13] = [
     ("cells.frag", &[]),
@@ -41,8 +41,8 @@ pub const FLASH_SHADERS: [(&str, &[&str]); 13] = [
     ("cells.frag", &["SHOWN"]),
     ("flash_note.frag", &[]),
     ("flash_note.frag", &[SECOND_HALF]),
-    ("limit_flashes.frag", &[]),
-    ("limit_flashes.frag", &["ENLARGED"]),
+    (LIMIT_SHADERS.0, &[]),
+    (LIMIT_SHADERS.0, &["ENLARGED"]),
 ];
 
 /// The define of the programs that write the second half of the outputs.
@@ -190,18 +190,9 @@ impl FlashPass {
                 bind_halves(followed, &FOLLOWED);
                 cells.draw(&programs.gather, &memory.marks);
             }
-            3 => {
-                bind(&memory.marks, &["marked_rows"]);
-                cells.draw(&programs.find_fields, &memory.covered);
-            }
-            4 => {
-                bind(&memory.covered, &["covered_rows"]);
-                cells.draw(&programs.find_areas, &memory.areas);
-            }
-            5 => {
-                bind(&memory.areas, &["crowded_rows"]);
-                cells.draw(&programs.decide, own);
-            }
+            3 => cells.draw_from(&memory.marks, "marked_rows", &programs.find_fields, &memory.covered),
+            4 => cells.draw_from(&memory.covered, "covered_rows", &programs.find_areas, &memory.areas),
+            5 => cells.draw_from(&memory.areas, "crowded_rows", &programs.decide, own),
             6 => self.spread_along([1.0, 0.0], own, along_rows),
             7 => self.spread_along([0.0, 1.0], along_rows, spread),
             8 => {
@@ -221,8 +212,7 @@ impl FlashPass {
 
     fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
         self.cells.place_block.set(&[0.0, 0.0, right, up]);
-        bind(ceilings, &["ceilings"]);
-        self.cells.draw(&self.programs.spread, target);
+        self.cells.draw_from(ceilings, "ceilings", &self.programs.spread, target);
     }
 
     /// Dims cells in `target`, which shows the last `finished` image that was measured.
@@ -258,7 +248,7 @@ impl FlashPrograms {
         let mut shaders = FLASH_SHADERS.into_iter();
         let mut next = || {
             let (shader, defines) = shaders.next().unwrap_or_default();
-            linked(gl, library, shader, defines)
+            Program::link(gl, library, shader, &Variant::of(defines))
         };
         let programs = Self {
             measure: next()?,
@@ -324,6 +314,12 @@ impl CellDraws {
         if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
     }
 
+    /// Draws from one texture, which the program reads as `name`.
+    fn draw_from(&self, texture: &Target, name: &str, program: &Program, target: &Target) {
+        bind(texture, &[name]);
+        self.draw(program, target);
+    }
+
     fn draw_halves(&self, programs: &[Program; 2], halves: &Halves) {
         programs.iter().zip(halves).for_each(|(program, half)| self.draw(program, half));
     }
@@ -335,18 +331,6 @@ impl CellDraws {
         // SAFETY: draws without attributes into the bound framebuffer, with objects of the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
         self.gl.replacing(draw);
-    }
-}
-
-fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program> {
-    let variant = Variant::of(defines);
-    match shader {
-        "limit_flashes.frag" => {
-            let texts =
-                ProgramTexts::assemble_both(library, FLASH_VERTEX_SHADER, shader, &variant, gl.info())?;
-            Program::of(gl, &texts)
-        }
-        _ => Program::link(gl, library, shader, &variant),
     }
 }
 

@@ -8,6 +8,7 @@ use glow::HasContext;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 use super::error::{GpuError, Result};
+use super::flash_pass::LIMIT_SHADERS;
 use super::gl::{Gl, GlInfo};
 use super::object::{ProgramObject, ShaderObject};
 use super::program_store::ProgramKey;
@@ -85,13 +86,13 @@ pub fn numbered_textures() -> impl Iterator<Item = (String, u32)> {
     of_scene.chain((0..SLOTS).map(|unit| (format!("slot_{unit}"), unit)))
 }
 
-/// The vertex shader of all passes.
+/// The vertex shader of all passes except the one that dims cells.
 pub const VERTEX_SHADER: &str = "fullscreen.vert";
 
 /// The texts of a program's two shaders.
 #[derive(Debug, Clone)]
 pub struct ProgramTexts {
-    vertex: (&'static str, String),
+    vertex: (String, String),
     fragment: (String, String),
 }
 
@@ -112,20 +113,10 @@ impl ProgramTexts {
         variant: &Variant,
         info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {
-        Self::assemble_both(library, VERTEX_SHADER, fragment, variant, info)
-    }
-
-    pub(super) fn assemble_both(
-        library: &ShaderLibrary,
-        vertex: &'static str,
-        fragment: &str,
-        variant: &Variant,
-        info: &GlInfo,
-    ) -> Result<Self, ShaderSourceError> {
         let preamble = driver_preamble(info);
-        let assembled = |name| library.assemble(name, &preamble, variant);
-        let fragment = (fragment.to_owned(), assembled(fragment)?);
-        Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
+        let assembled = |name: &str| Ok((name.to_owned(), library.assemble(name, &preamble, variant)?));
+        let vertex = if fragment == LIMIT_SHADERS.0 { LIMIT_SHADERS.1 } else { VERTEX_SHADER };
+        Ok(Self { fragment: assembled(fragment)?, vertex: assembled(vertex)? })
     }
 
     /// The key of the texts alone, for any driver.
@@ -317,20 +308,16 @@ impl LazyProgram {
 
 /// Compiles and links two texts with their names. Logs give positions in the files of [`super::shader_source`].
 pub(super) fn link_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<ProgramObject> {
-    PendingProgram::of_texts(gl, vertex, fragment)?.linked()
+    let [vertex, fragment] = [vertex, fragment].map(|(name, text)| (name.to_owned(), text.to_owned()));
+    PendingProgram::of(gl, &ProgramTexts { vertex, fragment })?.linked()
 }
 
 /// A program that the driver may still be compiling.
 pub struct PendingProgram {
     gl: Gl,
     object: ProgramObject,
-    shaders: Vec<NamedShader>,
-}
-
-struct NamedShader {
-    shader: ShaderObject,
-    name: String,
-    text: String,
+    shaders: Vec<ShaderObject>,
+    texts: ProgramTexts,
 }
 
 impl PendingProgram {
@@ -339,14 +326,11 @@ impl PendingProgram {
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create more objects.
     pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self> {
-        let (vertex, fragment) = (&texts.vertex, &texts.fragment);
-        Self::of_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))
-    }
-
-    fn of_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<Self> {
         let object = ProgramObject::new(gl)?;
         let mut shaders = Vec::new();
-        for (stage, (name, text)) in [(glow::VERTEX_SHADER, vertex), (glow::FRAGMENT_SHADER, fragment)] {
+        for (stage, (_, text)) in
+            [(glow::VERTEX_SHADER, &texts.vertex), (glow::FRAGMENT_SHADER, &texts.fragment)]
+        {
             let shader = ShaderObject::new(gl, stage)?;
             // SAFETY: all names belong to the current context.
             unsafe {
@@ -354,7 +338,7 @@ impl PendingProgram {
                 gl.compile_shader(shader.native());
                 gl.attach_shader(object.native(), shader.native());
             }
-            shaders.push(NamedShader { shader, name: name.to_owned(), text: text.to_owned() });
+            shaders.push(shader);
         }
         // SAFETY: the program and its shaders belong to the current context. Shaders with mistakes leave it unlinked.
         unsafe {
@@ -363,7 +347,7 @@ impl PendingProgram {
             }
             gl.link_program(object.native());
         }
-        Ok(Self { gl: gl.clone(), object, shaders })
+        Ok(Self { gl: gl.clone(), object, shaders, texts: texts.clone() })
     }
 
     /// True if [`Self::finish`] need not wait. Drivers that cannot tell make it wait.
@@ -391,15 +375,15 @@ impl PendingProgram {
             if gl.get_program_link_status(program) {
                 return Ok(self.object);
             }
-            for NamedShader { shader, name, text } in &self.shaders {
+            let ProgramTexts { vertex, fragment } = &self.texts;
+            for (shader, (name, text)) in self.shaders.iter().zip([vertex, fragment]) {
                 if !gl.get_shader_compile_status(shader.native()) {
                     let log = name_places(&gl.get_shader_info_log(shader.native()), text);
                     return Err(GpuError::Compile { name: name.clone(), log });
                 }
             }
-            let fragment = self.shaders.last().map_or("", |shader| shader.name.as_str());
             let log = gl.get_program_info_log(program);
-            Err(GpuError::Compile { name: format!("the program of {fragment}"), log })
+            Err(GpuError::Compile { name: format!("the program of {}", fragment.0), log })
         }
     }
 }
