@@ -11,7 +11,7 @@ use super::error::Result;
 use super::gl::Gl;
 use super::passes::Passes;
 use super::renderer::Canvas;
-use super::target::{Target, Texel};
+use super::target::Target;
 use super::texel_list::TexelList;
 use super::trails::{TrailSource, Trails, empty_grid, fill_grid};
 use crate::frame::Frame;
@@ -115,10 +115,8 @@ impl SceneFeedback {
             };
             // A target that is visible keeps its content.
             let last = if begins { self.black.clone() } else { kept.last };
-            let next = match Rc::strong_count(&kept.next) {
-                1 => kept.next,
-                _ => self.target(request.size)?,
-            };
+            let is_free = Rc::strong_count(&kept.next) == 1;
+            let next = if is_free { kept.next } else { self.target(request.size)? };
             self.histories[slot] = Some(Kept { last, next });
             slots.push(slot);
         }
@@ -166,10 +164,7 @@ impl SceneFeedback {
             Some(shown) => {
                 match (of(shown.older), shown.younger.and_then(|(slot, part)| Some((of(slot)?, part)))) {
                     (Some(older), Some((younger, fraction))) => {
-                        let mixed = match self.mixed.take() {
-                            Some(mixed) => mixed,
-                            None => self.target(older.size())?,
-                        };
+                        let mixed = self.mixed.take().map_or_else(|| self.target(older.size()), Ok)?;
                         trails.mix(passes, &older, &younger, fraction, &mixed)?;
                         self.mixed = Some(mixed.clone());
                         mixed
@@ -191,14 +186,14 @@ impl SceneFeedback {
     }
 
     fn target(&self, size: (u32, u32)) -> Result<Rc<Target>> {
-        Ok(Rc::new(Target::new(&self.gl, size, &[Texel::Rgba16F], None)?.smooth()))
+        Target::of_light(&self.gl, size).map(Rc::new)
     }
 }
 
 /// Creates a last frame without light. Mesa's software renderers compile another variant of a program for sides that
 /// are powers of two.
 pub(super) fn black(gl: &Gl) -> Result<Target> {
-    let target = Target::new(gl, (6, 6), &[Texel::Rgba16F], None)?.smooth();
+    let target = Target::of_light(gl, (6, 6))?;
     target.clear();
     Ok(target)
 }

@@ -159,16 +159,12 @@ impl Block {
     }
 
     pub(super) fn set(&self, numbers: &[f32]) {
-        let buffer = Some(self.buffer.native());
+        let (kind, buffer) = (glow::UNIFORM_BUFFER, Some(self.buffer.native()));
         // SAFETY: `self` owns the buffer, which belongs to the current context.
         unsafe {
-            self.gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
-            self.gl.buffer_data_u8_slice(
-                glow::UNIFORM_BUFFER,
-                bytemuck::cast_slice(numbers),
-                glow::STREAM_DRAW,
-            );
-            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, self.binding, buffer);
+            self.gl.bind_buffer(kind, buffer);
+            self.gl.buffer_data_u8_slice(kind, bytemuck::cast_slice(numbers), glow::STREAM_DRAW);
+            self.gl.bind_buffer_base(kind, self.binding, buffer);
         }
     }
 }

@@ -82,25 +82,14 @@ impl PathState {
     /// Fills the current state. Paths of another size are ignored.
     pub(super) fn fill(&self, kept: &KeptPaths) {
         self.bind_current("path_state");
+        let (target, format, kind) = (glow::TEXTURE_2D_ARRAY, glow::RGBA, glow::FLOAT);
         let [width, height] = [self.size.0, self.size.1].map(u32::cast_signed);
         let length = TEXEL * self.size.0 as usize * self.size.1 as usize;
         for (layer, bytes) in (0..).zip(&kept.layers).filter(|(_, bytes)| bytes.len() == length) {
             let pixels = glow::PixelUnpackData::Slice(Some(bytes));
             // SAFETY: `self` owns the bound texture, and the slice holds exactly the texels of a layer.
             unsafe {
-                self.gl.tex_sub_image_3d(
-                    glow::TEXTURE_2D_ARRAY,
-                    0,
-                    0,
-                    0,
-                    layer,
-                    width,
-                    height,
-                    1,
-                    glow::RGBA,
-                    glow::FLOAT,
-                    pixels,
-                );
+                self.gl.tex_sub_image_3d(target, 0, 0, 0, layer, width, height, 1, format, kind, pixels);
             }
         }
     }
@@ -110,23 +99,13 @@ fn state(gl: &Gl, size: (u32, u32)) -> Result<(Framebuffer, Texture)> {
     let (framebuffer, texture) = (Framebuffer::new(gl)?, Texture::new(gl)?);
     // SAFETY: both names were just created in the current context, and no data is passed.
     unsafe {
-        gl.bind_texture(glow::TEXTURE_2D_ARRAY, Some(texture.native()));
+        let target = glow::TEXTURE_2D_ARRAY;
+        gl.bind_texture(target, Some(texture.native()));
         let [width, height, layers] = [size.0, size.1, LAYERS as u32].map(u32::cast_signed);
         let none = glow::PixelUnpackData::Slice(None);
-        let format = glow::RGBA32F.cast_signed();
-        gl.tex_image_3d(
-            glow::TEXTURE_2D_ARRAY,
-            0,
-            format,
-            width,
-            height,
-            layers,
-            0,
-            glow::RGBA,
-            glow::FLOAT,
-            none,
-        );
-        gl.filter(glow::TEXTURE_2D_ARRAY, glow::NEAREST);
+        let (stored, format, kind) = (glow::RGBA32F.cast_signed(), glow::RGBA, glow::FLOAT);
+        gl.tex_image_3d(target, 0, stored, width, height, layers, 0, format, kind, none);
+        gl.filter(target, glow::NEAREST);
         gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer.native()));
         let attachments: Vec<u32> = (0..LAYERS as u32).map(|layer| glow::COLOR_ATTACHMENT0 + layer).collect();
         for (layer, attachment) in (0..).zip(&attachments) {

@@ -18,7 +18,7 @@
 use mariana_field::world::ToneMap;
 
 use super::edge_samples::EdgeSamples;
-use super::error::{GpuError, Result};
+use super::error::Result;
 use super::gl::Gl;
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
@@ -82,6 +82,7 @@ pub(super) struct PostTargets {
     /// The light with trails, which is then swapped with `light`; made at the first use.
     trailed: Option<Target>,
     lens: Option<LensTargets>,
+    /// The levels, largest first.
     bloom: Vec<Target>,
     pub(super) finished: Target,
 }
@@ -131,10 +132,8 @@ impl Post {
 
     /// Adds trails to the resolved light.
     pub(super) fn add_trails(&self, targets: &mut PostTargets, trails: &TrailSource) -> Result<()> {
-        let trailed = match targets.trailed.take() {
-            Some(trailed) => trailed,
-            None => Target::new(&self.passes.gl, targets.light.size(), &[Texel::Rgba16F], None)?.smooth(),
-        };
+        let made = || Target::of_light(&self.passes.gl, targets.light.size());
+        let trailed = targets.trailed.take().map_or_else(made, Ok)?;
         trails.draw(&self.passes, &self.trails.add, &targets.light, &trailed)?;
         targets.trailed = Some(std::mem::replace(&mut targets.light, trailed));
         Ok(())
@@ -226,9 +225,12 @@ impl PostTargets {
     pub(super) fn new(gl: &Gl, size: (u32, u32), has_lens: bool, output: (u32, u32)) -> Result<Self> {
         Ok(Self {
             lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
-            light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
+            light: Target::of_light(gl, size)?,
             trailed: None,
-            bloom: bloom_targets(gl, size)?,
+            bloom: level_sizes(size)
+                .into_iter()
+                .map(|size| Target::of_light(gl, size))
+                .collect::<Result<_>>()?,
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
     }
@@ -281,12 +283,6 @@ impl Bloom {
 fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)
-}
-
-/// The targets of the levels, largest first.
-fn bloom_targets(gl: &Gl, size: (u32, u32)) -> Result<Vec<Target>> {
-    let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
-    level_sizes(size).into_iter().map(level).collect()
 }
 
 /// Sizes of the levels, largest first. There is at least one level.
@@ -345,7 +341,7 @@ impl LensBlur {
 
 impl LensTargets {
     pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self> {
-        let target = |size| Ok::<_, GpuError>(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+        let target = |size| Target::of_light(gl, size);
         let half = (size.0.div_ceil(2), size.1.div_ceil(2));
         Ok(Self { smaller: target(half)?, blurred: target(half)?, light: target(size)? })
     }

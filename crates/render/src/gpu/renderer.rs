@@ -58,7 +58,7 @@ pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSam
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
 pub use presenter::UPSCALE_SHADER;
-use presenter::{Fade, Presenter};
+use presenter::{Fade, Flashes, Presenter};
 pub use sampling::EDGE_SHADER;
 
 /// Samples of a reference image along each side of a pixel.
@@ -138,7 +138,7 @@ impl Renderer {
 
     /// Disables [`Renderer::limit_flashes`].
     pub fn remove_flash_limiter(&mut self) {
-        self.presenter.flashes.remove();
+        self.presenter.flashes = Flashes::default();
     }
 
     /// Overrides the scenes' tone map. `None` ends the override.

@@ -67,12 +67,8 @@ impl Stencil {
         // driver's limit.
         unsafe {
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(buffer.native()));
-            gl.renderbuffer_storage(
-                glow::RENDERBUFFER,
-                glow::DEPTH24_STENCIL8,
-                size.0.cast_signed(),
-                size.1.cast_signed(),
-            );
+            let [width, height] = [size.0, size.1].map(u32::cast_signed);
+            gl.renderbuffer_storage(glow::RENDERBUFFER, glow::DEPTH24_STENCIL8, width, height);
         }
         Ok(Self(buffer))
     }
@@ -105,6 +101,14 @@ impl Target {
         Self::made(gl, size, texels, stencil)
     }
 
+    /// Creates a target for linear light, which is filtered linearly.
+    ///
+    /// # Errors
+    /// Same errors as [`Target::new`].
+    pub fn of_light(gl: &Gl, size: (u32, u32)) -> Result<Self> {
+        Ok(Self::new(gl, size, &[Texel::Rgba16F], None)?.smooth())
+    }
+
     /// Creates a target that replaces a window of `size` pixels. Injected faults do not affect it.
     ///
     /// # Errors
@@ -123,19 +127,14 @@ impl Target {
             let mut attachments = Vec::with_capacity(texels.len());
             for (texel, attachment) in texels.iter().zip(glow::COLOR_ATTACHMENT0..) {
                 let texture = Texture::new(gl)?;
-                gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+                let (kind, name) = (glow::TEXTURE_2D, Some(texture.native()));
+                gl.bind_texture(kind, name);
                 gl.store_level(0, texel.formats(), size, None);
-                gl.filter(glow::TEXTURE_2D, glow::NEAREST);
-                for name in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
-                    gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::CLAMP_TO_EDGE.cast_signed());
+                gl.filter(kind, glow::NEAREST);
+                for side in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
+                    gl.tex_parameter_i32(kind, side, glow::CLAMP_TO_EDGE.cast_signed());
                 }
-                gl.framebuffer_texture_2d(
-                    glow::FRAMEBUFFER,
-                    attachment,
-                    glow::TEXTURE_2D,
-                    Some(texture.native()),
-                    0,
-                );
+                gl.framebuffer_texture_2d(glow::FRAMEBUFFER, attachment, kind, name, 0);
                 attachments.push(attachment);
                 colors.push(texture);
             }
@@ -212,24 +211,15 @@ impl Target {
 
     fn blit(&self, other: Option<glow::Framebuffer>, size: (u32, u32)) {
         let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
-        let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
+        let [width, height] = [self.size.0, self.size.1].map(u32::cast_signed);
+        let [across, down] = [size.0, size.1].map(u32::cast_signed);
         self.gl.store_colors_unchanged();
         // SAFETY: both framebuffers are complete and belong to the current context.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, other);
-            self.gl.blit_framebuffer(
-                0,
-                0,
-                width,
-                height,
-                0,
-                0,
-                size.0.cast_signed(),
-                size.1.cast_signed(),
-                glow::COLOR_BUFFER_BIT,
-                filter,
-            );
+            let colors = glow::COLOR_BUFFER_BIT;
+            self.gl.blit_framebuffer(0, 0, width, height, 0, 0, across, down, colors, filter);
         }
     }
 
@@ -300,32 +290,30 @@ impl Target {
     pub(super) fn read_into(&self, buffer: &Buffer) {
         // SAFETY: both objects belong to the current context; the caller provides a buffer with four bytes per pixel.
         unsafe {
-            self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
-            self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
-            self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
             self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(buffer.native()));
-            let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
-            let offset = glow::PixelPackData::BufferOffset(0);
-            self.gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, offset);
+            self.read_pixels(0, glow::RGBA, glow::UNSIGNED_BYTE, glow::PixelPackData::BufferOffset(0));
             self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         }
     }
 
     fn read(&self, index: u32, format: u32, kind: u32, bytes: &mut [u8]) {
-        // SAFETY: `self` owns the framebuffer; the callers pass a slice that holds exactly its texels in this format.
+        // SAFETY: the callers pass a slice that holds exactly the texels in this format.
+        unsafe { self.read_pixels(index, format, kind, glow::PixelPackData::Slice(Some(bytes))) }
+    }
+
+    /// Reads colour attachment `index`.
+    ///
+    /// # Safety
+    /// `to` must have room for all texels in this format.
+    // SAFETY: the duties of the caller are above.
+    unsafe fn read_pixels(&self, index: u32, format: u32, kind: u32, to: glow::PixelPackData<'_>) {
+        let [width, height] = [self.size.0, self.size.1].map(u32::cast_signed);
+        // SAFETY: `self` owns the framebuffer, and the caller guarantees the room.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.read_buffer(glow::COLOR_ATTACHMENT0 + index);
             self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
-            self.gl.read_pixels(
-                0,
-                0,
-                self.size.0.cast_signed(),
-                self.size.1.cast_signed(),
-                format,
-                kind,
-                glow::PixelPackData::Slice(Some(bytes)),
-            );
+            self.gl.read_pixels(0, 0, width, height, format, kind, to);
             self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
         }
     }

@@ -22,7 +22,7 @@ use crate::gpu::post::Post;
 use crate::gpu::program::Program;
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::gpu::target::{Target, Texel};
+use crate::gpu::target::Target;
 use crate::gpu::tiles::{Costs, Tile};
 use crate::gpu::timer::PictureClock;
 
@@ -232,10 +232,9 @@ impl Painter {
     /// The exposed linear light of the finished image; `None` for a view. Reuses the target `room` if its size fits.
     pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>> {
         let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
-        let light = match room.filter(|room| room.size() == targets.first.size()) {
-            Some(room) => room,
-            None => Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth(),
-        };
+        let size = targets.first.size();
+        let room = room.filter(|room| room.size() == size);
+        let light = room.map_or_else(|| Target::of_light(&self.gl, size), Ok)?;
         self.post.passes.prepare();
         self.post.bind_picture(picture, self.sampling.edge_samples);
         self.post.expose(&targets.post, picture, &targets.first, &light)?;

@@ -63,10 +63,8 @@ impl Renderer {
         let mut state = None;
         for (number, area) in areas.iter().copied().enumerate() {
             let size = (area.width, area.height);
-            let own = match state.take().filter(|state: &PathState| state.size == size) {
-                Some(state) => state,
-                None => PathState::new(&painter.gl, size)?,
-            };
+            let own = state.take().filter(|state: &PathState| state.size == size);
+            let own = own.map_or_else(|| PathState::new(&painter.gl, size), Ok)?;
             let mut run = PathRun::over(own);
             if let Some(kept) = watcher.begin(frame, area.pixels() as usize) {
                 run.resume(&kept);

@@ -32,10 +32,9 @@ impl Placing {
         self.gain = gain.clamp(0.0, 1.0);
         let room = self.dimmed.take();
         let Some(finished) = finished.filter(|_| self.gain < 1.0) else { return Ok(()) };
-        let dimmed = match room.filter(|room| room.size() == finished.size()) {
-            Some(room) => room,
-            None => Target::new(&passes.gl, finished.size(), &[Texel::Rgba8], None)?,
-        };
+        let room = room.filter(|room| room.size() == finished.size());
+        let made = || Target::new(&passes.gl, finished.size(), &[Texel::Rgba8], None);
+        let dimmed = room.map_or_else(made, Ok)?;
         passes.prepare();
         finished.bind_color(0, unit_of("picture"));
         passes.draw_with(&self.dim, &dimmed, [self.gain, 0.0])?;

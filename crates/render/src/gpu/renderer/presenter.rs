@@ -122,11 +122,6 @@ pub(super) struct Flashes {
 }
 
 impl Flashes {
-    pub(super) fn remove(&mut self) {
-        self.pass = None;
-        self.is_limited = false;
-    }
-
     pub(super) fn measure(&mut self, picture: &Target, seconds: f64) {
         if let Some(pass) = &mut self.pass {
             pass.measure(picture, seconds);
@@ -148,12 +143,9 @@ impl Flashes {
         if self.has_copy || !self.is_limited {
             return Ok(());
         }
-        let room = self.copy.take();
+        let room = self.copy.take().filter(|copy| copy.size() == picture.size());
         let Some(pass) = &self.pass else { return Ok(()) };
-        let copy = match room.filter(|copy| copy.size() == picture.size()) {
-            Some(copy) => copy,
-            None => Target::new(gl, picture.size(), &[Texel::Rgba8], None)?,
-        };
+        let copy = room.map_or_else(|| Target::new(gl, picture.size(), &[Texel::Rgba8], None), Ok)?;
         picture.blit_to(&copy);
         pass.limit(picture, &copy);
         self.copy = Some(copy);
