@@ -33,7 +33,7 @@ use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::limits;
-use compile_worker::{CompileWorker, Made};
+use compile_worker::CompileWorker;
 
 /// A context for a worker. It is not current on any thread yet.
 pub struct WorkerContext {
@@ -281,8 +281,8 @@ impl BackgroundCompiler {
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
-            let program =
-                texts_of(&self.library, job.variant, job.product, &self.info).map(ReadyProgram::from);
+            let texts = texts_of(&self.library, job.variant, job.product, &self.info);
+            let program = texts.map(|texts| ReadyProgram::new(texts, None));
             return Some(Finished { id: job.id, program });
         }
         self.finished.try_recv().ok()
@@ -349,10 +349,8 @@ fn work(
                 .unwrap_or_else(|_| Err(GpuError::NoWorker("compiling a program panicked".into()))),
             Err(reason) => Err(GpuError::NoWorker(reason.clone())),
         };
-        let (program, to_keep) = match made {
-            Ok(Made { program, to_keep }) => (Ok(program), to_keep),
-            Err(error) => (Err(error), None),
-        };
+        let (program, to_keep) =
+            made.map_or_else(|error| (Err(error), None), |made| (Ok(made.program), made.to_keep));
         queue.end(id);
         if finished.send(Finished { id, program }).is_err() {
             break;

@@ -174,12 +174,6 @@ impl ReadyProgram {
     }
 }
 
-impl From<ProgramTexts> for ReadyProgram {
-    fn from(texts: ProgramTexts) -> Self {
-        Self { texts, binary: None }
-    }
-}
-
 /// A linked program whose blocks and textures are bound to their fixed binding points and units.
 pub struct Program {
     gl: Gl,
@@ -239,10 +233,7 @@ impl Program {
     /// # Errors
     /// Fails with the driver's log if the driver rejects the texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self> {
-        let known = match &ready.binary {
-            Some(binary) => Self::load(gl, binary)?,
-            None => None,
-        };
+        let known = ready.binary.as_ref().map(|binary| Self::load(gl, binary)).transpose()?.flatten();
         known.map_or_else(|| Self::of(gl, &ready.texts), Ok)
     }
 

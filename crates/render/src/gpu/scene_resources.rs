@@ -118,10 +118,6 @@ impl RegionRequest {
             && (&self.medium, &self.swarm) == (&other.medium, &other.swarm)
             && self.programs.is_served_by(&other.programs)
     }
-
-    fn has_medium_of(&self, other: &Self) -> bool {
-        self.medium == other.medium && self.options.center == other.options.center
-    }
 }
 
 impl RegionMaker {
@@ -151,14 +147,12 @@ impl RegionMaker {
             },
             |last| (last.regions.clone(), last.work),
         );
-        let known = self.last.as_ref().filter(|last| last.request.has_medium_of(&request));
+        let center = request.options.center;
+        let of_last = |last: &RegionRequest| last.medium == request.medium && last.options.center == center;
+        let known = self.last.as_ref().filter(|last| of_last(&last.request));
         let medium = match known {
             Some(last) => last.medium.clone(),
-            None => self
-                .buffers
-                .medium
-                .as_ref()
-                .map(|medium| Arc::new(medium.grid(&frame.inputs, request.options.center))),
+            None => self.buffers.medium.as_ref().map(|medium| Arc::new(medium.grid(&frame.inputs, center))),
         };
         let surfaces = Surfaces {
             regions: &regions,
@@ -166,7 +160,7 @@ impl RegionMaker {
             // The range of GLOW_PROBE in occlusion.glsl, with a small margin.
             around: 0.26 * frame.values.reach.max(0.0) + 1e-3,
         };
-        let RegionOptions { texels_max, center, .. } = request.options;
+        let texels_max = request.options.texels_max;
         let options = ShortenOptions { texels_max, center, surfaces: Some(surfaces) };
         let programs = if is_wanted() {
             self.buffers.shorten(&frame.inputs, &request.programs, &options)

@@ -114,10 +114,7 @@ impl CompileWorker {
         let ready = compiled.ready(texts);
         // The window's context loads this binary. Mesa's software renderers find cached machine code only if it was
         // made from the same binary. Therefore draw with a program that was loaded from the binary.
-        let again = match ready.binary() {
-            Some(binary) => Program::load(&self.gl, binary)?,
-            None => None,
-        };
+        let again = ready.binary().map(|binary| Program::load(&self.gl, binary)).transpose()?.flatten();
         self.warm_up(again.as_ref().unwrap_or(&compiled), &asked)?;
         tracing::info!("compiled a program in {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
         let to_keep = ready.binary().map(|binary| (key, binary.to_bytes()));

@@ -186,7 +186,8 @@ impl Making {
             }
             (Pass::Post, _) => return Ok(true),
             _ => {
-                self.finish_light(tools, targets)?;
+                resolve(tools, targets)?;
+                self.finish_resolved(tools, targets)?;
                 (Pass::Post, Parts::default())
             }
         };
@@ -250,11 +251,6 @@ impl Making {
             gl.disable(glow::STENCIL_TEST);
             gl.disable(glow::BLEND);
         }
-    }
-
-    fn finish_light(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<()> {
-        resolve(tools, targets)?;
-        self.finish_resolved(tools, targets)
     }
 
     /// Finishes the image of light that is resolved.

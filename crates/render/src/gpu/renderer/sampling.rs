@@ -138,17 +138,15 @@ impl Sampling {
         };
         let (across, down) = self.edge_samples.block();
         let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, layer];
-        let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
-        block.resize(PASS_BLOCK_NUMBERS, 0.0);
-        self.pass_block.set(&block);
-        // SAFETY: draws without attributes into the bound target, with the objects bound for this call, in the current
-        // context.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+        self.draw_pass(head.into_iter().chain(self.edge_samples.offsets().flatten()).collect());
     }
 
     /// Draws a pass of `path.frag`, which explains the numbers.
     pub(super) fn draw_paths(&self, numbers: [f32; 8]) {
-        let mut block = numbers.to_vec();
+        self.draw_pass(numbers.to_vec());
+    }
+
+    fn draw_pass(&self, mut block: Vec<f32>) {
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);
         // SAFETY: draws without attributes into the bound target, with the objects bound for this call, in the current
