@@ -147,9 +147,7 @@ impl RayDiagram {
     }
 
     fn drawable(mut self) -> Self {
-        for group in &mut self.groups {
-            group.marks.retain(Mark::can_be_drawn);
-        }
+        self.groups.iter_mut().for_each(|group| group.marks.retain(Mark::can_be_drawn));
         self
     }
 }
@@ -185,6 +183,10 @@ fn evaluations(with_cells: usize, drawn: usize) -> String {
     } else {
         format!("{drawn} evaluations ({with_cells} with cells)")
     }
+}
+
+fn vector(vector: [f32; 3]) -> DVec3 {
+    DVec3::from_array(vector.map(f64::from))
 }
 
 fn along(origin: [f32; 3], direction: [f32; 3], t: f32) -> DVec3 {
@@ -246,7 +248,7 @@ impl Drawing<'_> {
                 }
             }
             let Some(surface) = &one.surface else { continue };
-            let place = along(surface.hit.position, [0.0; 3], 0.0);
+            let place = vector(surface.hit.position);
             for shadow in &surface.shadows {
                 self.shadow_path(shadow, lights, &mut marks);
             }
@@ -267,10 +269,10 @@ impl Drawing<'_> {
         let blocked = shadow.visible == 0.0;
         let end = match lamp {
             _ if blocked => along(shadow.origin, shadow.direction, last),
-            Some(light) => along(light.place(), [0.0; 3], 0.0),
+            Some(light) => vector(light.place()),
             None => along(shadow.origin, shadow.direction, INTO_THE_SKY),
         };
-        marks.extend(self.line(along(shadow.origin, [0.0; 3], 0.0), end, 0.1 * self.unit, ink));
+        marks.extend(self.line(vector(shadow.origin), end, 0.1 * self.unit, ink));
         marks.extend(self.dot(end, ink).filter(|_| blocked || lamp.is_some()));
     }
 
@@ -305,20 +307,14 @@ impl Drawing<'_> {
     }
 
     fn eye_ray(&self, first: &PathRay, place: [Vec2; 2], names: &[String]) -> Group {
-        let direction = DVec3::from_array(first.ray.direction.map(f64::from));
+        let direction = vector(first.ray.direction);
         let last = first.steps.last().map_or(1.0, |step| step.t + step.value.max(0.0));
         let (reached, up) = match &first.surface {
-            Some(surface) => (surface.hit.distance, DVec3::from_array(surface.normal.map(f64::from))),
+            Some(surface) => (surface.hit.distance, vector(surface.normal)),
             None => (last.min(INTO_THE_SKY), self.camera.up),
         };
-        let mut section = Section::new(
-            place,
-            self.unit,
-            along(first.ray.origin, [0.0; 3], 0.0),
-            direction,
-            up,
-            self.camera.up,
-        );
+        let origin = vector(first.ray.origin);
+        let mut section = Section::new(place, self.unit, origin, direction, up, self.camera.up);
         section.show([-0.03 * reached, 1.12 * reached], 0.5);
         let object = first.surface.as_ref().and_then(|surface| names.get(surface.hit.object));
         let count = first.steps.len();
@@ -356,10 +352,8 @@ impl Drawing<'_> {
     }
 
     fn shadow_ray(&self, shadow: &ShadowRay, normal: [f32; 3], place: [Vec2; 2]) -> Group {
-        let direction = DVec3::from_array(shadow.direction.map(f64::from));
-        let normal = DVec3::from_array(normal.map(f64::from));
-        let mut section =
-            Section::new(place, self.unit, along(shadow.origin, [0.0; 3], 0.0), direction, normal, normal);
+        let [direction, normal] = [shadow.direction, normal].map(vector);
+        let mut section = Section::new(place, self.unit, vector(shadow.origin), direction, normal, normal);
         let last = shadow.steps.last().map_or(1.0, |step| step.t + step.nearest.max(0.0));
         let end = last.min(shadow.end).max(0.1);
         section.show([-0.06 * end, 1.06 * end], 0.5);
@@ -392,13 +386,11 @@ impl Drawing<'_> {
     }
 
     fn occlusion(&self, surface: &PathSurface, direction: [f32; 3], place: [Vec2; 2]) -> Group {
-        let normal = DVec3::from_array(surface.normal.map(f64::from));
-        let direction = DVec3::from_array(direction.map(f64::from));
+        let [normal, direction] = [surface.normal, direction].map(vector);
         // The section of the ray from the eye, turned so that the normal points up.
         let level = direction - normal * direction.dot(normal);
         let level = level.normalize_or(self.camera.right);
-        let mut section =
-            Section::new(place, self.unit, along(surface.hit.position, [0.0; 3], 0.0), level, normal, normal);
+        let mut section = Section::new(place, self.unit, vector(surface.hit.position), level, normal, normal);
         let reach = surface.occlusion.last().map_or(1.0, |probe| probe.height);
         section.show_height([-0.3 * reach, 2.05 * reach]);
         let percent = (100.0 * surface.openness).round();

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, vec2};
 
-use super::{FRAME, GROUND, Group, Ink, LEVEL, Mark, RayDiagram, SURFACE, TEXT};
+use super::{FRAME, GROUND, Group, Ink, LEVEL, Mark, RayDiagram, SURFACE, TEXT, vector};
 use crate::view::letters::Letters;
 
 /// Number of samples along the longer side of a contour's grid.
@@ -65,7 +65,7 @@ impl Section {
 
     /// Returns the components of a direction along the axes.
     pub(super) fn direction(&self, direction: [f32; 3]) -> [f32; 2] {
-        let direction = DVec3::from_array(direction.map(f64::from));
+        let direction = vector(direction);
         self.axes.map(|axis| direction.dot(axis) as f32)
     }
 
