@@ -76,21 +76,13 @@ struct Return {
     level_before: f32,
 }
 
-/// The slots of some durations.
-struct Counts {
-    fast: usize,
-    apart: usize,
-    withdrawn: usize,
-    level: usize,
-    sounded: usize,
-    density: usize,
-    confirmed: usize,
-    rising: usize,
+fn slots_of(seconds: f64, slot_seconds: f64) -> usize {
+    (seconds / slot_seconds).round().max(1.0) as usize
 }
 
 pub(super) struct Drops {
-    seconds: f32,
-    counts: Counts,
+    /// The duration of a slot.
+    slot_seconds: f64,
     /// Slots, and the fast levels of low frequencies and of all at their ends in decibels. The newest is first.
     slots: VecDeque<(Slot, [f32; 2])>,
     loudest: f32,
@@ -100,20 +92,9 @@ pub(super) struct Drops {
 
 impl Drops {
     pub(super) fn new(slot_seconds: f64) -> Self {
-        let count = |seconds: f64| (seconds / slot_seconds).round().max(1.0) as usize;
         Self {
-            seconds: slot_seconds as f32,
-            counts: Counts {
-                fast: count(FAST),
-                apart: count(APART),
-                withdrawn: count(WITHDRAWN),
-                level: count(LEVEL),
-                sounded: count(SOUNDED.0),
-                density: count(DENSITY),
-                confirmed: count(CONFIRMED),
-                rising: count(RISING),
-            },
-            slots: VecDeque::with_capacity(count(SOUNDED.0)),
+            slot_seconds,
+            slots: VecDeque::with_capacity(slots_of(SOUNDED.0, slot_seconds)),
             loudest: f32::MIN,
             since: BETWEEN,
             pending: None,
@@ -127,17 +108,18 @@ impl Drops {
 
     /// Processes a slot. Returns true at a drop.
     pub(super) fn follow(&mut self, slot: Slot, after_build: bool) -> bool {
-        if self.slots.len() == self.counts.sounded {
+        let (sounded, seconds) = (self.count(SOUNDED.0), self.slot_seconds as f32);
+        if self.slots.len() == sounded {
             self.slots.pop_back();
         }
         self.slots.push_front((slot, [0.0; 2]));
-        let fast = self.levels(0, self.counts.fast);
+        let fast = self.levels(0, self.count(FAST));
         if let Some((_, levels)) = self.slots.front_mut() {
             *levels = fast;
         }
-        self.loudest = (self.loudest - FORGOTTEN_DB * self.seconds).max(fast[1]);
-        self.since += self.seconds;
-        if self.since < BETWEEN || self.slots.len() < self.counts.sounded {
+        self.loudest = (self.loudest - FORGOTTEN_DB * seconds).max(fast[1]);
+        self.since += seconds;
+        if self.since < BETWEEN || self.slots.len() < sounded {
             self.pending = None;
             return false;
         }
@@ -146,11 +128,16 @@ impl Drops {
             None => self.returned(fast, after_build),
         };
         let is_drop = returned.is_some_and(|returned| self.is_drop(fast[0], &returned));
-        self.pending = returned.filter(|returned| !is_drop && returned.age < self.counts.confirmed);
+        self.pending = returned.filter(|returned| !is_drop && returned.age < self.count(CONFIRMED));
         if is_drop {
             self.since = 0.0;
         }
         is_drop
+    }
+
+    /// The number of slots of a duration.
+    fn count(&self, seconds: f64) -> usize {
+        slots_of(seconds, self.slot_seconds)
     }
 
     /// The mean levels of low frequencies and of all over `count` slots, the newest of them `first` slots ago.
@@ -163,14 +150,14 @@ impl Drops {
 
     fn onsets_per_second(&self, first: usize, count: usize) -> f32 {
         let onsets = self.slots.iter().skip(first).take(count).map(|(slot, _)| slot.onsets).sum::<f32>();
-        onsets / (count as f32 * self.seconds)
+        onsets / (count as f32 * self.slot_seconds as f32)
     }
 
     fn returned(&self, [low, level]: [f32; 2], after_build: bool) -> Option<Return> {
-        let Counts { apart, withdrawn, level: count, sounded, density, .. } = self.counts;
+        let (apart, sounded) = (self.count(APART), self.count(SOUNDED.0));
         let before = |count: usize| self.slots.iter().skip(apart).take(count.saturating_sub(apart));
-        let low_before = before(withdrawn).map(|(_, [low, _])| *low).fold(f32::MIN, f32::max);
-        let [_, level_before] = self.levels(apart, count);
+        let low_before = before(self.count(WITHDRAWN)).map(|(_, [low, _])| *low).fold(f32::MIN, f32::max);
+        let [_, level_before] = self.levels(apart, self.count(LEVEL));
         let sounding =
             before(sounded).filter(|(_, [_, level])| *level > self.loudest - SILENT_DB).count() as f32;
         let loud = if after_build {
@@ -184,7 +171,7 @@ impl Drops {
         returns.then(|| Return {
             age: 0,
             after_build,
-            onsets_before: self.onsets_per_second(apart, density),
+            onsets_before: self.onsets_per_second(apart, self.count(DENSITY)),
             low_before,
             level_before,
         })
@@ -192,8 +179,8 @@ impl Drops {
 
     fn is_drop(&self, low: f32, returned: &Return) -> bool {
         let Return { age, after_build, onsets_before, low_before, level_before } = *returned;
-        let confirmed = self.counts.confirmed;
-        if after_build && age <= self.counts.rising && low >= low_before + RETURN_AFTER_BUILD_DB {
+        let confirmed = self.count(CONFIRMED);
+        if after_build && age <= self.count(RISING) && low >= low_before + RETURN_AFTER_BUILD_DB {
             return true;
         }
         let [low, level] = self.levels(0, confirmed);
