@@ -63,6 +63,7 @@ mod stereo;
 mod tables;
 mod tap;
 mod track;
+mod trend;
 mod volume;
 mod whitening;
 

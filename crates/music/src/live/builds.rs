@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 
 use crate::bands::decibels;
+use crate::trend::Trend;
 
 /// A rise is searched in the last 16, 24 and 32 steps: 8, 12 and 16 s.
 const LENGTHS: [usize; 3] = [16, 24, 32];
@@ -73,18 +74,10 @@ impl Builds {
     /// Returns the rise of the last `length` steps in decibels, if it is steady.
     fn rise(&self, length: usize) -> Option<f32> {
         let levels = self.high.range(self.high.len().checked_sub(length)?..);
-        let (time_mean, mean) = ((length as f32 - 1.0) / 2.0, levels.clone().sum::<f32>() / length as f32);
-        let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
-        for (time, level) in levels.clone().enumerate() {
-            let (x, y) = (time as f32 - time_mean, level - mean);
-            xy += x * y;
-            xx += x * x;
-            yy += y * y;
-        }
-        let slope = xy / xx;
+        let Trend { slope, straight } = Trend::of(levels.clone().copied());
         let rise = slope * (length as f32 - 1.0);
         let step = levels.clone().skip(2).zip(levels).map(|(to, from)| to - from).fold(0.0, f32::max);
-        let is_steady = xy / (xx * yy).sqrt().max(1e-9) >= STRAIGHT_MIN && step <= STEP_FRACTION * rise;
+        let is_steady = straight >= STRAIGHT_MIN && step <= STEP_FRACTION * rise;
         (slope >= SLOPE_MIN && is_steady).then_some(rise)
     }
 }

@@ -5,7 +5,7 @@
 //! same notes. Another key must be clearly better, so that the key does not flicker.
 
 use crate::scale::NOTE_COUNT;
-use crate::song::{PITCH_CLASSES, Tonality};
+use crate::song::{PITCH_CLASSES, Tonality, are_varied};
 
 pub(super) const CLASSES: usize = PITCH_CLASSES.len();
 
@@ -30,10 +30,6 @@ const TRIAD_FITS: f32 = 0.6;
 const TONIC: f32 = 0.5;
 /// Another key replaces the key if it is better by this much.
 const CHANGES: f32 = 0.15;
-/// The minimum difference between the strongest and the weakest pitch class, relative to the mean.
-const CONTRAST_MIN: f32 = 0.8;
-/// At least this many pitch classes have more than 4 % of the sum. A held note has fewer.
-const HEARD_MIN: usize = 4;
 
 /// Sums the levels of the notes of each pitch class, C first.
 pub(super) fn classes(notes: &[f32; NOTE_COUNT]) -> [f32; CLASSES] {
@@ -106,12 +102,7 @@ impl Harmony {
     fn next_key(&self) -> Option<Tonality> {
         let fits = |key: &Tonality| key.fit_as_key(&self.sums);
         let kept = self.key.filter(|key| self.pitched >= PITCHED.1 && fits(key) >= FITS.1);
-        let (largest, smallest) =
-            self.sums.iter().fold((0.0_f32, f32::INFINITY), |(a, b), x| (a.max(*x), b.min(*x)));
-        let sum: f32 = self.sums.iter().sum();
-        let heard = self.sums.iter().filter(|level| **level > 0.04 * sum).count();
-        let is_varied = largest - smallest >= CONTRAST_MIN * sum / CLASSES as f32 && heard >= HEARD_MIN;
-        if self.pitched < PITCHED.0 || !is_varied {
+        if self.pitched < PITCHED.0 || !are_varied(&self.sums) {
             return kept;
         }
         let scored = Tonality::all().zip(&self.triads).map(|(key, fraction)| {

@@ -7,6 +7,7 @@
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
+use crate::trend::Trend;
 
 /// The lengths of builds, in bars.
 const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
@@ -136,8 +137,6 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
     let eve = eves.get(last)?;
     let before = last.saturating_sub(BARS_BEFORE)..last;
     let (bars_before, eves_before) = (bars.get(before.clone())?, eves.get(before)?);
-    let mean =
-        |units: &[Unit], of: fn(&Unit) -> f32| units.iter().map(of).sum::<f32>() / units.len().max(1) as f32;
     let until = |count: usize| bars.get(bar..(bar + count).min(bars.len())).unwrap_or_default();
     let (level, low) = (mean(until(LOUD_BARS), |bar| bar.level), mean(until(LOW_BARS), |bar| bar.low));
     let jump = level - mean(bars.get(bar.saturating_sub(JUMP_BARS)..bar)?, |bar| bar.level);
@@ -167,6 +166,10 @@ fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
     values
 }
 
+fn mean(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
+    units.iter().map(of).sum::<f32>() / units.len().max(1) as f32
+}
+
 /// Returns the median of `of` over the units; 0 without units.
 fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
     let values = sorted(units.iter().map(of));
@@ -176,9 +179,9 @@ fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
 
 /// True if the bars from `end` on are among the song's loudest and much louder than the bars since `start`.
 fn arrives(bars: &[Unit], start: usize, end: usize, loud: f32) -> bool {
-    let level = |bars: &[Unit]| bars.iter().map(|bar| bar.level).sum::<f32>() / bars.len().max(1) as f32;
-    let after = level(bars.get(end..(end + LOUD_BARS).min(bars.len())).unwrap_or_default());
-    after >= loud && after - level(bars.get(start..end).unwrap_or_default()) >= JUMP_MIN
+    let level = |bars: Option<&[Unit]>| mean(bars.unwrap_or_default(), |bar| bar.level);
+    let after = level(bars.get(end..(end + LOUD_BARS).min(bars.len())));
+    after >= loud && after - level(bars.get(start..end)) >= JUMP_MIN
 }
 
 /// A rise of tension that ends at a given bar.
@@ -193,16 +196,8 @@ fn build(tension: &[f32], end: usize) -> Option<Build> {
     let rising = |start: usize| {
         let values = &tension[start..end];
         let count = values.len() as f32;
-        let (x_mean, y_mean) = ((count - 1.0) / 2.0, values.iter().sum::<f32>() / count);
-        let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
-        for (x, y) in values.iter().enumerate() {
-            let (x, y) = (x as f32 - x_mean, y - y_mean);
-            xy += x * y;
-            xx += x * x;
-            yy += y * y;
-        }
-        let rise = xy / xx * (count - 1.0);
-        let straight = xy / (xx * yy).sqrt().max(1e-9);
+        let Trend { slope, straight } = Trend::of(values.iter().copied());
+        let rise = slope * (count - 1.0);
         let step = values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
         let is_build = rise >= RISE_MIN && straight >= STRAIGHT_MIN && step <= STEP_FRACTION * rise;
         let sure = straight * ((count - 2.0) / (1.0 - straight * straight).max(1e-3)).sqrt();

@@ -77,8 +77,11 @@ const KEY_MIN: f32 = 0.55;
 /// A song has a key only if at least this fraction of its beats has pitches.
 const PITCHED_MIN: f32 = 0.4;
 
-/// The minimum difference between the most and the least frequent pitch class, relative to the mean.
+/// The minimum difference between the strongest and the weakest pitch class, relative to the mean.
 const CONTRAST_MIN: f32 = 0.8;
+
+/// At least this many pitch classes have more than 4 % of the sum.
+const HEARD_MIN: usize = 4;
 
 /// In harmony, the pitch classes of beats have at least this mean distance from the song's. A held note has less.
 const CHANGE_MIN: f32 = 0.05;
@@ -100,14 +103,19 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
         sum.iter_mut().zip(unit.chroma).for_each(|(sum, fraction)| *sum += weight * fraction);
     }
     let total: f32 = sum.iter().sum();
-    let largest = sum.iter().copied().fold(0.0, f32::max);
-    let smallest = sum.iter().copied().fold(f32::INFINITY, f32::min);
-    let heard = sum.iter().filter(|fraction| **fraction > 0.04 * total).count();
     let mean = sum.map(|fraction| fraction / total.max(f32::MIN_POSITIVE));
     let change = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0));
     let change = change.map(|unit| distance(&unit.chroma, &mean)).sum::<f32>() / pitched.max(1) as f32;
-    let varied = change >= CHANGE_MIN && largest - smallest >= CONTRAST_MIN * total / 12.0;
-    (heard >= 4 && varied).then_some(sum)
+    (change >= CHANGE_MIN && are_varied(&sum)).then_some(sum)
+}
+
+/// True if pitch class weights have a contrast, and enough of them are heard. A held note has fewer.
+pub(crate) fn are_varied(classes: &[f32; 12]) -> bool {
+    let total: f32 = classes.iter().sum();
+    let largest = classes.iter().copied().fold(0.0, f32::max);
+    let smallest = classes.iter().copied().fold(f32::INFINITY, f32::min);
+    let heard = classes.iter().filter(|weight| **weight > 0.04 * total).count();
+    heard >= HEARD_MIN && largest - smallest >= CONTRAST_MIN * total / 12.0
 }
 
 /// Returns the key of a song, or `None` if no key fits. The returned key has the largest correlation with the pitch

@@ -28,6 +28,7 @@ mod structure;
 mod units;
 
 pub use bars::Meter;
+pub(crate) use key::are_varied;
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
 pub use moment::SongMoment;

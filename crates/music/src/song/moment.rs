@@ -200,17 +200,15 @@ impl At<'_> {
     }
 
     fn place_in_section(self) -> Option<(f32, f32)> {
-        let time = self.time;
-        let after = self.song.sections.partition_point(|section| section.start <= time);
+        let after = self.song.sections.partition_point(|section| section.start <= self.time);
         let section = self.song.sections.get(after.saturating_sub(1))?;
-        Some((number_of(section), fraction(time, section.start, section.end)))
+        Some((number_of(section), fraction(self.time, section.start, section.end)))
     }
 
     /// Interpolates between the middles of the steps, because each step is a mean.
     fn energy(self) -> f32 {
-        let time = self.time;
         let step = positive(self.song.energy_step).max(1e-3);
-        let place = (time / step - 0.5).max(0.0);
+        let place = (self.time / step - 0.5).max(0.0);
         let first = (place as usize).min(self.song.energy.len().saturating_sub(1));
         let at = |index: usize| self.song.energy.get(index).copied().map(unit);
         let Some(from) = at(first) else { return 0.0 };
@@ -218,19 +216,19 @@ impl At<'_> {
     }
 
     fn build(self) -> f32 {
-        let time = self.time;
-        let after = self.song.builds.partition_point(|build| build.start <= time);
+        let after = self.song.builds.partition_point(|build| build.start <= self.time);
         let build = after.checked_sub(1).and_then(|index| self.song.builds.get(index));
-        build.filter(|build| time < build.end).map_or(0.0, |build| fraction(time, build.start, build.end))
+        build
+            .filter(|build| self.time < build.end)
+            .map_or(0.0, |build| fraction(self.time, build.start, build.end))
     }
 
     fn drop(self) -> f32 {
-        let time = self.time;
-        let after = self.song.drops.partition_point(|drop| *drop <= time);
+        let after = self.song.drops.partition_point(|drop| *drop <= self.time);
         let Some(drop) = after.checked_sub(1).and_then(|index| self.song.drops.get(index)) else {
             return 0.0;
         };
-        1.0 - fraction(time, *drop, drop + self.seconds_of_drop(*drop))
+        1.0 - fraction(self.time, *drop, drop + self.seconds_of_drop(*drop))
     }
 
     fn seconds_of_drop(self, drop: f64) -> f64 {
@@ -243,20 +241,19 @@ impl At<'_> {
     }
 
     fn chroma(self) -> [f32; PITCH_CLASSES.len()] {
-        let time = self.time;
         let start = |index: usize| self.song.chroma.get(index).map(|unit| unit.start);
-        let index = self.song.chroma.partition_point(|unit| unit.start <= time).saturating_sub(1);
+        let index = self.song.chroma.partition_point(|unit| unit.start <= self.time).saturating_sub(1);
         let middle_of = |index: usize| {
             let (from, to) = (start(index)?, start(index + 1).unwrap_or(self.song.seconds));
             Some(0.5 * (from + to))
         };
         let Some(middle) = middle_of(index) else { return SongMoment::UNKNOWN.chroma };
-        let other = if time < middle { index.checked_sub(1) } else { Some(index + 1) };
+        let other = if self.time < middle { index.checked_sub(1) } else { Some(index + 1) };
         let heights = self.heights_of(index);
         let Some((other, its_middle)) = other.and_then(|other| Some((other, middle_of(other)?))) else {
             return heights;
         };
-        let amount = fraction(time, middle.min(its_middle), middle.max(its_middle));
+        let amount = fraction(self.time, middle.min(its_middle), middle.max(its_middle));
         let (from, to) =
             if other < index { (self.heights_of(other), heights) } else { (heights, self.heights_of(other)) };
         std::array::from_fn(|class| mixed(from[class], to[class], amount))

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::heard::{Heard, Moment, SLOW_HOPS, TIMBRE_BANDS};
+use super::strengths::deviation;
 
 /// The approximate flux of noise.
 const FLUX_OF_NOISE: f32 = 0.1;
@@ -87,8 +88,7 @@ pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
 }
 
 pub(super) fn standardised(values: &[f32], least: f32) -> Vec<f32> {
-    let count = values.len().max(1) as f32;
-    let mean = values.iter().sum::<f32>() / count;
-    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f32>() / count).sqrt();
-    values.iter().map(|value| (value - mean) / deviation.max(least)).collect()
+    let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
+    let deviation = deviation(values).max(least);
+    values.iter().map(|value| (value - mean) / deviation).collect()
 }
