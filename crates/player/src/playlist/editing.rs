@@ -16,7 +16,6 @@ impl Playlist {
         for entry in entries {
             let (id, listed) = (self.next_id, entry.listed());
             self.next_id += 1;
-            self.places.insert(id, self.slots.len());
             self.slots.push(Arc::new(Slot { id, entry, listed }));
         }
         first
@@ -36,7 +35,6 @@ impl Playlist {
                 self.order.move_to(slot.id, beside, to > from);
             }
             self.slots.insert(to, slot);
-            self.update_places(from.min(to));
             self.publish_listing();
         }
         Edited::default()
@@ -48,10 +46,8 @@ impl Playlist {
         }
         self.record_undo(format!("remove {}", self.name_at(index)), playing);
         let id = self.slots.remove(index).id;
-        self.places.remove(&id);
         self.reported.remove(&id);
         self.order.remove(id);
-        self.update_places(index);
         self.publish_listing();
         Edited { removed: vec![id], ..Edited::default() }
     }
@@ -83,7 +79,6 @@ impl Playlist {
         self.record_undo("clear the list".to_owned(), playing);
         let removed = self.ids().collect();
         self.slots.clear();
-        self.places.clear();
         self.reported.clear();
         self.order = self.order.of(std::iter::empty());
         self.publish_listing();
@@ -94,11 +89,6 @@ impl Playlist {
         self.slots.get(index).map_or("", |slot| &slot.listed.name)
     }
 
-    pub(super) fn update_places(&mut self, start: usize) {
-        let moved = self.slots.iter().enumerate().skip(start);
-        self.places.extend(moved.map(|(index, slot)| (slot.id, index)));
-    }
-
     /// Keeps the present state, before an edit during entry `playing`.
     pub(super) fn record_undo(&mut self, edit: String, playing: u64) {
         let (slots, sequence) = (self.slots.clone(), self.order.sequence());
@@ -107,19 +97,17 @@ impl Playlist {
 
     pub(super) fn undo(&mut self, playing: u64) -> Edited {
         let Some(step) = self.history.steps.pop_back() else { return Edited::default() };
-        let was_there = self.index(playing).is_some();
         let before: HashSet<u64> = self.ids().collect();
         self.slots = step.slots;
-        self.places.clear();
-        self.update_places(0);
+        let now: HashSet<u64> = self.ids().collect();
         let (sequence, shuffled) = step.sequence;
-        self.order.restore(sequence, shuffled, self.slots.iter().map(|slot| slot.id));
-        let stays = was_there && self.index(playing).is_some();
+        self.order.restore(sequence, shuffled, self.ids());
+        let stays = before.contains(&playing) && now.contains(&playing);
         self.resume_with = (!stays).then_some(step.playing);
         self.publish_listing();
         Edited {
-            appended: self.slots.iter().any(|slot| !before.contains(&slot.id)),
-            removed: before.into_iter().filter(|id| self.index(*id).is_none()).collect(),
+            appended: !now.is_subset(&before),
+            removed: before.difference(&now).copied().collect(),
             resume: !stays,
         }
     }

@@ -47,7 +47,6 @@ const TRACK_ERRORS_KEPT: usize = 20;
 #[derive(Default)]
 pub struct Playlist {
     slots: Vec<Arc<Slot>>,
-    places: HashMap<u64, usize>,
     /// The id of the next entry. Ids are never reused.
     next_id: u64,
     order: Order,
@@ -159,7 +158,7 @@ impl Playlist {
     }
 
     fn index(&self, id: u64) -> Option<usize> {
-        self.places.get(&id).copied()
+        self.slots.iter().position(|slot| slot.id == id)
     }
 
     fn arrange(&mut self, repeat: Repeat, shuffled: bool, first: Option<u64>) {

@@ -1,7 +1,7 @@
 //! The order of a list's entries: list order or random order, once or repeated. Entries are identified by their ids. A
 //! removed entry leaves a hole in the order, so that its successor is known while the removed entry still plays.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::hash::{BuildHasher, Hasher, RandomState};
 
 use crate::track::Repeat;
@@ -10,7 +10,6 @@ use crate::track::Repeat;
 pub(super) struct Order {
     /// Every entry once, and the holes.
     sequence: Vec<u64>,
-    places: HashMap<u64, usize>,
     holes: HashSet<u64>,
     shuffled: bool,
     pub(super) repeat: Repeat,
@@ -21,16 +20,7 @@ impl Order {
     pub(super) fn new(list: impl Iterator<Item = u64>) -> Self {
         // The standard library seeds its hashers randomly.
         let random = RandomState::new().build_hasher().finish();
-        let mut order = Self {
-            sequence: list.collect(),
-            places: HashMap::new(),
-            holes: HashSet::new(),
-            shuffled: false,
-            repeat: Repeat::All,
-            random,
-        };
-        order.update_places(0);
-        order
+        Self { sequence: list.collect(), holes: HashSet::new(), shuffled: false, repeat: Repeat::All, random }
     }
 
     pub(super) fn of(&self, list: impl Iterator<Item = u64>) -> Self {
@@ -78,8 +68,9 @@ impl Order {
         self.shuffled = shuffled;
         self.sequence = list.collect();
         self.holes.clear();
-        self.places.clear();
-        if shuffled { self.shuffle(first) } else { self.update_places(0) }
+        if shuffled {
+            self.shuffle(first);
+        }
     }
 
     fn shuffle(&mut self, first: Option<u64>) {
@@ -88,7 +79,6 @@ impl Order {
         if let Some(place) = self.sequence.iter().position(|id| Some(*id) == first) {
             self.sequence.swap(0, place);
         }
-        self.update_places(0);
     }
 
     fn shuffle_from(&mut self, start: usize) {
@@ -100,36 +90,30 @@ impl Order {
 
     /// Appends entries to the list. A random order mixes them into the entries after `playing`.
     pub(super) fn append(&mut self, added: impl Iterator<Item = u64>, playing: u64) {
-        let mut start = self.sequence.len();
+        let start = self.place(playing).map_or(self.sequence.len(), |place| place + 1);
         self.sequence.extend(added);
         if self.shuffled {
-            start = self.places.get(&playing).map_or(start, |place| place + 1);
             self.shuffle_from(start);
         }
-        self.update_places(start);
     }
 
     pub(super) fn remove(&mut self, id: u64) {
-        if self.places.contains_key(&id) {
-            self.holes.insert(id);
-        }
+        self.holes.insert(id);
     }
 
     /// Moves `id` to the place before or after `beside` in the list's order. A random order stays unchanged.
     pub(super) fn move_to(&mut self, id: u64, beside: u64, after: bool) {
-        let (Some(from), false) = (self.places.get(&id).copied(), self.shuffled || id == beside) else {
+        let (Some(from), false) = (self.place(id), self.shuffled || id == beside) else {
             return;
         };
         self.sequence.remove(from);
-        let neighbour = self.sequence.iter().position(|other| *other == beside);
-        let to = neighbour.map_or(from, |place| place + usize::from(after));
+        let to = self.place(beside).map_or(from, |place| place + usize::from(after));
         self.sequence.insert(to, id);
-        self.update_places(from.min(to));
     }
 
     /// Returns the entry after (or before) `id`, which may be a hole. Wraps around the ends only if `around` is true.
     pub(super) fn beside(&self, id: u64, forward: bool, around: bool) -> Option<u64> {
-        let Some(place) = self.places.get(&id).copied() else { return self.first() };
+        let Some(place) = self.place(id) else { return self.first() };
         let (before, after) = (self.sequence.get(..place)?, self.sequence.get(place + 1..)?);
         // If the list has no other entry, the entry is its own neighbour.
         let (before, after, itself) = (before.iter(), after.iter(), self.sequence.get(place));
@@ -143,9 +127,8 @@ impl Order {
         found.copied()
     }
 
-    fn update_places(&mut self, start: usize) {
-        let moved = self.sequence.iter().enumerate().skip(start);
-        self.places.extend(moved.map(|(place, id)| (*id, place)));
+    fn place(&self, id: u64) -> Option<usize> {
+        self.sequence.iter().position(|other| *other == id)
     }
 
     /// Returns a random number below `end` (SplitMix64, whose bias is about 1e-15 here).
