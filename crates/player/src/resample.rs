@@ -19,31 +19,16 @@ const BLOCK_FRAMES_MAX: usize = 16_384;
 /// Length of the windowed sinc for odd ratios, in input frames.
 const SINC_LENGTH: usize = 256;
 
-/// The errors of sample rate conversion.
+/// An error of sample rate conversion.
 #[derive(Debug, thiserror::Error)]
-pub enum ResampleError {
-    /// A rate is out of range.
-    #[error(
-        "cannot convert from {from} Hz to {to} Hz: rates must be {} to {} Hz; choose another device rate or file",
-        music_limits::SAMPLE_RATE_MIN,
-        music_limits::SAMPLE_RATE_MAX
-    )]
-    Rate {
-        /// The input's rate, in hertz.
-        from: u32,
-        /// The output's rate, in hertz.
-        to: u32,
-    },
+#[error("{0}")]
+pub struct ResampleError(String);
+
+impl ResampleError {
     /// The resampling library failed. The cause is a bug of the program, not an error in the input.
-    #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report this error")]
-    Library {
-        /// The input's rate, in hertz.
-        from: u32,
-        /// The output's rate, in hertz.
-        to: u32,
-        /// The library's message.
-        message: String,
-    },
+    fn of_library(from: u32, to: u32, error: &dyn std::fmt::Display) -> Self {
+        Self(format!("the conversion from {from} Hz to {to} Hz failed: {error}; please report this error"))
+    }
 }
 
 /// A streaming sample rate converter for stereo frames.
@@ -58,8 +43,6 @@ struct Engine {
     inner: Box<dyn mariana_transforms::Resampler<f32>>,
     waiting: Vec<StereoFrame>,
     block: Vec<StereoFrame>,
-    /// The filter's delay, in output frames.
-    delay: usize,
     /// The number of output frames that must still be cut off as the filter's delay.
     delay_left: usize,
     frames_in: u64,
@@ -69,11 +52,15 @@ struct Engine {
 impl Resampler {
     /// Creates a converter between two rates in hertz, within the limits of [`mariana_music::limits`].
     pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
-        let allowed = music_limits::SAMPLE_RATE_MIN..=music_limits::SAMPLE_RATE_MAX;
-        if !allowed.contains(&from) || !allowed.contains(&to) {
-            return Err(ResampleError::Rate { from, to });
+        let (min, max) = (music_limits::SAMPLE_RATE_MIN, music_limits::SAMPLE_RATE_MAX);
+        if !(min..=max).contains(&from) || !(min..=max).contains(&to) {
+            return Err(ResampleError(format!(
+                "cannot convert from {from} Hz to {to} Hz: rates must be {min} to {max} Hz; choose another device rate \
+                 or file"
+            )));
         }
-        let engine = if from == to { None } else { Some(Engine::new(from, to)?) };
+        let made = || Engine::new(from, to).map_err(|error| ResampleError::of_library(from, to, &error));
+        let engine = if from == to { None } else { Some(made()?) };
         Ok(Self { from, to, engine })
     }
 
@@ -94,65 +81,43 @@ impl Resampler {
             Some(engine) => {
                 engine.waiting.extend_from_slice(input);
                 engine.frames_in += input.len() as u64;
-                engine.run(output).map_err(|message| ResampleError::Library { from, to, message })?;
+                engine.run(output).map_err(|error| ResampleError::of_library(from, to, &error))?;
             }
         }
         Ok(())
     }
 
-    /// Appends the filter's remaining frames, so that the output is as long as the input, and resets for the next
-    /// stream.
+    /// Ends the stream: appends the filter's remaining frames, so that the output is as long as the input.
     pub fn finish(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         let (from, to) = (self.from, self.to);
         if let Some(engine) = &mut self.engine {
             let total =
                 (u128::from(engine.frames_in) * u128::from(to) + u128::from(from) / 2) / u128::from(from);
-            engine.drain(total as u64, output).map_err(|message| ResampleError::Library {
-                from,
-                to,
-                message,
-            })?;
+            let drained = engine.drain(total as u64, output);
+            drained.map_err(|error| ResampleError::of_library(from, to, &error))?;
         }
-        self.reset();
         Ok(())
-    }
-
-    /// Discards all buffered input, for example after a seek.
-    pub fn reset(&mut self) {
-        if let Some(engine) = &mut self.engine {
-            engine.inner.reset();
-            engine.waiting.clear();
-            engine.delay_left = engine.delay;
-            engine.frames_in = 0;
-            engine.frames_out = 0;
-        }
     }
 }
 
 impl Engine {
-    fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
-        let library = |e: mariana_transforms::ResamplerConstructionError| ResampleError::Library {
-            from,
-            to,
-            message: e.to_string(),
-        };
+    fn new(from: u32, to: u32) -> Result<Self, mariana_transforms::ResamplerConstructionError> {
         // The shortest block whose half is a whole number of frames at both rates has two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
         let (inner, delay) = if unit <= BLOCK_FRAMES_MAX {
-            let fourier =
-                fourier_resampler(from, to, unit * BLOCK_FRAMES.div_ceil(unit), 2).map_err(library)?;
+            let fourier = fourier_resampler(from, to, unit * BLOCK_FRAMES.div_ceil(unit), 2)?;
             let delay = fourier.output_delay();
             (fourier, delay)
         } else {
             let ratio = f64::from(to) / f64::from(from);
-            let sinc = sinc_resampler(ratio, SINC_LENGTH, BLOCK_FRAMES, 2).map_err(library)?;
+            let sinc = sinc_resampler(ratio, SINC_LENGTH, BLOCK_FRAMES, 2)?;
             // By measurement, the first output is one output frame into the filter, and the library truncates the
             // reported delay to a whole number.
             let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
             (sinc, delay as usize)
         };
         let block = vec![[0.0; 2]; inner.output_frames_max()];
-        Ok(Self { inner, waiting: Vec::new(), block, delay, delay_left: delay, frames_in: 0, frames_out: 0 })
+        Ok(Self { inner, waiting: Vec::new(), block, delay_left: delay, frames_in: 0, frames_out: 0 })
     }
 
     fn run(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), String> {
@@ -314,22 +279,10 @@ mod tests {
     }
 
     #[test]
-    fn a_reset_discards_the_past() {
-        let input = sine(440.0, 44_100, 20_000);
-        let mut resampler = Resampler::new(44_100, 48_000).unwrap();
-        let mut output = Vec::new();
-        resampler.process(&vec![[0.9; 2]; 5000], &mut output).unwrap();
-        resampler.reset();
-        output.clear();
-        resampler.process(&input, &mut output).unwrap();
-        resampler.finish(&mut output).unwrap();
-        assert_eq!(output, convert(44_100, 48_000, &input));
-    }
-
-    #[test]
     fn rates_outside_the_limits_are_refused() {
         for (from, to) in [(0, 48_000), (48_000, 0), (music_limits::SAMPLE_RATE_MAX + 1, 48_000)] {
-            assert!(matches!(Resampler::new(from, to), Err(ResampleError::Rate { .. })));
+            let error = Resampler::new(from, to).map(|_| ()).unwrap_err().to_string();
+            assert!(error.contains("rates must be"), "{error}");
         }
     }
 }
