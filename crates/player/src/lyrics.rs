@@ -5,7 +5,7 @@
 //! without a time are ignored.
 
 use std::fs::File;
-use std::io::{self, Read as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use mariana_music::SongMoment;
@@ -49,25 +49,9 @@ pub enum LyricsError {
         /// The file that was looked for.
         beside: PathBuf,
     },
-    /// The file cannot be read.
-    #[error("cannot read the lyrics {}: check the file's name", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// The file is larger than the limit.
-    #[error("the lyrics {} have more than {most} bytes: name a text file with times, such as song.lrc", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit.
-        most: u64,
-    },
-    /// The file has no line with a time.
-    #[error("the lyrics {} have no line with a time: write a time such as [01:23.45] before each line", .0.display())]
-    NoTimes(PathBuf),
+    /// The file cannot be read, is too large, or has no line with a time.
+    #[error("{0}")]
+    File(String),
     /// The song cannot be opened.
     #[error(transparent)]
     Song(#[from] DecodeError),
@@ -100,16 +84,25 @@ impl Lyrics {
         let most = limits::LYRICS_BYTES_MAX;
         let mut bytes = Vec::new();
         let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
-        read.map_err(|source| LyricsError::Read { path: path.to_owned(), source })?;
+        let refused = |what: &str| LyricsError::File(format!("the lyrics {} {what}", path.display()));
+        read.map_err(|error| {
+            LyricsError::File(format!(
+                "cannot read the lyrics {} ({error}): check the file's name",
+                path.display()
+            ))
+        })?;
         if bytes.len() as u64 > most {
-            return Err(LyricsError::TooLarge { path: path.to_owned(), most });
+            let remedy = "name a text file with times, such as song.lrc";
+            return Err(refused(&format!("have more than {most} bytes: {remedy}")));
         }
         let text = Lines::of(&bytes);
         let lines: Vec<String> =
             text.iter().flat_map(|text| text.lines.iter().map(|line| text.decode(line))).collect();
         let lyrics = Self::parse(&lines.join("\n"));
         if lyrics.lines.is_empty() {
-            return Err(LyricsError::NoTimes(path.to_owned()));
+            return Err(refused(
+                "have no line with a time: write a time such as [01:23.45] before each line",
+            ));
         }
         Ok(lyrics)
     }
@@ -309,11 +302,12 @@ mod tests {
         let beside = folder.path().join("song.lrc");
         std::fs::write(&beside, "[00:01.00]Grüße").unwrap();
         assert_eq!(heard(&Lyrics::of_song(&song).unwrap(), 1.5), Some("Grüße"));
+        let failure = |read: Result<Lyrics, LyricsError>| read.unwrap_err().to_string();
         std::fs::write(&beside, "just words").unwrap();
-        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::NoTimes(_))));
+        assert!(failure(Lyrics::of_song(&song)).contains("have no line with a time"));
         std::fs::write(&beside, vec![b' '; limits::LYRICS_BYTES_MAX as usize + 1]).unwrap();
-        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::TooLarge { .. })));
-        assert!(matches!(Lyrics::read(folder.path()), Err(LyricsError::Read { .. })));
+        assert!(failure(Lyrics::of_song(&song)).contains("have more than"));
+        assert!(failure(Lyrics::read(folder.path())).contains("cannot read the lyrics"));
     }
 
     proptest! {
