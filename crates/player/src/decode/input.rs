@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use symphonia::core::common::Limit;
@@ -29,30 +29,23 @@ impl TagBytes {
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum MediaInput {
-    File {
-        path: PathBuf,
-        /// An open handle, so that the song continues if its file is moved or deleted.
-        file: Arc<File>,
-    },
-    Bytes {
-        name: String,
-        bytes: &'static [u8],
-    },
+pub(super) struct MediaInput {
+    /// The name for messages: the file name without folders.
+    pub(super) name: String,
+    content: Content,
+}
+
+#[derive(Debug, Clone)]
+enum Content {
+    /// An open handle, so that the song continues if its file is moved or deleted.
+    File(Arc<File>),
+    Bytes(&'static [u8]),
 }
 
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
     pub(super) edits: Edits,
     pub(super) old_tags: OldTags,
-}
-
-/// Duplicates the file handle and moves it to the first byte. Both handles share one position, so the old handle must
-/// no longer be read.
-fn from_start(file: &File) -> io::Result<File> {
-    let mut again = file.try_clone()?;
-    again.rewind()?;
-    Ok(again)
 }
 
 fn file_name(path: &Path) -> String {
@@ -77,24 +70,33 @@ impl MediaInput {
         if metadata.len() == 0 {
             return Err(Problem::Empty.of(&file_name(path)));
         }
-        let file = Arc::new(File::open(path).map_err(|error| failed(error.into()))?);
-        Ok(Self::File { path: path.to_path_buf(), file })
+        let file = File::open(path).map_err(|error| failed(error.into()))?;
+        Ok(Self { name: file_name(path), content: Content::File(Arc::new(file)) })
     }
 
-    /// The stream's name for messages: the file name without folders.
-    pub(super) fn name(&self) -> String {
-        match self {
-            Self::File { path, .. } => file_name(path),
-            Self::Bytes { name, .. } => name.clone(),
-        }
+    pub(super) fn bytes(name: &str, bytes: &'static [u8]) -> Self {
+        Self { name: name.to_owned(), content: Content::Bytes(bytes) }
     }
 
     /// The size in bytes; `None` if the system does not report it.
     pub(super) fn size(&self) -> Option<u64> {
-        match self {
-            Self::File { file, .. } => file.metadata().ok().map(|about| about.len()),
-            Self::Bytes { bytes, .. } => Some(bytes.len() as u64),
+        match &self.content {
+            Content::File(file) => file.metadata().ok().map(|about| about.len()),
+            Content::Bytes(bytes) => Some(bytes.len() as u64),
         }
+    }
+
+    /// Returns the bytes from the first one on. All sources of a file share one position, so earlier sources must no
+    /// longer be read.
+    fn source(&self) -> io::Result<Box<dyn MediaSource>> {
+        Ok(match &self.content {
+            Content::File(file) => {
+                let mut again = file.try_clone()?;
+                again.rewind()?;
+                Box::new(again)
+            }
+            Content::Bytes(bytes) => Box::new(Cursor::new(*bytes)),
+        })
     }
 
     pub(super) fn open(&self) -> Result<Opened, Problem> {
@@ -102,13 +104,7 @@ impl MediaInput {
     }
 
     pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, Problem> {
-        match self {
-            Self::File { file, .. } => self.probe(from_start(file)?, tags),
-            Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes), tags),
-        }
-    }
-
-    fn probe(&self, mut source: impl MediaSource + 'static, tags: TagBytes) -> Result<Opened, Problem> {
+        let mut source = self.source()?;
         let mut head = Vec::new();
         source.by_ref().take(sniff::SNIFF_BYTES as u64).read_to_end(&mut head)?;
         if head.is_empty() {
@@ -122,7 +118,7 @@ impl MediaInput {
         let source = Mended::new(source)?;
 
         let mut hint = Hint::new();
-        if let Some(extension) = Path::new(&self.name()).extension().and_then(|e| e.to_str()) {
+        if let Some(extension) = Path::new(&self.name).extension().and_then(|e| e.to_str()) {
             hint.with_extension(extension);
         }
         let metadata = MetadataOptions::default()
@@ -141,11 +137,8 @@ impl MediaInput {
         if recognised && probed.is_err() {
             // Many demuxers look for more data at the end, or compare lengths with the file's length, and fail if the
             // file is truncated. They skip these checks if the source cannot seek.
-            let source: Box<dyn MediaSource> = match self {
-                Self::File { file, .. } => Box::new(ReadOnlySource::new(from_start(file)?)),
-                Self::Bytes { bytes, .. } => Box::new(ReadOnlySource::new(Cursor::new(*bytes))),
-            };
-            let again = probe(MediaSourceStream::new(source, Default::default()))?;
+            let source = ReadOnlySource::new(self.source()?);
+            let again = probe(MediaSourceStream::new(Box::new(source), Default::default()))?;
             probed = again.or(probed);
         }
         match probed {

@@ -66,15 +66,15 @@ impl Form {
 }
 
 /// A source with other bytes in some places.
-pub(super) struct Mended<S> {
-    source: S,
+pub(super) struct Mended {
+    source: Box<dyn MediaSource>,
     at: u64,
     patches: Vec<(u64, [u8; 4])>,
 }
 
-impl<S: Read + Seek> Mended<S> {
+impl Mended {
     /// Starts at the source's first byte. Sources other than WAVE and AIFF files are unchanged.
-    pub(super) fn new(mut source: S) -> io::Result<Self> {
+    pub(super) fn new(mut source: Box<dyn MediaSource>) -> io::Result<Self> {
         let end = source.seek(SeekFrom::End(0))?;
         let mut patches = Vec::new();
         if let Ok(Some(form)) = Form::of(&mut source)
@@ -95,7 +95,7 @@ impl<S: Read + Seek> Mended<S> {
     }
 }
 
-impl<S: Read> Read for Mended<S> {
+impl Read for Mended {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.source.read(buffer)?;
         for (at, bytes) in &self.patches {
@@ -111,14 +111,14 @@ impl<S: Read> Read for Mended<S> {
     }
 }
 
-impl<S: Seek> Seek for Mended<S> {
+impl Seek for Mended {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.at = self.source.seek(to)?;
         Ok(self.at)
     }
 }
 
-impl<S: MediaSource> MediaSource for Mended<S> {
+impl MediaSource for Mended {
     fn is_seekable(&self) -> bool {
         self.source.is_seekable()
     }
@@ -144,13 +144,13 @@ mod tests {
     fn sizes_of_sound_that_was_not_finished_are_corrected() {
         let right = wave(32, 10);
         for (riff, data) in [(32, 10), (0, 10), (20, 10), (32, 0), (32, 900), (0, 0), (u32::MAX, u32::MAX)] {
-            let mut mended = Mended::new(Cursor::new(wave(riff, data))).unwrap();
+            let mut mended = Mended::new(Box::new(Cursor::new(wave(riff, data)))).unwrap();
             let mut bytes = vec![0; 7];
             mended.read_exact(&mut bytes).unwrap();
             mended.read_to_end(&mut bytes).unwrap();
             assert_eq!(bytes, right, "{riff} {data}");
         }
-        let mut other = Mended::new(Cursor::new(b"RIFF....AVI ")).unwrap();
+        let mut other = Mended::new(Box::new(Cursor::new(b"RIFF....AVI "))).unwrap();
         let mut bytes = Vec::new();
         other.read_to_end(&mut bytes).unwrap();
         assert_eq!(bytes, b"RIFF....AVI ");

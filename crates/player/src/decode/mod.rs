@@ -67,7 +67,7 @@ pub struct StreamInfo {
 pub fn embedded_cover(song: &Song) -> Result<Option<Cover>, DecodeError> {
     cover_of(&match song {
         Song::File(path) => MediaInput::file(path)?,
-        Song::Embedded { name, bytes } => MediaInput::Bytes { name: (*name).into(), bytes },
+        Song::Embedded { name, bytes } => MediaInput::bytes(name, bytes),
     })
 }
 
@@ -83,7 +83,7 @@ impl Decoder {
     /// Opens a file and decodes its first packet.
     pub fn open(path: &Path) -> Result<Self, DecodeError> {
         let input = MediaInput::file(path)?;
-        let name = input.name();
+        let name = input.name.clone();
         let refusal = match NativeDecoder::open(input, None) {
             Ok(decoder) => return Ok(Self(By::Native(Box::new(decoder)))),
             Err(refusal) => refusal,
@@ -109,11 +109,11 @@ impl Decoder {
 
     /// Opens an embedded file.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
-        Self::native(MediaInput::Bytes { name: name.into(), bytes }, None)
+        Self::native(MediaInput::bytes(name, bytes), None)
     }
 
     fn native(input: MediaInput, track: Option<usize>) -> Result<Self, DecodeError> {
-        let name = input.name();
+        let name = input.name.clone();
         let decoder = NativeDecoder::open(input, track).map_err(|problem| problem.of(&name))?;
         Ok(Self(By::Native(Box::new(decoder))))
     }

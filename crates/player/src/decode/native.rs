@@ -74,7 +74,7 @@ impl NativeDecoder {
         let tags = reader.tags();
         let mut decoder = Self {
             info: StreamInfo {
-                name: input.name(),
+                name: input.name.clone(),
                 demuxer: reader.demuxer()?,
                 sample_rate: rate,
                 source_channels: reader.channels(),

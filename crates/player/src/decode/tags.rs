@@ -26,7 +26,7 @@ pub struct TrackTags {
 /// Fails if the file cannot be read, or if only ffmpeg can read it: starting ffmpeg for each file of a list is slow.
 pub fn tags_of(path: &Path) -> Result<TrackTags, DecodeError> {
     let input = MediaInput::file(path)?;
-    let mut reader = PacketReader::open(&input, None).map_err(|problem| problem.of(&input.name()))?;
+    let mut reader = PacketReader::open(&input, None).map_err(|problem| problem.of(&input.name))?;
     let duration = reader.claimed_rate().and_then(|rate| reader.length(rate).1);
     let tags = reader.tags();
     let filled = |text: Option<String>| text.filter(|text| !text.is_empty());
@@ -72,7 +72,7 @@ impl Cover {
 pub(super) fn cover_of(input: &MediaInput) -> Result<Option<Cover>, DecodeError> {
     // Comments hold covers in base64, so the text limit is twice the cover limit.
     let limits = TagBytes { text: 2 * limits::COVER_BYTES_MAX, picture: limits::COVER_BYTES_MAX };
-    let mut opened = input.open_with(limits).map_err(|problem| problem.of(&input.name()))?;
+    let mut opened = input.open_with(limits).map_err(|problem| problem.of(&input.name))?;
     let mut metadata = opened.format.metadata();
     let mut first = None;
     loop {
