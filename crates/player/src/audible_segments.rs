@@ -49,7 +49,7 @@ struct SegmentNotes {
 }
 
 /// A position in a track.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SongPlace {
     /// Seconds since the track's start.
     pub song_time: f64,
@@ -57,8 +57,8 @@ pub struct SongPlace {
     pub lap: u32,
     /// The passage that contains the position.
     pub passage: u64,
-    /// The track's id ([`TrackInfo::id`]).
-    pub track: u64,
+    /// The track.
+    pub track: Arc<TrackInfo>,
     /// The features at the position.
     pub features: Features,
 }
@@ -171,7 +171,7 @@ impl AudibleSegments {
             song_time: (anchor.song_time + time - anchor.segment_time).max(0.0),
             lap: anchor.lap,
             passage: passage.id,
-            track: passage.track.id,
+            track: passage.track.clone(),
             features: passage.features.at(passage.start + time - passage.segment_time),
         })
     }
@@ -187,11 +187,6 @@ impl AudibleSegments {
         }
         let (time, anchor) = (self.place(from, 0.0)?.song_time, first.anchors.front()?);
         Some((time - anchor.song_time + anchor.segment_time) * f64::from(after.rate))
-    }
-
-    /// The track that contains `audible`.
-    pub fn track(&self, audible: Audible) -> Option<Arc<TrackInfo>> {
-        Some(self.passage_at(audible, 0.0)?.0.track.clone())
     }
 
     fn passage_at(&self, audible: Audible, ahead: f64) -> Option<(&Passage, f64)> {
@@ -329,7 +324,7 @@ mod tests {
         audible_segments.push_features(1, &moment(20.0, 0.75));
         let reported = |audible_segments: &AudibleSegments, frame| {
             let place = audible_segments.place(at(1, frame), 0.0).unwrap();
-            let entry = audible_segments.track(at(1, frame)).unwrap().entry;
+            let entry = audible_segments.place(at(1, frame), 0.0).unwrap().track.entry;
             (place.song_time, place.lap, entry, place.features.volume[0])
         };
         assert_eq!(reported(&audible_segments, 199.0), (9.99, 0, 1, 0.25));
@@ -347,6 +342,6 @@ mod tests {
         assert_eq!(audible_segments.segments[0].passages.len(), PASSAGES_KEPT);
         audible_segments.begin_lap(1, 12_000.0, 11_990.0, Some((2000, Track::silence(7, 9).info)));
         assert_eq!(audible_segments.segments[0].passages.len(), 2);
-        assert_eq!(audible_segments.track(at(1, 1_200_000.0)).unwrap().entry, 7);
+        assert_eq!(audible_segments.place(at(1, 1_200_000.0), 0.0).unwrap().track.entry, 7);
     }
 }

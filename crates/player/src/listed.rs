@@ -129,14 +129,8 @@ impl SharedListing {
 
 impl From<&TrackInfo> for ListedTrack {
     fn from(info: &TrackInfo) -> Self {
-        Self {
-            name: info.name.clone(),
-            title: info.title.clone(),
-            artist: info.artist.clone(),
-            duration: info.duration,
-            file: None,
-            start: None,
-        }
+        let TrackInfo { name, title, artist, duration, .. } = info.clone();
+        Self { name, title, artist, duration, ..Self::default() }
     }
 }
 

@@ -58,7 +58,7 @@ impl AudibleMoment {
         {
             let segment = audible.segment;
             let SongPlace { song_time, lap, track, features, .. } = place;
-            self.moment = Moment { song_time, features, track, segment, lap, ..Moment::default() };
+            self.moment = Moment { song_time, features, track: track.id, segment, lap, ..Moment::default() };
             self.heard = Some((audible, (-shift).max(0.0)));
         }
         drop(audible_segments);

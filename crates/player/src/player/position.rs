@@ -62,13 +62,8 @@ impl State {
         if let Some(history) = self.clock.history() {
             self.missed_audio.update(history, carry);
         }
-        if let Some(audible) = audible {
-            if let Some(place) = audible_segments.place(audible, 0.0) {
-                self.place.seconds = place.song_time;
-            }
-            if let Some(track) = audible_segments.track(audible) {
-                self.place.track = track;
-            }
+        if let Some(place) = audible.and_then(|audible| audible_segments.place(audible, 0.0)) {
+            (self.place.seconds, self.place.track) = (place.song_time, place.track);
         }
         self.place.missed_audio = self.missed_audio.reported;
         self.place.clone()

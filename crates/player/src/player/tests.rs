@@ -203,7 +203,8 @@ impl Stepped {
                 {
                     let index = (value == before + 1.0).then_some(value);
                     let reported_index = place.song_time * rate - 0.5;
-                    let entry = audible_segments.track(audible).map_or(usize::MAX, |track| track.entry);
+                    let entry =
+                        audible_segments.place(audible, 0.0).map_or(usize::MAX, |place| place.track.entry);
                     heard.push(Heard {
                         index,
                         reported_index,

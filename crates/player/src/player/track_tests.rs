@@ -183,7 +183,7 @@ fn a_new_repeat_mode_applies_from_the_next_end_on() {
     stepped.play(96_000);
     let audible = stepped.history.at(stepped.now).expect("a span");
     assert!(stepped.audible_segments.lock().is_end(audible));
-    assert_eq!(stepped.audible_segments.lock().track(audible).map(|track| track.entry), Some(1));
+    assert_eq!(stepped.audible_segments.lock().place(audible, 0.0).map(|place| place.track.entry), Some(1));
 }
 
 #[test]
