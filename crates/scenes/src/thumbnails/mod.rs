@@ -125,15 +125,7 @@ impl Thumbnails {
     /// Fails if the system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let folder = folders.cache.as_ref().map(|cache| cache.join("thumbnails"));
-        Self::start_in(folder, folders.program.clone(), wake)
-    }
-
-    /// Starts the thread with the cache folder `folder`. `program` means the same as [`Folders::program`].
-    fn start_in(
-        folder: Option<PathBuf>,
-        program: Option<PathBuf>,
-        wake: impl Fn() + Send + 'static,
-    ) -> io::Result<Self> {
+        let program = folders.program.clone();
         let (answers, looked) = channel();
         let mut untidy = folder.clone();
         let work = move |request, requests: &Shared<Waiting>| {
@@ -192,17 +184,13 @@ struct Thumbnailer<'a> {
 
 impl Thumbnailer<'_> {
     fn answer(&self, request: Request) {
-        let about = match &request {
-            Request::Description(source) => About::Description(description_of(source)),
-            Request::Motion(source) => About::Motion(drawing::frames_of(source)),
-            Request::Picture(source) => self.picture_of(source),
+        let (source, about) = match &request {
+            Request::Description(source) => (source, About::Description(description_of(source))),
+            Request::Motion(source) => (source, About::Motion(drawing::frames_of(source))),
+            Request::Picture(source) => (source, self.picture_of(source)),
             Request::Ahead(source) => return self.draw_ahead(source),
         };
-        let (Request::Description(source)
-        | Request::Motion(source)
-        | Request::Picture(source)
-        | Request::Ahead(source)) = request;
-        let _ = self.answers.send(Looked { source, about });
+        let _ = self.answers.send(Looked { source: source.clone(), about });
         (self.wake)();
     }
 
@@ -369,7 +357,7 @@ mod tests {
     #[test]
     fn shipped_thumbnails_need_no_drawing() {
         let (woken, wakes) = channel();
-        let mut thumbnails = Thumbnails::start_in(None, None, move || {
+        let mut thumbnails = Thumbnails::start(&Folders::default(), move || {
             let _ = woken.send(());
         })
         .unwrap();
