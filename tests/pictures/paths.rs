@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::test_renderer::{TestRenderer, silence};
+use mariana::frame::Frame;
+use mariana::gpu::path_state::KeptPaths;
 use mariana::gpu::program::Program;
-use mariana::gpu::renderer::{Counting, PathOrder, PathProgress, PathSampling};
+use mariana::gpu::renderer::{Counting, PathOrder, PathProgress, PathSampling, PathWatcher};
 use mariana::gpu::scene_program::{Mode, path_texts, variant_of};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::SceneSource;
@@ -19,6 +21,21 @@ struct Paths {
     // Dropped before its context.
     program: Program,
     renderer: TestRenderer,
+}
+
+/// Watches the progress, and keeps no paths.
+struct Watcher<'a>(&'a mut dyn FnMut(PathProgress) -> bool);
+
+impl PathWatcher for Watcher<'_> {
+    fn begin(&mut self, _: &Frame, _: usize) -> Option<KeptPaths> {
+        None
+    }
+
+    fn resume(&mut self, progress: PathProgress, _: &dyn Fn() -> KeptPaths) -> bool {
+        (self.0)(progress)
+    }
+
+    fn end(&mut self, _: bool, _: &dyn Fn() -> KeptPaths) {}
 }
 
 impl Paths {
@@ -36,7 +53,7 @@ impl Paths {
     fn draw(&mut self, order: PathOrder, go_on: &mut dyn FnMut(PathProgress) -> bool) -> PathProgress {
         let frame = self.renderer.frame(0.0, silence(), SIZE);
         let TestRenderer { renderer, resources, .. } = &mut self.renderer;
-        renderer.draw_paths(&frame, resources, &self.program, order, &mut &mut *go_on).unwrap()
+        renderer.draw_paths(&frame, resources, &self.program, order, &mut Watcher(go_on)).unwrap()
     }
 
     /// Returns the light of each pixel.

@@ -85,28 +85,17 @@ pub struct PathProgress {
     pub paths: u64,
 }
 
-/// Watches an image by paths, and may keep its paths for another run. Any function of the progress is a watcher too.
+/// Watches an image by paths, and may keep its paths for another run.
 pub trait PathWatcher {
     /// Returns the paths that were kept of the next area of a frame, of this many pixels.
-    fn begin(&mut self, frame: &Frame, pixels: usize) -> Option<KeptPaths> {
-        let _ = (frame, pixels);
-        None
-    }
+    fn begin(&mut self, frame: &Frame, pixels: usize) -> Option<KeptPaths>;
 
     /// Is called now and then; `kept` reads the area's paths. After it has returned false, every pixel finishes only
     /// the path that it has begun.
     fn resume(&mut self, progress: PathProgress, kept: &dyn Fn() -> KeptPaths) -> bool;
 
     /// Is called after the last path of an area, which may be the last area of the frame.
-    fn end(&mut self, is_last: bool, kept: &dyn Fn() -> KeptPaths) {
-        let _ = (is_last, kept);
-    }
-}
-
-impl<F: FnMut(PathProgress) -> bool> PathWatcher for F {
-    fn resume(&mut self, progress: PathProgress, _kept: &dyn Fn() -> KeptPaths) -> bool {
-        self(progress)
-    }
+    fn end(&mut self, is_last: bool, kept: &dyn Fn() -> KeptPaths);
 }
 
 /// Pixels of an area whose paths are drawn together: their state takes 256 MiB.
