@@ -159,7 +159,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
     ("transforms", &["rubato", "rustfft"]),
     ("work", &["tracing"]),
-    ("testing", &["rustix", "serde_json", "tempfile"]),
+    ("testing", &["glow", "rustix", "serde_json", "tempfile"]),
     (
         "ui",
         &[

@@ -9,13 +9,12 @@ use crate::support::apart::apart;
 use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
 use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::headless::Headless;
-use mariana::gpu::probe::Probe;
-use mariana::gpu::texel_list::ListTexel;
 use mariana_field::graph::{
     CELL_HASH_GLSL, Compound, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point,
 };
 use mariana_field::tape::interpreter::Variant;
 use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
+use mariana_testing::probe::{List, drawn};
 
 const HEAD: &str = "#version 330 core
 layout(location = 0) out vec4 color;
@@ -31,14 +30,6 @@ const REGION_REGISTERS: usize = 128;
 
 struct PointReader {
     context: Headless,
-}
-
-fn bytes<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 4]) -> Vec<u8> {
-    values.iter().flat_map(|value| to_bytes(*value)).collect()
-}
-
-fn floats(values: &[f32]) -> Vec<u8> {
-    bytes(values, f32::to_le_bytes)
 }
 
 #[derive(Clone)]
@@ -95,24 +86,18 @@ impl PointReader {
         programs: Option<&Programs>,
     ) -> Vec<[f32; 4]> {
         let size = (points.len() as u32, normals.len() as u32);
-        let mut probe =
-            Probe::new(self.context.gl(), text, size, 1).unwrap_or_else(|error| panic!("{error}"));
-        for (name, vectors) in [("points", points), ("normals", normals)] {
-            let padded: Vec<f32> = vectors.iter().flat_map(|v| [v[0], v[1], v[2], 0.0]).collect();
-            probe.add_list(name, ListTexel::Rgba32F, &floats(&padded)).unwrap();
-        }
+        let [points, normals] = [points, normals]
+            .map(|vectors| vectors.iter().map(|v| [v[0], v[1], v[2], 0.0]).collect::<Vec<_>>());
+        let mut lists = vec![("points", List::Vectors(&points)), ("normals", List::Vectors(&normals))];
         if let Some(programs) = programs {
-            let words = bytes(programs.texels.as_flattened(), u32::to_le_bytes);
-            probe.add_list("tape", ListTexel::Rgba32U, &words).unwrap();
-            probe.add_list("regions", ListTexel::Rgba32U, &words).unwrap();
-            probe.add_list("programs", ListTexel::R32F, &floats(&programs.starts)).unwrap();
+            let words = List::Words(&programs.texels);
+            lists.extend([
+                ("tape", words),
+                ("regions", words),
+                ("programs", List::Numbers(&programs.starts)),
+            ]);
         }
-        probe.draw();
-        self.context.gl().check("drawing a probe").unwrap();
-        let pixels = probe.read(0);
-        let (pixels, _) = pixels.as_chunks::<4>();
-        // Probes return the top row first, but the first normal is in the bottom row.
-        pixels.chunks(points.len()).rev().flatten().copied().collect()
+        drawn(self.context.gl(), text, size, &lists)
     }
 }
 

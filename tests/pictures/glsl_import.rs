@@ -5,10 +5,9 @@
 
 use crate::support::expression::Random;
 use mariana::gpu::headless::Headless;
-use mariana::gpu::probe::Probe;
-use mariana::gpu::texel_list::ListTexel;
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::compile;
+use mariana_testing::probe::{List, drawn};
 
 const FILES: [(&str, &str); 3] = [
     ("control.glsl", include_str!("../../crates/field/src/glsl_import/tests/fixtures/control.glsl")),
@@ -77,17 +76,9 @@ fn driven(context: &Headless, text: &str, functions: &[Function], points: &[[f32
          int row = int(gl_FragCoord.y);\n    color = vec4(0.0);\n{cases}}}\n"
     );
     let size = (points.len() as u32, functions.len() as u32);
-    let mut probe = Probe::new(context.gl(), &fragment, size, 1).unwrap_or_else(|error| panic!("{error}"));
-    let bytes: Vec<u8> =
-        points.iter().flat_map(|p| [p[0], p[1], p[2], 0.0]).flat_map(f32::to_le_bytes).collect();
-    probe.add_list("points", ListTexel::Rgba32F, &bytes).unwrap();
-    probe.draw();
-    context.gl().check("drawing a probe").unwrap();
-    let pixels = probe.read(0);
-    // Probes return the top row first.
-    let rows: Vec<Vec<[f32; 4]>> =
-        pixels.as_chunks::<4>().0.chunks(points.len()).map(<[[f32; 4]]>::to_vec).collect();
-    rows.into_iter().rev().collect()
+    let vectors: Vec<_> = points.iter().map(|p| [p[0], p[1], p[2], 0.0]).collect();
+    let pixels = drawn(context.gl(), &fragment, size, &[("points", List::Vectors(&vectors))]);
+    pixels.chunks(points.len()).map(<[[f32; 4]]>::to_vec).collect()
 }
 
 /// The values by the expression graph of a scene that includes the file.

@@ -1,8 +1,9 @@
-//! Helpers for tests of several packages: child processes, a sound server, a session bus, WAVE files and data from
-//! the thesis. This crate does not depend on the project's other crates, so it is rarely rebuilt.
+//! Helpers for tests of several packages: child processes, a sound server, a session bus, WAVE files, shaders and
+//! data from the thesis. This crate does not depend on the project's other crates, so it is rarely rebuilt.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
+pub mod probe;
 #[cfg(unix)]
 pub mod process;
 #[cfg(unix)]

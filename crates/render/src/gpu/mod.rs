@@ -24,7 +24,6 @@ mod passes;
 pub mod path_state;
 pub mod picture_reader;
 pub mod post;
-pub mod probe;
 pub mod program;
 pub mod program_store;
 pub mod renderer;

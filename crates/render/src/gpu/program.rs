@@ -297,12 +297,6 @@ impl LazyProgram {
     }
 }
 
-/// Compiles and links two texts with their names. Logs give positions in the files of [`super::shader_source`].
-pub(super) fn link_texts(gl: &Gl, vertex: (&str, &str), fragment: (&str, &str)) -> Result<ProgramObject> {
-    let [vertex, fragment] = [vertex, fragment].map(|(name, text)| (name.to_owned(), text.to_owned()));
-    PendingProgram::of(gl, &ProgramTexts { vertex, fragment })?.linked()
-}
-
 /// A program that the driver may still be compiling.
 pub struct PendingProgram {
     gl: Gl,
@@ -355,16 +349,11 @@ impl PendingProgram {
     /// # Errors
     /// Fails with the driver's log if the driver rejects the texts.
     pub fn finish(self) -> Result<Program> {
-        let gl = self.gl.clone();
-        Ok(Program::with_places(&gl, self.linked()?))
-    }
-
-    fn linked(self) -> Result<ProgramObject> {
         let (gl, program) = (&self.gl, self.object.native());
         // SAFETY: the program and its shaders belong to the current context.
         unsafe {
             if gl.get_program_link_status(program) {
-                return Ok(self.object);
+                return Ok(Program::with_places(gl, self.object));
             }
             let ProgramTexts { vertex, fragment } = &self.texts;
             for (shader, (name, text)) in self.shaders.iter().zip([vertex, fragment]) {

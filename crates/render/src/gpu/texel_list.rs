@@ -22,8 +22,6 @@ pub const ROW_BITS: u32 = 11;
 pub enum ListTexel {
     /// Four words: a `WORD_LIST` in the shaders.
     Rgba32U,
-    /// One float: a `NUMBER_LIST`.
-    R32F,
     /// Four floats: a `NUMBER_LIST`.
     Rgba32F,
 }
@@ -33,7 +31,6 @@ impl ListTexel {
     fn formats(self) -> (u32, u32, u32, usize) {
         match self {
             Self::Rgba32U => (glow::RGBA32UI, glow::RGBA_INTEGER, glow::UNSIGNED_INT, 16),
-            Self::R32F => (glow::R32F, glow::RED, glow::FLOAT, 4),
             Self::Rgba32F => (glow::RGBA32F, glow::RGBA, glow::FLOAT, 16),
         }
     }
