@@ -36,7 +36,8 @@ impl LineOfSight {
 /// Mixes two cameras. At the fraction `s` = 0 the result is `a`.
 pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
     let lines = [a, b].map(|camera| LineOfSight::of(graph, camera));
-    let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
+    let numbers = a.numbers().into_iter().zip(b.numbers());
+    let mixed = Camera::of(numbers.map(|(a, b)| graph.mix(a, b, s)));
     let turn = graph.sub(lines[1].yaw, lines[0].yaw);
     // The shorter way around.
     let turn = turn - Op::Floor.of(turn / TAU + 0.5) * TAU;
@@ -49,13 +50,9 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     let sharp = [(a, &lines[0]), (b, &lines[1])].map(|(camera, line)| nearness(graph, camera, line));
     let nearness = graph.mix(sharp[0], sharp[1], s);
     Camera {
-        position: [0, 1, 2].map(|axis| graph.sub(target[axis], away[axis])),
-        target,
-        fov: graph.mix(a.fov, b.fov, s),
-        roll: graph.mix(a.roll, b.roll, s),
-        aperture: graph.mix(a.aperture, b.aperture, s),
+        position: [0, 1, 2].map(|axis| graph.sub(mixed.target[axis], away[axis])),
         focus: graph.div(1.0, nearness),
-        keep: graph.mix(a.keep, b.keep, s),
+        ..mixed
     }
 }
 

@@ -55,13 +55,8 @@ impl Seen {
         let [bx, by, bz] = back;
         let mut cross = |[a, b]: [NodeId; 2], [c, d]: [NodeId; 2]| graph.sub(a * d, b * c);
         let up = [cross([ry, rz], [by, bz]), cross([rz, rx], [bz, bx]), cross([rx, ry], [bx, by])];
-        [self.right, up, back].map(|axis| dot(graph, self.off, axis))
+        [self.right, up, back].map(|axis| graph.dot(&self.off, &axis))
     }
-}
-
-fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
-    let [x, y, z] = [0, 1, 2].map(|axis| graph.mul(a[axis], b[axis]));
-    graph.add(x + y, z)
 }
 
 /// Returns the portal's relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
@@ -76,7 +71,7 @@ fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 
 fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let (begun, rest) = (graph.max(fraction, LEFT_MIN), graph.max(1.0 - fraction, LEFT_MIN));
-    let from = dot(graph, seen.off, seen.right);
+    let from = graph.dot(&seen.off, &seen.right);
     graph.sub(from, (1.0 / rest - 1.0 / begun) * seen.length)
 }
 
