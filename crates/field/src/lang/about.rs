@@ -1,7 +1,6 @@
 //! The block `about`: a scene's title and author, and the facts by which a show chooses scenes.
 
-use super::builtin::uses::{FRAME, NOTHING, POINT};
-use super::fields::{DefaultValue, Field, Holds, choices};
+use super::fields::{Field, Holds, choices};
 use crate::graph::NodeId;
 
 // A new style needs four changes: a row here, a kind and names in `world::blend`, the blending itself (`World::blend`),
@@ -64,39 +63,32 @@ impl Default for About {
 impl About {
     /// The fields of the block.
     pub const FIELDS: &'static [Field] = &[
-        of_about("title", Holds::Text, "The title for people, in quotes."),
-        of_about("author", Holds::Text, "The author, in quotes."),
-        of_about("license", Holds::Text, "The licence of the scene, in quotes."),
-        of_about(
+        Field::of("title", Holds::Text, "The title for people, in quotes."),
+        Field::of("author", Holds::Text, "The author, in quotes."),
+        Field::of("license", Holds::Text, "The licence of the scene, in quotes."),
+        Field::of(
             "energy",
             Holds::Range,
             "The energy of the music for which the scene is made, as in `0.2 .. 0.6`, from 0 (calm) to 1 (intense).",
         ),
-        of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
-        of_about(
+        Field::of("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
+        Field::of(
             "follows",
             Holds::Text,
             "What moves the scene most, in quotes, separated by commas: `bass`, `onsets`, `level` or `tones`.",
         ),
-        of_about(
+        Field::of(
             "enter",
             Holds::TransitionStyle,
             "The preferred transition to this scene: `cut`, `fade`, `melt` or `portal`.",
         ),
-        of_about("leave", Holds::TransitionStyle, "The preferred transition from this scene."),
-        Field {
-            uses: POINT | FRAME,
-            ..of_about(
-                "portal",
-                Holds::Shape,
-                "The distance to the shape in which a `portal shape` opens this scene: `p.x` to the right, `p.y` up, \
-                 `p.z` towards the eye. The shape grows during the transition; halfway through, 1 is the distance from \
-                 the eye to the camera's target.",
-            )
-        },
+        Field::of("leave", Holds::TransitionStyle, "The preferred transition from this scene."),
+        Field::of(
+            "portal",
+            Holds::Shape,
+            "The distance to the shape in which a `portal shape` opens this scene: `p.x` to the right, `p.y` up, \
+             `p.z` towards the eye. The shape grows during the transition; halfway through, 1 is the distance from \
+             the eye to the camera's target.",
+        ),
     ];
-}
-
-const fn of_about(name: &'static str, holds: Holds, doc: &'static str) -> Field {
-    Field { name, holds, uses: NOTHING, default: DefaultValue::Each(0.0), range: None, doc }
 }

@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use super::builtin::uses;
 use crate::limits::FEEDBACK_DECAY_MAX;
 
 /// A field of a section.
@@ -48,6 +49,17 @@ pub enum Holds {
 }
 
 impl Field {
+    /// Returns a field without a range, whose default is unused. A shape uses the point and the frame, a number the
+    /// frame, and all else nothing.
+    pub(super) const fn of(name: &'static str, holds: Holds, doc: &'static str) -> Self {
+        let uses = match holds {
+            Holds::Shape => uses::POINT | uses::FRAME,
+            Holds::Number => uses::FRAME,
+            _ => uses::NOTHING,
+        };
+        Self { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc }
+    }
+
     /// True if the field's three numbers are the colour of light or of a surface.
     pub fn is_color(&self) -> bool {
         self.holds == Holds::Vector

@@ -5,7 +5,6 @@
 
 use super::super::about::{About, TransitionStyle};
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
-use super::super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::super::diagnostic::Diagnostic;
 use super::super::fields::{DefaultValue, Field, Holds};
 use super::super::material::Material;
@@ -22,31 +21,20 @@ use crate::graph::NodeId;
 
 /// The fields of objects. Their defaults are unused: `objects.rs` handles missing fields.
 const OBJECT: &[Field] = &[
-    of_object("shape", Holds::Shape, POINT | FRAME, "the distance from `p` to the object"),
-    of_object("material", Holds::Material, NOTHING, "the name of its material"),
-    of_object(
-        "bound",
-        Holds::Shape,
-        POINT | FRAME,
-        "a lower bound of the distance to everything that `shape` leaves out",
-    ),
-    of_object(
+    Field::of("shape", Holds::Shape, "the distance from `p` to the object"),
+    Field::of("material", Holds::Material, "the name of its material"),
+    Field::of("bound", Holds::Shape, "a lower bound of the distance to everything that `shape` leaves out"),
+    Field::of(
         "melt",
         Holds::Number,
-        FRAME,
         "the radius within which the object flows into the previous object; both materials mix there",
     ),
-    of_object(
+    Field::of(
         "trust",
         Holds::Number,
-        FRAME,
         "the fraction of `shape` by which rays step, 0..1, for estimates of a distance that are steeper than a distance",
     ),
 ];
-
-const fn of_object(name: &'static str, holds: Holds, uses: u16, doc: &'static str) -> Field {
-    Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc }
-}
 
 pub(super) fn fields(section: Section) -> &'static [Field] {
     SECTIONS[section as usize].3
