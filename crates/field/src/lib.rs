@@ -54,6 +54,7 @@ pub mod ray_probe;
 pub mod rays;
 pub mod region;
 pub mod tape;
+mod vectors;
 pub mod world;
 
 pub use field::Field;

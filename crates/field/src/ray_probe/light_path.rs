@@ -6,11 +6,12 @@
 
 use std::ops::Range;
 
-use super::{Hit, Ray, RayProbe, Traced, Walk, add, tap_length, unit};
+use super::{Hit, Ray, RayProbe, Traced, Walk, tap_length, unit};
 use crate::graph::Point;
 use crate::lang::{Light, LightKind, Material};
 use crate::rays;
 use crate::region::gradient;
+use crate::vectors::{cross, difference, dot, length, sum};
 
 /// Maximum number of surfaces on a path.
 const SURFACES_MAX: usize = 5;
@@ -102,8 +103,8 @@ impl RayProbe<'_> {
             // Keep the mirrored ray from entering the surface.
             let lift = (0.02 - dot(mirrored, normal)).max(0.0);
             ray = Ray {
-                origin: add(hit.position, normal.map(|part| part * off)),
-                direction: unit(add(mirrored, normal.map(|part| part * lift))),
+                origin: sum(hit.position, normal.map(|part| part * off)),
+                direction: unit(sum(mirrored, normal.map(|part| part * lift))),
                 spread: ray.spread,
             };
         }
@@ -143,7 +144,7 @@ impl RayProbe<'_> {
         let slope = if self.world.non_lipschitz && hit.plane.is_none() { self.slope(ray, hit) } else { 1.0 };
         rays::PROBE_FRACTIONS.map(|fraction| {
             let height = reach.max(1e-4) * fraction;
-            let place = add(hit.position, normal.map(|part| part * height));
+            let place = sum(hit.position, normal.map(|part| part * height));
             let mut distance = height;
             if self.world.has_rest {
                 distance = distance.min(self.regions.distance(place, 0.0, self.frame)[1] / slope);
@@ -155,8 +156,7 @@ impl RayProbe<'_> {
 
     fn slope(&self, ray: &Ray, hit: &Hit) -> f32 {
         let h = tap_length(ray, hit);
-        let sum = self.tapped(hit.position, h);
-        (dot(sum, sum).sqrt() / (4.0 * h)).max(1e-6)
+        (length(self.tapped(hit.position, h)) / (4.0 * h)).max(1e-6)
     }
 
     /// Returns the fraction of the light that a surface mirrors, by Schlick's approximation.
@@ -189,7 +189,7 @@ impl RayProbe<'_> {
             return None;
         }
         let sharpness = (1.0 / incoming.widening.max(1e-4)).clamp(rays::SHARPNESS_MIN, rays::SHARPNESS_MAX);
-        let origin = add(p, normal.map(|part| part * (2.0 * cone).max(0.012)));
+        let origin = sum(p, normal.map(|part| part * (2.0 * cone).max(0.012)));
         let ray = Ray { origin, direction: incoming.direction, spread: 0.0 };
         let mut shadow = ShadowRay {
             light: number,
@@ -303,10 +303,6 @@ fn reflected(direction: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|axis| direction[axis] - along * normal[axis])
 }
 
-pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 // Shadow rays, with the triangulation between their steps (`shaders/shadow.glsl`; Abt 2022, figure 11).
 
 /// Maximum number of steps through distances, and through values that are not distances.
@@ -366,18 +362,17 @@ impl Incoming {
     fn of(light: &Light<f32>, p: [f32; 3]) -> Self {
         let place = light.place();
         let is_sun = light.kind == LightKind::Sun;
-        let way =
-            if is_sun { place.map(|part| -part) } else { std::array::from_fn(|axis| place[axis] - p[axis]) };
-        let length = dot(way, way).sqrt().max(1e-6);
-        let t = if is_sun { rays::SUN_DISTANCE } else { length };
-        let ([a, b, c], [x, y, z]) = (light.right, light.up);
-        let across = [b * z - c * y, c * x - a * z, a * y - b * x];
+        let way = if is_sun { place.map(|part| -part) } else { difference(place, p) };
+        let far = length(way).max(1e-6);
+        let t = if is_sun { rays::SUN_DISTANCE } else { far };
         let widening = match light.kind {
             LightKind::Sun => light.radius,
             LightKind::Lamp => light.radius / t.max(1e-3),
-            LightKind::Panel => (dot(across, across).sqrt() / std::f32::consts::PI).sqrt() / t.max(1e-3),
+            LightKind::Panel => {
+                (length(cross(light.right, light.up)) / std::f32::consts::PI).sqrt() / t.max(1e-3)
+            }
         };
-        Self { direction: way.map(|part| part / length), t, widening }
+        Self { direction: way.map(|part| part / far), t, widening }
     }
 }
 

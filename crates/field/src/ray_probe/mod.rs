@@ -28,6 +28,7 @@ use crate::graph::{FrameInputs, NodeId};
 use crate::lang::TextPlace;
 use crate::rays;
 use crate::region::{Cell, Regions, gradient};
+use crate::vectors::{cross, length, sum};
 use crate::world::World;
 
 /// A ray that has used up its steps counts as a hit if the distance is below this multiple of the cone's radius.
@@ -227,7 +228,7 @@ impl<'a> RayProbe<'a> {
         }
         let mut span = 0.0_f32..rays::FAR;
         let low = self.regions.low;
-        let tree = Some(Bounds { low, high: add(low, self.regions.size) });
+        let tree = Some(Bounds { low, high: sum(low, self.regions.size) });
         let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
         for Bounds { low, high } in boxes.into_iter().flatten() {
             for axis in 0..3 {
@@ -393,7 +394,7 @@ impl<'a> Walk<'a> {
     }
 
     fn place_on(&self, t: f32) -> [f32; 3] {
-        add(self.ray.at(t), self.ahead)
+        sum(self.ray.at(t), self.ahead)
     }
 
     /// Returns the distance at which the ray, from `t` on, has left a cell.
@@ -408,12 +409,14 @@ impl<'a> Walk<'a> {
     }
 }
 
-fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    std::array::from_fn(|axis| a[axis] + b[axis])
+/// Returns the directions to the right of and above a view ahead.
+fn sides(ahead: [f32; 3]) -> [[f32; 3]; 2] {
+    let right = unit([ahead[2], 0.0, -ahead[0]]);
+    [right, cross(ahead, right)]
 }
 
 /// Scales a vector to length 1. Returns the upward direction if the vector has no direction.
 fn unit(v: [f32; 3]) -> [f32; 3] {
-    let size = v.iter().map(|part| part * part).sum::<f32>().sqrt();
+    let size = length(v);
     if size > 1e-12 && size < 1e12 { v.map(|part| part / size) } else { [0.0, 1.0, 0.0] }
 }

@@ -3,6 +3,7 @@
 use super::{Ray, RayProbe};
 use crate::graph::FrameInputs;
 use crate::region::{RegionOptions, RegionPlan};
+use crate::vectors::dot;
 use crate::world::World;
 
 /// Position of the eye, which looks at the origin.
@@ -24,8 +25,7 @@ pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
     let planes = world.frame_tape.values(&frame).planes;
     let ray_probe = RayProbe::new(&world, &regions, &frame, &planes);
     let forward = super::unit(EYE.map(|part| -part));
-    let right = super::unit(cross([0.0, 1.0, 0.0], forward));
-    let up = cross(forward, right);
+    let [right, up] = super::sides(forward);
     let light = super::unit(LIGHT);
     let step = 2.0 * TAN_HALF / side.max(1) as f32;
     let shade = |x: f32, y: f32| {
@@ -33,8 +33,7 @@ pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
         let direction = super::unit(std::array::from_fn(|i| forward[i] + a * right[i] + b * up[i]));
         let ray = Ray { origin: EYE, direction, spread: 0.5 * step };
         let hit = ray_probe.trace(&ray).hit?;
-        let normal = ray_probe.normal(&ray, &hit);
-        let lit: f32 = normal.iter().zip(light).map(|(n, l)| n * l).sum();
+        let lit = dot(ray_probe.normal(&ray, &hit), light);
         Some(DARKEST + (1.0 - DARKEST) * (0.5 + 0.5 * lit).powi(2))
     };
     let pixel = |place: usize| {
@@ -46,10 +45,6 @@ pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
         [r, g, b, (255.0 * lit.len() as f32 / 4.0) as u8]
     };
     Some((0..side * side).map(pixel).collect())
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Faults of a scene that its picture may hide: rays that use up their steps, steps over surfaces, and a camera inside of
 //! an object.
 
-use super::{Ray, RayProbe, Traced, unit};
+use super::{Ray, RayProbe, Traced, sides, unit};
 use crate::graph::FrameInputs;
 use crate::lang::{Diagnostic, Span};
 use crate::rays;
 use crate::region::{RegionOptions, RegionPlan};
+use crate::vectors::{difference, length};
 use crate::world::World;
 use std::ops::Range;
 
@@ -99,14 +100,8 @@ pub fn ray_faults(world: &World, time: f32, columns: usize, rows: usize) -> RayF
     let planes = world.frame_tape.values(&frame).planes;
     let around = world.object_around(camera.position, &frame).map(|object| object.span);
     let ray_probe = RayProbe::new(world, &regions, &frame, &planes);
-    let way: [f32; 3] = std::array::from_fn(|axis| camera.target[axis] - camera.position[axis]);
-    let forward = unit(way);
-    let right = unit([forward[2], 0.0, -forward[0]]);
-    let up: [f32; 3] = [
-        forward[1] * right[2] - forward[2] * right[1],
-        forward[2] * right[0] - forward[0] * right[2],
-        forward[0] * right[1] - forward[1] * right[0],
-    ];
+    let forward = unit(difference(camera.target, camera.position));
+    let [right, up] = sides(forward);
     let half = (0.5 * camera.fov.to_radians()).tan();
     let wide = columns as f32 / rows.max(1) as f32;
     let mut faults =
@@ -163,8 +158,7 @@ fn passed_surface(probe: &RayProbe<'_>, ray: &Ray, cost: &mut Traced) -> Option<
 fn slope_at_the_end(probe: &RayProbe<'_>, ray: &Ray, traced: &Traced) -> Option<f32> {
     let hit = traced.hit.filter(|hit| hit.plane.is_none())?;
     let h = ray.spread * hit.distance;
-    let sum = probe.tapped(hit.position, h);
-    let slope = sum.iter().map(|part| part * part).sum::<f32>().sqrt() / (4.0 * h);
+    let slope = length(probe.tapped(hit.position, h)) / (4.0 * h);
     Some(slope).filter(|slope| slope.is_finite())
 }
 

@@ -12,6 +12,7 @@ use crate::graph::{FrameInputs, Levels, ShapeAtlas, TableData, cell_hash};
 use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientBatch, Tape};
+use crate::vectors::length;
 
 /// Largest slope of a distance: 1 and an allowance for rounding.
 const STEEPEST: f32 = 1.01;
@@ -103,10 +104,6 @@ impl Growth {
         let gradient = [0, 1, 2].map(|axis| sample.gradient[axis] - falls * off[axis]);
         (sample.value / grown, length(gradient) / grown)
     }
-}
-
-fn length(v: [f32; 3]) -> f32 {
-    v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
 /// The slopes of a world's value (without planes). They matter only if that value is not a distance.

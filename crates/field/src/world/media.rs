@@ -83,18 +83,18 @@ fn clamped(graph: &mut Graph, number: NodeId, range: FieldRange) -> NodeId {
 fn mean_ambient(scene: &mut Scene) -> [NodeId; 3] {
     let graph = &mut scene.graph;
     let mut mean = [graph.constant(0.0); 3];
-    for axis in 0..3 {
-        for sign in [1.0, -1.0] {
-            let mut direction = [0.0; 3];
-            direction[axis] = sign;
-            let light = facing(graph, &scene.sky.ambient, direction);
-            for (mean, light) in mean.iter_mut().zip(light) {
-                *mean = graph.add(*mean, light * (1.0 / 6.0));
-            }
+    for direction in AXES {
+        let light = facing(graph, &scene.sky.ambient, direction);
+        for (mean, light) in mean.iter_mut().zip(light) {
+            *mean = graph.add(*mean, light * (1.0 / 6.0));
         }
     }
     mean
 }
+
+/// The directions along each axis and against it.
+pub(super) const AXES: [[f32; 3]; 6] =
+    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
 
 /// Returns the expressions for a surface or a ray with this normal or direction.
 pub(super) fn facing(graph: &mut Graph, roots: &[NodeId], normal: [f32; 3]) -> Vec<NodeId> {

@@ -8,6 +8,7 @@ use crate::graph::{FrameInputs, Point};
 use crate::lang::Material;
 use crate::region::{RegionOptions, RegionPlan, Regions};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::vectors::{cross, difference, dot, length};
 use crate::world::World;
 
 /// A mesh of triangles. Closed surfaces give closed meshes.
@@ -290,10 +291,13 @@ impl Mesh {
         }
         let [b, d] = if is_seen { [b, d] } else { [d, b] };
         let place = |vertex: u32| self.vertices[vertex as usize].position;
-        let length = |from: u32, to: u32| squared(difference(place(from), place(to)));
+        let squared = |from: u32, to: u32| {
+            let way = difference(place(from), place(to));
+            dot(way, way)
+        };
         // The shorter diagonal follows edges.
         let triangles =
-            if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[b, c, d], [b, d, a]] };
+            if squared(a, c) <= squared(b, d) { [[a, b, c], [a, c, d]] } else { [[b, c, d], [b, d, a]] };
         self.triangles.extend(triangles);
     }
 }
@@ -340,25 +344,9 @@ fn solved([a, b, c]: [[f32; 3]; 3], sums: [f32; 3]) -> [f32; 3] {
     if solution.iter().all(|number| number.is_finite()) { solution } else { [0.0; 3] }
 }
 
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
-}
-
-fn squared(a: [f32; 3]) -> f32 {
-    dot(a, a)
-}
-
 fn unit(a: [f32; 3]) -> [f32; 3] {
-    let length = squared(a).sqrt();
-    if length.is_finite() && length > 0.0 { a.map(|part| part / length) } else { [0.0; 3] }
+    let size = length(a);
+    if size.is_finite() && size > 0.0 { a.map(|part| part / size) } else { [0.0; 3] }
 }
 
 #[cfg(test)]

@@ -24,12 +24,13 @@
 
 use std::ops::Range;
 
-use super::media::facing;
+use super::media::{AXES, facing};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
 use crate::lang::{Scene, Swarm};
 use crate::region::{Reads, RegionKey};
 use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
+use crate::vectors::{difference, dot, length, sum};
 
 /// A mirrored point is seen from at most this multiple of its distance from the eye. Beyond it, pixels are wider than
 /// the point is drawn, and it may flicker.
@@ -94,14 +95,8 @@ impl SwarmPlan {
         }
         let options = TapeOptions::default();
         let mut graph = scene.graph.clone();
-        let mut ambient = Vec::new();
-        for axis in 0..3 {
-            for sign in [1.0, -1.0] {
-                let mut normal = [0.0; 3];
-                normal[axis] = sign;
-                ambient.extend(facing(&mut graph, &scene.sky.ambient, normal));
-            }
-        }
+        let facing = |direction| facing(&mut graph, &scene.sky.ambient, direction);
+        let ambient: Vec<NodeId> = AXES.into_iter().flat_map(facing).collect();
         let numbers = scene.swarms.iter().flat_map(Swarm::numbers);
         let all: Vec<NodeId> = numbers.chain(ambient.iter().copied()).collect();
         let tape = |swarm: &Swarm| Ok((swarm.points, Tape::build(&graph, &swarm.numbers(), &options)?));
@@ -210,9 +205,7 @@ struct Body<'a> {
 impl<'a> Body<'a> {
     /// Returns what is visible of a point.
     fn all_of(point: &'a Swarm<f32>, view: &SwarmView) -> impl Iterator<Item = Self> {
-        let away = |axis: usize| point.position[axis] - view.eye[axis];
-        let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f32>().sqrt();
-        let pixel = view.pixel * distance;
+        let pixel = view.pixel * length(difference(point.position, view.eye));
         let body = move |radius: f32, light: [f32; 3], is_ball: bool| {
             // The widths at which shaders draw glow and thin balls. Shaders round differently.
             let widest = WIDEST * pixel;
@@ -234,9 +227,8 @@ impl<'a> Body<'a> {
     /// Returns what a flat picture shows of the body, whose first texel is given.
     fn outline(&self, view: &SwarmView, texel: usize) -> Option<Outline> {
         let picture = view.picture?;
-        let away: [f32; 3] = std::array::from_fn(|axis| self.point.position[axis] - view.eye[axis]);
-        let end: [f32; 3] = std::array::from_fn(|axis| away[axis] + self.point.stretch[axis]);
-        let length = |way: [f32; 3]| way.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let away = difference(self.point.position, view.eye);
+        let end = sum(away, self.point.stretch);
         // The width at the farther end, which rays from the eye see without a mirror.
         let pixel = (view.pixel * length(end)).clamp(self.pixel, WIDEST * self.pixel);
         let drawn = match (self.is_ball, self.is_faint) {
@@ -433,10 +425,6 @@ fn slopes([a, b]: [[f32; 2]; 2], radius: f32) -> [f32; 2] {
         [slope(-1.0), slope(1.0)]
     });
     [a[0].min(b[0]), a[1].max(b[1])]
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|axis| a[axis] * b[axis]).sum()
 }
 
 /// The tiles of a picture, row by row.

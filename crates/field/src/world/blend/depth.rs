@@ -4,6 +4,7 @@ use super::melt::HOLLOW;
 use super::side::Side;
 use crate::graph::{FrameInputs, Graph, Point};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::vectors::{cross, length};
 
 const RAYS: (usize, usize) = (15, 9);
 /// Maximum number of steps of a ray, and the minimum length of a step.
@@ -40,14 +41,10 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
     let mut evaluator = PointEvaluator::new(&tape, &inputs);
     let mut value = |p: [f32; 3]| evaluator.at(&Point::at(p[0], p[1], p[2])).first().copied().unwrap_or(0.0);
     let level = view[0].hypot(view[2]).max(1e-3);
-    let length = level.hypot(view[1]);
-    let ahead = view.map(|part| part / length);
+    let far = level.hypot(view[1]);
+    let ahead = view.map(|part| part / far);
     let right = [view[2] / level, 0.0, -view[0] / level];
-    let up = [
-        ahead[1] * right[2] - ahead[2] * right[1],
-        ahead[2] * right[0] - ahead[0] * right[2],
-        ahead[0] * right[1] - ahead[1] * right[0],
-    ];
+    let up = cross(ahead, right);
     let height = (0.5 * fov.to_radians()).tan();
     let mut depths = Vec::new();
     for number in 0..RAYS.0 * RAYS.1 {
@@ -55,7 +52,7 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
         let across = place(number % RAYS.0, RAYS.0) * height * 16.0 / 9.0;
         let above = place(number / RAYS.0, RAYS.1) * height;
         let way = [0, 1, 2].map(|axis| ahead[axis] + across * right[axis] + above * up[axis]);
-        let size = way.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let size = length(way);
         depths.extend(depth_along(&mut value, eye, way.map(|part| part / size)));
     }
     Some(depths)
