@@ -14,7 +14,7 @@ use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::Mode;
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
-use mariana_field::world::{Alignment, BlendKind, PortalShape, blended_params};
+use mariana_field::world::{Alignment, BlendKind, PortalShape};
 
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
@@ -118,7 +118,8 @@ fn check(pair: &Pair) -> Result<(), String> {
     let blended = a.blended(&b, *kind, &Alignment::of(&camera(&a), &camera(&b)), 0.5).unwrap();
     let mut test_renderer = TestRenderer::of_ready(blended, Mode::Compiled, Counting::On);
     test_renderer.resources.set_cells(true, Mode::Interpreted);
-    let params = blended_params(&a.world.scene, &[], &b.world.scene, &[], *fraction);
+    let both = [&a, &b].into_iter().flat_map(|ready| &ready.world.scene.params);
+    let params: Vec<f32> = both.map(|param| param.default).chain([*fraction]).collect();
     let [compiled, interpreted] = [Mode::Compiled, Mode::Interpreted].map(|mode| {
         let program = test_renderer.program_of(mode, Counting::On);
         draw(&mut test_renderer, &program, &params)

@@ -35,7 +35,7 @@ mod shortening;
 mod swarm;
 
 pub use crate::bounds::Bounds;
-pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
+pub use blend::{Alignment, BlendError, BlendKind, PortalShape};
 pub use compiled::{FrameTape, FrameValues};
 pub use distance_check::Slopes;
 pub use feedback::{Feedback, WARP_CELLS};

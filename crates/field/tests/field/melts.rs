@@ -6,7 +6,7 @@ use crate::expression::Random;
 use mariana_field::graph::{FrameInputs, Levels, Point, SoundInput, SoundInputs, TableData};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
-use mariana_field::world::{Alignment, BlendKind, World, blended_params};
+use mariana_field::world::{Alignment, BlendKind, World};
 
 const RAYS: (usize, usize) = (32, 18);
 const STEPS: usize = 160;
@@ -129,8 +129,9 @@ fn a_melt_shows_both_scenes() {
         let mut line = format!("{}:", melt.name);
         let mut is_missing = false;
         for fraction in [0.2, 0.35, 0.5, 0.65, 0.8] {
-            let [first, second, capped] =
-                shown(&melt, inputs(blended_params(&from.scene, &[], &to.scene, &[], fraction)));
+            let both = [&from, &to].into_iter().flat_map(|world| &world.scene.params);
+            let params = both.map(|param| param.default).chain([fraction]).collect();
+            let [first, second, capped] = shown(&melt, inputs(params));
             line += &format!(" {fraction}: {first:.3} {second:.3} ({capped:.3})");
             // The lattice itself covers little of the picture.
             let least = if melt.name.contains("lattice") { 0.005 } else { 0.01 };

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result. The
-//! fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction. At the
-//! fractions 0 and 1, draw the original worlds, which evaluate only one field.
+//! parameters of both worlds come first, then the fraction of the second world, so one program draws every fraction. At
+//! the fractions 0 and 1, draw the original worlds, which evaluate only one field.
 //!
 //! **Mixed quantities.** The light of shining objects is weighted by the fraction of their scene. Lights change in the
 //! middle half of the transition, and the tone map changes at the middle. Sky, reach, image settings and camera are
@@ -97,25 +97,6 @@ pub enum BlendError {
     /// The blended scene exceeds the limits of expressions.
     #[error(transparent)]
     World(#[from] WorldError),
-}
-
-/// Returns the parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the
-/// fraction of `to`, which is clamped to 0..1. Missing parameters have the scenes' defaults.
-pub fn blended_params(
-    from: &Scene,
-    from_params: &[f32],
-    to: &Scene,
-    to_params: &[f32],
-    fraction: f32,
-) -> Vec<f32> {
-    let of = |scene: &Scene, given: &[f32]| -> Vec<f32> {
-        let declared = scene.params.iter().enumerate();
-        declared.map(|(number, param)| given.get(number).copied().unwrap_or(param.default)).collect()
-    };
-    let mut params = of(from, from_params);
-    params.extend(of(to, to_params));
-    params.push(if fraction > 0.0 { fraction.min(1.0) } else { 0.0 });
-    params
 }
 
 impl World {
