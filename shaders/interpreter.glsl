@@ -123,31 +123,13 @@ float sampled[4 * SAMPLES];
 #define SAMPLED(at) sampled[at]
 #define FORGET_SAMPLED FORGET(sampled, 0, 4 * SAMPLES)
 #endif
-#if MEMORY > 0
-float tape_memory[MEMORY];
-#endif
 
-void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, out float a, out float b) {
-    int number = operator_number(word);
+void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, out float a, out float b) {
     a = OPERAND(word, 2, immediate);
     b = OPERAND(word, 3, immediate);
     float r = tape_common(word, a, b, uintBitsToFloat(immediate));
-#ifdef INPUT_CLAUSES
-    r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
-    r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
-#endif
-#if MEMORY > 0
-    if (last) {
-        uint place = (word >> 16) & uint(MEMORY - 1);
-        if (number == RELOAD) r = tape_memory[place];
-        if (number == STORE) {
-            r = READ(word, 1);      // the register keeps its value
-            tape_memory[place] = r;
-        }
-    }
-#endif
 #if SAMPLES > 0
-    if (last && number == TEXTURE) r = SAMPLED(min(immediate, uint(4 * SAMPLES - 1)));
+    if (last && (word & 255u) == uint(TEXTURE)) r = SAMPLED(min(immediate, uint(4 * SAMPLES - 1)));
 #endif
     WRITE(BYTE(word, 1), r);
 }
@@ -172,8 +154,8 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
             words = TEXEL(tape, texel);
             texel++;
             COUNT_CLAUSES(count_surface_clauses, 2.0);
-            tape_clause(words.x, words.y, false, p, n, a, b);
-            tape_clause(words.z, words.w, true, p, n, a, b);
+            tape_clause(words.x, words.y, false, a, b);
+            tape_clause(words.z, words.w, true, a, b);
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
@@ -186,7 +168,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
         bool last = (i & 1) != 0;
         if (last) { words.xy = words.zw; } else { words = TEXEL(tape, texel); texel++; }
         COUNT_CLAUSES(count_surface_clauses, 1.0);
-        tape_clause(words.x, words.y, last, p, n, a, b);
+        tape_clause(words.x, words.y, last, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }
 #endif

@@ -7,19 +7,16 @@ use mariana_field::graph::SoundInput;
 use std::sync::Arc;
 
 use mariana_field::graph::{
-    Compounds, FrameInputs, Graph, Input, Interval, Level, LevelList, Node, NodeId, Op, Point, TableData,
-    TextureReader,
+    FrameInputs, Graph, Input, Interval, Level, LevelList, Node, NodeId, Op, Point, TableData, TextureReader,
 };
 use mariana_field::lang;
-use mariana_field::tape::{
-    Batch, GradientBatch, Instruction, PointEvaluator, Points, Tape, TapeError, TapeOptions,
-};
+use mariana_field::tape::{Batch, GradientBatch, PointEvaluator, Points, Tape};
 use mariana_field::world::{World, WorldError};
 
 use super::bytes::{Bytes, hash};
 use super::random::Random;
 use super::regions::{self, same};
-use super::{text, words};
+use super::text;
 
 /// Maximum number of steps in an expression.
 const STEPS_MAX: usize = 600;
@@ -115,9 +112,7 @@ fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec
 }
 
 /// The settings of a test, which are read from the start of an input.
-#[derive(Clone)]
 struct Head {
-    registers: usize,
     roots: usize,
     points: [Point; 3],
     frame: FrameInputs,
@@ -125,10 +120,7 @@ struct Head {
 
 impl Head {
     fn read(bytes: &mut Bytes) -> Self {
-        let (registers, roots) = (bytes.next(), 1 + bytes.below(13));
-        // Choose mostly few registers, so that values are spilled.
-        let registers =
-            if registers < 128 { 2 + usize::from(registers % 14) } else { usize::from(registers - 127) * 2 };
+        let roots = 1 + bytes.below(13);
         let mut frame = super::random::frame();
         frame.time = bytes.number();
         frame.levels[BAND] = bytes.number();
@@ -138,7 +130,7 @@ impl Head {
         frame.textures = Some(Arc::new(Stripes));
         let three = |bytes: &mut Bytes| std::array::from_fn(|_| bytes.number());
         let points = std::array::from_fn(|_| Point { position: three(bytes), normal: three(bytes) });
-        Self { registers, roots, points, frame }
+        Self { roots, points, frame }
     }
 }
 
@@ -159,51 +151,23 @@ fn assert_same(found: &[f32], wanted: &[f32], what: &str) {
     }
 }
 
-/// Checks encoding with few and many registers, and evaluation of clauses and interpreter words.
+/// Checks the evaluation of clauses.
 pub(crate) fn tape(data: &[u8]) {
-    for word in data.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])) {
-        // Each instruction has exactly one word.
-        if let Some(instruction) = Instruction::from_word(word) {
-            assert_eq!(Instruction::from_word(instruction.word()), Some(instruction), "{word:#x}");
-        }
-    }
     let mut bytes = Bytes(data);
     let head = Head::read(&mut bytes);
     let mut graph = Graph::new();
     let built = build(bytes, &mut graph, Kind::Any, false);
     let roots: Vec<NodeId> = built.iter().rev().take(head.roots).copied().collect();
-    let options = TapeOptions { registers: head.registers, ..TapeOptions::default() };
-    match Tape::build(&graph, &roots, &options) {
-        Ok(tape) => check_tape(&graph, &roots, &tape, &head),
-        Err(TapeError::TooManyOutputs { count, max }) => assert!(count > max),
-        Err(error) => panic!("{error}: {} registers, {} outputs", head.registers, roots.len()),
-    }
+    check_tape(&graph, &roots, &Tape::new(&graph, &roots), &head);
 }
 
 fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
-    assert!(
-        tape.registers() <= head.registers.max(1),
-        "{} registers of {}",
-        tape.registers(),
-        head.registers
-    );
-    assert!(tape.outputs().iter().all(|register| usize::from(*register) < tape.registers().max(1)));
     let frame = &head.frame;
-    let mut texels = vec![[7; 4]; 3];
-    tape.append_texels(frame, Compounds::ALL, &mut texels);
-    assert!(texels.len() <= 3 + tape.texels_max());
     let mut points = PointEvaluator::new(tape, frame);
     let mut rows: Vec<Vec<f32>> = Vec::new();
     for point in &head.points {
         let wanted = graph.evaluate(roots, point, frame);
         assert_same(points.at(point), &wanted, "tape");
-        let (registers, ends) = words::run(&texels, 3, point, frame);
-        let found: Vec<f32> =
-            tape.outputs().iter().map(|register| registers[usize::from(*register)] + 0.0).collect();
-        assert_same(&found, &wanted, "interpreter words");
-        for (end, register) in ends.iter().zip(tape.outputs()) {
-            assert_eq!(*end, usize::from(*register), "END has the wrong register");
-        }
         rows.push(wanted);
     }
     let columns: Vec<Vec<f32>> =
@@ -216,8 +180,8 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     }
 }
 
-/// Compares all evaluators of an expression: the raw, simplified and fused graph, tapes, interpreter words, batches,
-/// dual numbers and intervals. Also tests region trees and naga with the expression as the shape of a scene.
+/// Compares all evaluators of an expression: the raw, simplified and fused graph, tapes, batches, dual
+/// numbers and intervals. Also tests region trees and naga with the expression as the shape of a scene.
 pub(crate) fn differential(data: &[u8]) {
     let mut bytes = Bytes(data);
     let head = Head::read(&mut bytes);
@@ -229,11 +193,10 @@ pub(crate) fn differential(data: &[u8]) {
     let (plain, simple) = (last(&plain), last(&simple));
     let mut short = simple.clone();
     let fused = graph.fused(&mut short);
-    let options = TapeOptions { registers: head.registers.max(4), ..TapeOptions::default() };
     let frame = &head.frame;
     let [tape, _] = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
-        let tape = Tape::build(graph, roots, &options).unwrap();
-        check_tape(graph, roots, &tape, &Head { registers: options.registers, ..head.clone() });
+        let tape = Tape::new(graph, roots);
+        check_tape(graph, roots, &tape, &head);
         tape
     });
     for point in &head.points {

@@ -2,7 +2,7 @@
 
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::region::{RegionOptions, RegionPlan, Regions};
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::tape::{PointEvaluator, Tape};
 use mariana_field::world::World;
 
 use super::bytes::hash;
@@ -31,9 +31,8 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     if !world.has_rest {
         return;
     }
-    let options = TapeOptions::default();
-    let Ok(distance) = Tape::build(&world.graph, &world.roots.distance, &options) else { return };
-    let Ok(object) = Tape::build(&world.graph, &[world.roots.object], &options) else { return };
+    let distance = Tape::new(&world.graph, &world.roots.distance);
+    let object = Tape::new(&world.graph, &[world.roots.object]);
     if distance.clauses().len() > CLAUSES_MAX {
         return;
     }

@@ -80,14 +80,14 @@ pub(crate) fn world(data: &[u8]) -> Option<World> {
         Ok(world) => Some(world),
         Err(error @ (WorldError::Refused { .. } | WorldError::Text(_))) => panic!("{error}"),
         // The scene exceeds a limit.
-        Err(WorldError::Tape { .. }) => None,
+        Err(WorldError::TooLarge { .. }) => None,
     }
 }
 
 /// Compiles a scene to all forms that are drawn.
 pub(crate) fn scene(data: &[u8]) {
     let Some(world) = world(data) else { return };
-    let Ok(buffers) = world.tape_buffers() else { return };
+    let buffers = world.tape_buffers();
     let mut random = Random(hash(data));
     for _ in 0..2 {
         let inputs = frame_of(&world, &mut random);

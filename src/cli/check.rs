@@ -19,7 +19,7 @@ use mariana_field::lang::{
 };
 use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
-use mariana_field::tape::{Tape, TapeOptions};
+use mariana_field::tape::Tape;
 use mariana_field::world::World;
 
 #[derive(Args)]
@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             let (scene, FoundMistakes { diagnostics, sources }) = compile(&source)?;
-            let (name, cost) = (source.name(), cost(&scene)?);
+            let (name, cost) = (source.name(), cost(&scene));
             let words = moving(&scene).map(|(_, found)| found.unwrap_or_else(|grey| grey));
             let moving: String = words.map(|words| format!("\n  {words}")).collect();
             let world = drawable(&source, scene)?;
@@ -197,12 +197,12 @@ fn compile(source: &SceneSource) -> Result<(Scene, FoundMistakes), SceneError> {
 /// and the compiled program is too long.
 fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     let world = World::new(&source.name(), scene, Vec::new())?;
-    if !RegionPlan::new(&world).runs {
+    if !RegionPlan::new(&world).runs || !world.tape_buffers().runs {
         let variant = compiled_variant_of(&world, Counting::Off)?;
         ShaderLibrary::embedded().assemble(SCENE_SHADER, "", &variant).with_context(|| {
             format!(
-                "{} cannot be drawn: its distance needs more than 256 registers, so it must be compiled, and the \
-                 compiled program is too long: use fewer parts",
+                "{} cannot be drawn: it needs more than 256 registers, so it must be compiled, and the compiled \
+                 program is too long: use fewer parts",
                 source.name()
             )
         })?;
@@ -218,8 +218,8 @@ fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Result<String, St
     })
 }
 
-fn cost(scene: &Scene) -> anyhow::Result<String> {
-    let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
+fn cost(scene: &Scene) -> String {
+    let tape = Tape::new(&scene.graph, &[scene.distance]);
     let constants = tape
         .table()
         .iter()
@@ -328,7 +328,7 @@ mod tests {
 
     fn heard(source: &SceneSource) -> String {
         let Ok((scene, _)) = compile(source) else { panic!("{source:?} has mistakes") };
-        cost(&scene).unwrap().split("listens to ").nth(1).unwrap().to_owned()
+        cost(&scene).split("listens to ").nth(1).unwrap().to_owned()
     }
 
     #[test]

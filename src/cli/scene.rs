@@ -13,7 +13,7 @@ use crate::export::print::print_line;
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::Scene;
 use mariana_field::region::{ListedClause, RegionOptions, RegionPlan};
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::tape::{PointEvaluator, Tape};
 use mariana_field::world::World;
 
 #[derive(Args)]
@@ -63,7 +63,7 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
     } else if arguments.dot {
         scene.graph.to_dot(root)
     } else {
-        Tape::build(&scene.graph, &[root], &TapeOptions::default())?.to_string()
+        Tape::new(&scene.graph, &[root]).to_string()
     };
     Ok(print_line(text.trim_end())?)
 }
@@ -115,7 +115,7 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     let set = &arguments.set.set;
     require_inputs(&[&scene], set)?;
     held_of(&scene, set)?.apply(&mut frame);
-    let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
+    let tape = Tape::new(&scene.graph, &[scene.distance]);
     let mut evaluator = PointEvaluator::new(&tape, &frame);
     let mut print = |[x, y, z]: [f32; 3]| {
         let value = evaluator.at(&Point::at(x, y, z)).first().copied().unwrap_or(0.0);

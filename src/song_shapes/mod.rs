@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::scenes::SceneSource;
     use mariana_field::graph::{Interval, Point, SoundInput};
-    use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+    use mariana_field::tape::{PointEvaluator, Tape};
     use mariana_music::Sound;
 
     const LYRICS: &str = "[00:01.00]First words\n[00:02.00]Second\n[00:03.00]\n[00:04.00]First words";
@@ -195,7 +195,7 @@ mod tests {
 
     /// Distances at some points, and whether the bounds of boxes hold them.
     fn distances(world: &World, frame: &Frame) -> Vec<f32> {
-        let tape = Tape::build(&world.scene.graph, &[world.scene.distance], &TapeOptions::default()).unwrap();
+        let tape = Tape::new(&world.scene.graph, &[world.scene.distance]);
         let mut values = PointEvaluator::new(&tape, &frame.inputs);
         let points = (0..400).map(|at| ((at % 40) as f32 / 5.0 - 4.0, (at / 40) as f32 / 5.0 - 1.0));
         points

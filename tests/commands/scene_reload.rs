@@ -17,7 +17,7 @@ use std::time::{Duration, Instant, SystemTime};
 use mariana::scenes::{Loaded, Loader, SceneSource, TextureCache};
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::render_all;
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::tape::{PointEvaluator, Tape};
 use mariana_testing::process::WAIT_LIMIT;
 use tempfile::TempDir;
 
@@ -45,7 +45,7 @@ fn load(source: &SceneSource, cache: &mut TextureCache) -> (Seen, Vec<PathBuf>) 
         Ok(pictures) => pictures,
         Err(wrong) => return (Err(render_all(&wrong, &compiled.sources, false)), files),
     };
-    let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap();
+    let tape = Tape::new(&scene.graph, &[scene.distance]);
     let distance = PointEvaluator::new(&tape, &FrameInputs::default()).at(&Point::at(0.0, 0.0, 0.0))[0];
     (Ok((distance, pictures.iter().map(|picture| picture.width()).collect())), files)
 }

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::support::apart::apart;
 use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
@@ -12,8 +12,9 @@ use mariana::gpu::headless::Headless;
 use mariana_field::graph::{
     CELL_HASH_GLSL, Compound, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point,
 };
+use mariana_field::region::{Encoder, Formula, REGISTERS_MAX};
 use mariana_field::tape::interpreter::Variant;
-use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
+use mariana_field::tape::{PointEvaluator, Tape, glsl};
 use mariana_testing::probe::{List, drawn};
 
 const HEAD: &str = "#version 330 core
@@ -39,25 +40,36 @@ struct Programs {
     starts: Vec<f32>,
     regional: Vec<bool>,
     variant: Variant,
+    /// The registers of the last tape's outputs.
+    outputs: Vec<u8>,
 }
 
 impl Programs {
-    fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
-        let variant = Variant { compounds: Compounds::ALL, ..Variant::of(tapes, every_case) };
-        let (mut texels, mut starts) = (Vec::new(), Vec::new());
-        for tape in tapes {
+    /// Writes a tape for each list of roots.
+    fn new(graph: &Graph, tapes: &[&[NodeId]], frame: &FrameInputs, every_case: bool) -> Self {
+        let mut encoder = Encoder::new(Compounds::ALL, REGISTERS_MAX);
+        let (mut texels, mut starts, mut regional) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut operators, mut samples) = (BTreeSet::new(), 0);
+        for roots in tapes {
+            let used = graph.inputs_used(roots);
+            let textures = used.textures.last().map_or(0, |last| usize::from(*last) + 1);
+            let formula = Formula::new(graph, roots, Input::OF_POINT.len(), textures);
             starts.push(texels.len() as f32);
-            tape.append_texels(frame, Compounds::ALL, &mut texels);
+            let tape = formula.encode(frame, &mut encoder);
+            let highest = tape.as_flattened().iter().step_by(2).map(|word| word >> 8 & 255).max();
+            // A region's inputs are x, y, z and one more number.
+            let of_surface = used.inputs.contains(&Input::NY) || used.inputs.contains(&Input::NZ);
+            regional.push(!of_surface && textures == 0 && highest < Some(REGION_REGISTERS as u32));
+            texels.extend_from_slice(tape);
+            samples = samples.max(textures);
+            operators.extend(graph.order(roots).into_iter().filter_map(|id| match graph.node(id) {
+                Node::Unary(op, _) | Node::Binary(op, ..) => Some(op),
+                _ => None,
+            }));
         }
-        let regional = tapes.iter().map(|tape| {
-            // A region's inputs are x, y, z and one more number, in fixed registers.
-            let reads = |clause: &Instruction| match clause {
-                Instruction::Input { output, place } => *place >= 4 || output != place,
-                _ => false,
-            };
-            tape.memory() == 0 && tape.registers() <= REGION_REGISTERS && !tape.clauses().iter().any(reads)
-        });
-        Self { texels, starts, regional: regional.collect(), variant }
+        let (compounds, registers) = (Compounds::ALL, encoder.registers.max(12).next_power_of_two());
+        let variant = Variant { operators, compounds, registers, samples, textures: 0, every_case };
+        Self { texels, starts, regional, variant, outputs: encoder.outputs }
     }
 
     fn text(&self, main: &str) -> String {
@@ -224,13 +236,12 @@ fn run(
     point_reader: &PointReader,
     graph: &Graph,
     roots: &[NodeId],
-    options: &TapeOptions,
     every_case: bool,
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
 ) -> Interpreted {
-    let tapes: Vec<Tape> = roots.iter().map(|root| Tape::build(graph, &[*root], options).unwrap()).collect();
-    let programs = Programs::new(&tapes, &frame(), every_case);
+    let tapes: Vec<&[NodeId]> = roots.chunks(1).collect();
+    let programs = Programs::new(graph, &tapes, &frame(), every_case);
     let values = point_reader.draw(&programs.text(RUN), points, normals, Some(&programs));
     Interpreted { values, regional: programs.regional, columns: points.len() }
 }
@@ -270,9 +281,8 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
     let node_of = |op: Op| if op.arity() == 1 { Node::Unary(op, x) } else { Node::Binary(op, x, y) };
     let roots: Vec<NodeId> = Op::ALL.iter().map(|op| graph.raw(node_of(*op))).collect();
     let normals = vec![[0.0; 3]; roots.len()];
-    let options = TapeOptions::default();
-    let selected = run(&point_reader, &graph, &roots, &options, true, &points, &normals);
-    let switched = run(&point_reader, &graph, &roots, &options, false, &points, &normals);
+    let selected = run(&point_reader, &graph, &roots, true, &points, &normals);
+    let switched = run(&point_reader, &graph, &roots, false, &points, &normals);
     let compiled = point_reader.draw(&compiled_text(&graph, &roots), &points, &normals, None);
 
     let (frame, mut wrong, mut trusted) = (frame(), Vec::new(), vec![0; roots.len()]);
@@ -318,8 +328,7 @@ fn every_compound_agrees() {
     let normals = vec![[0.0; 3]; roots.len()];
     let frame = frame();
     for every_case in [true, false] {
-        let found =
-            run(&point_reader, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
+        let found = run(&point_reader, &graph, &roots, every_case, &points, &normals);
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
                 let right = flushed(compound.value(a, b, C, &frame));
@@ -383,7 +392,7 @@ fn random_expressions_agree() {
         (0..POINTS).map(|_| std::array::from_fn(|_| random.between(-4.0, 4.0))).collect();
     let normals: Vec<[f32; 3]> =
         roots.iter().map(|_| std::array::from_fn(|_| random.between(-1.0, 1.0))).collect();
-    let interpreted = run(&point_reader, &graph, &roots, &TapeOptions::default(), true, &points, &normals);
+    let interpreted = run(&point_reader, &graph, &roots, true, &points, &normals);
     let mut compiled = Vec::new();
     for (roots, normals) in roots.chunks(PER_SHADER).zip(normals.chunks(PER_SHADER)) {
         compiled.extend(point_reader.draw(&compiled_text(&graph, roots), &points, normals, None));
@@ -399,7 +408,7 @@ fn random_expressions_agree() {
                 *occurrences.entry(op.name()).or_default() += 1;
             }
         }
-        let tape = Tape::build(&graph, &[root], &TapeOptions::default()).unwrap();
+        let tape = Tape::new(&graph, &[root]);
         let mut evaluator = PointEvaluator::new(&tape, &frame);
         for (column, &position) in points.iter().enumerate() {
             let point = Point { position, normal: normals[row] };
@@ -432,8 +441,8 @@ fn random_expressions_agree() {
     assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
 }
 
-/// A sum of many products of distinct constants. The products are needed until the end, so they do not fit into the
-/// registers, and the tape's table has several pages. All operations are exact.
+/// A sum of many products of distinct constants. The products are needed until the end, so many do not fit into the
+/// registers of a region. All operations are exact.
 fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
     let inputs = [Input::X, Input::Y, Input::Z, Input::NX].map(|input| graph.input(input));
     let products: Vec<NodeId> = (0..terms)
@@ -449,34 +458,26 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
 }
 
 #[test]
-fn spills_and_pages_change_nothing() {
+fn any_number_of_registers_gives_the_same_values() {
     let point_reader = PointReader { context: Headless::new(false).unwrap() };
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
-    for (terms, registers, many) in
-        [(6, 4, false), (20, 8, false), (40, 16, false), (300, 256, true), (300, 8, true)]
-    {
+    for terms in [6, 20, 40, 100, 200] {
         let mut graph = Graph::new();
         let root = wide_expression(&mut graph, terms);
-        let options = TapeOptions { registers, ..TapeOptions::default() };
-        let tape = Tape::build(&graph, &[root], &options).unwrap();
-        assert!(
-            tape.memory() > 0 && (tape.table().len() > 256) == many,
-            "the tape of {terms} terms has no \
-            spills or the wrong number of constants"
-        );
+        let tape = Tape::new(&graph, &[root]);
         let frame = frame();
         let mut evaluator = PointEvaluator::new(&tape, &frame);
         for every_case in [true, false] {
-            let values = run(&point_reader, &graph, &[root], &options, every_case, &points, &normals);
+            let values = run(&point_reader, &graph, &[root], every_case, &points, &normals);
+            assert_eq!(values.regional, [terms <= 100]);
             for (column, &position) in points.iter().enumerate() {
                 let right = evaluator.at(&Point { position, normal: normals[0] })[0];
                 for (name, got) in values.at(0, column) {
                     assert!(
                         close(got, right, 1e-6, 0.0),
-                        "{terms} terms, {registers} registers, every case {every_case}, {name}: {got} \
-                         instead of {right}"
+                        "{terms} terms, every case {every_case}, {name}: {got} instead of {right}"
                     );
                 }
             }
@@ -496,8 +497,8 @@ fn textures_return_samples_and_outputs_are_in_their_registers() {
         let number = graph.constant(i as f32);
         graph.add(x, number)
     }));
-    let tape = Tape::build(&graph, &roots, &TapeOptions::default()).unwrap();
-    let registers: Vec<String> = tape.outputs().iter().map(|register| register.to_string()).collect();
+    let programs = |every_case| Programs::new(&graph, &[&roots], &frame(), every_case);
+    let registers: Vec<String> = programs(true).outputs.iter().map(u8::to_string).collect();
     let main = format!(
         "void main() {{
     for (int i = 0; i < 4 * SAMPLES; i++) sampled[i] = float(i);
@@ -509,7 +510,7 @@ fn textures_return_samples_and_outputs_are_in_their_registers() {
         registers.join(", ")
     );
     for every_case in [true, false] {
-        let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
+        let programs = programs(every_case);
         assert_eq!(programs.variant.samples, 7);
         let values = point_reader.draw(&programs.text(&main), &[[0.0; 3]; 12], &[[0.0; 3]], Some(&programs));
         let mut expected: Vec<f32> = (0..4).map(|channel| (4 * (channel + 3) + channel) as f32).collect();
@@ -522,15 +523,12 @@ fn textures_return_samples_and_outputs_are_in_their_registers() {
 fn glslang_accepts_every_kind_of_interpreter() {
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
-    let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();
-    let programs = Programs::new(&[tape], &frame(), true);
+    let programs = Programs::new(&graph, &[&[x]], &frame(), true);
     for every_case in [true, false] {
-        for (registers, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
+        for (registers, samples) in [(8, 0), (8, 2), (16, 12), (256, 1)] {
             let operators = Op::ALL.iter().copied().collect();
-            let inputs = memory > 0;
             let compounds = Compounds::ALL;
-            let variant =
-                Variant { operators, compounds, registers, memory, samples, textures: 0, inputs, every_case };
+            let variant = Variant { operators, compounds, registers, samples, textures: 0, every_case };
             let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
             if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
                 panic!("{variant:?}: {complaint}");

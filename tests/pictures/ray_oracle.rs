@@ -14,7 +14,7 @@ use mariana_field::graph::{FrameInputs, LevelList, Levels, SHAPE_STEP};
 use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
-use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
+use mariana_field::tape::{Clause, Instruction, Operand, Tape};
 use mariana_field::world::{Alignment, World};
 
 /// The growth of a pixel's cone per unit of distance, for 360 rows and 40 degrees.
@@ -210,40 +210,23 @@ struct Oracle<'a> {
 
 impl Oracle<'_> {
     fn over(&self, p: [Span; 3]) -> Span {
-        let (mut registers, mut memory) =
-            (vec![(0.0, 0.0); self.tape.registers()], vec![(0.0, 0.0); self.tape.memory()]);
-        for clause in self.tape.clauses() {
-            let entry = |number: u32| {
+        let value = |registers: &[Span], operand| match operand {
+            Operand::Register(register) => registers[register as usize],
+            Operand::Immediate(number) => {
                 let value = f64::from(self.table[number as usize]);
                 (value, value)
-            };
-            let of = |registers: &[Span], operand: Operand| match operand {
-                Operand::Register(register) => registers[usize::from(register)],
-                Operand::Immediate(number) => entry(number),
-            };
-            match *clause {
-                Instruction::Load { output, entry: number } => registers[usize::from(output)] = entry(number),
-                Instruction::Store { register, memory: to } => {
-                    memory[usize::from(to)] = registers[usize::from(register)]
-                }
-                Instruction::Reload { output, memory: from } => {
-                    registers[usize::from(output)] = memory[usize::from(from)]
-                }
-                Instruction::Input { output, place } => {
-                    registers[usize::from(output)] = p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0));
-                }
-                Instruction::Unary { op, output, a } => {
-                    let a = registers[usize::from(a)];
-                    registers[usize::from(output)] = operate(op.name(), a, a, self.frame);
-                }
-                Instruction::Binary { op, output, a, b } => {
-                    let (a, b) = (of(&registers, a), of(&registers, b));
-                    registers[usize::from(output)] = operate(op.name(), a, b, self.frame);
-                }
-                _ => {}
             }
+        };
+        let mut registers = vec![(0.0, 0.0); self.tape.registers()];
+        for Clause { instruction, output, operands } in self.tape.clauses() {
+            let [a, b] = operands.map(|operand| value(&registers, operand));
+            registers[*output as usize] = match *instruction {
+                Instruction::Input(place) => p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0)),
+                Instruction::Operator(op) => operate(op.name(), a, b, self.frame),
+                Instruction::Texture { .. } => continue,
+            };
         }
-        registers[usize::from(self.tape.outputs()[0])]
+        value(&registers, self.tape.outputs()[0])
     }
 
     /// The interval of the formula's values along a part of a ray, minus `margin` times the distance from the ray's
@@ -408,7 +391,7 @@ fn rays_wanted() -> usize {
 /// Fails if a traced ray hits a surface that does not exist, or misses a surface. Returns the number of rays that the
 /// oracle decided, and the number of rays that reached the step cap.
 fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
-    let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
+    let tape = Tape::new(&world.graph, &world.roots.distance[..1]);
     let plan = RegionPlan::new(world);
     let mut random = Random(11);
     // Each time needs a region tree, so a test with few rays uses a single time.

@@ -24,18 +24,19 @@ use fidget::eval::MathFunction;
 use fidget::vm::{VmFunction, VmShape};
 use mariana_field::graph::{Compounds, FrameInputs, Point};
 use mariana_field::lang::{compile, no_includes};
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::region::{Encoder, Formula, REGISTERS_MAX};
+use mariana_field::tape::{PointEvaluator, Tape};
 
 fn tape(text: &str) -> Tape {
     let scene = compile("bench.scene", text, &mut no_includes).scene.expect("the text is a scene");
-    Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
+    Tape::new(&scene.graph, &[scene.distance])
 }
 
 /// Returns the program for the distance in the scene `text`, as the texels that the interpreter shader reads.
 fn words(text: &str) -> Vec<[u32; 4]> {
-    let mut words = Vec::new();
-    tape(text).append_texels(&FrameInputs::default(), Compounds::NONE, &mut words);
-    words
+    let scene = compile("bench.scene", text, &mut no_includes).scene.expect("the text is a scene");
+    let formula = Formula::new(&scene.graph, &[scene.distance], 3, 0);
+    formula.encode(&FrameInputs::default(), &mut Encoder::new(Compounds::NONE, REGISTERS_MAX)).to_vec()
 }
 
 fn fidget_tape(text: &str) -> VmFunction {

@@ -4,9 +4,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, NodeId, Point};
+use mariana_field::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use mariana_field::lang::compile;
-use mariana_field::tape::{Batch, GradientBatch, PointEvaluator, Points, Tape, TapeOptions};
+use mariana_field::tape::{Batch, GradientBatch, PointEvaluator, Points, Tape};
 
 fn scene(graph: &mut Graph, count: usize) -> NodeId {
     let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
@@ -70,7 +70,7 @@ fn glsl(c: &mut Criterion) {
         b.iter(|| {
             let compiled = compile("bench", scene, &mut |_| Ok(text.clone()));
             let scene = compiled.scene?;
-            Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).ok()
+            Some(Tape::new(&scene.graph, &[scene.distance]))
         });
     });
 }
@@ -79,8 +79,7 @@ fn tape(c: &mut Criterion) {
     for count in [40, 400] {
         let mut graph = Graph::new();
         let root = scene(&mut graph, count);
-        let options = TapeOptions::default();
-        let Ok(tape) = Tape::build(&graph, &[root], &options) else { return };
+        let tape = Tape::new(&graph, &[root]);
         let clauses = tape.clauses().len() as u64;
         let mut group = c.benchmark_group(format!("tape_{clauses}_clauses"));
         group.throughput(Throughput::Elements(clauses));
@@ -90,17 +89,7 @@ fn tape(c: &mut Criterion) {
                 black_box(scene(&mut graph, count))
             });
         });
-        group.bench_function("build", |b| {
-            b.iter(|| {
-                Tape::build(&graph, &[root], &options).map(|tape| {
-                    let mut words = Vec::new();
-                    tape.append_texels(&FrameInputs::default(), Compounds::NONE, &mut words);
-                    words
-                })
-            })
-        });
-        let few = TapeOptions { registers: 8, ..options };
-        group.bench_function("build_in_8_slots", |b| b.iter(|| Tape::build(&graph, &[root], &few)));
+        group.bench_function("build", |b| b.iter(|| Tape::new(&graph, &[root])));
         let frame = FrameInputs::default();
         let mut points = PointEvaluator::new(&tape, &frame);
         group.bench_function("point", |b| b.iter(|| points.at(black_box(&Point::at(0.1, 0.2, 0.3)))[0]));

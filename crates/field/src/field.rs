@@ -3,7 +3,7 @@
 
 use crate::graph::{FrameInputs, Interval};
 use crate::region::{RegionOptions, RegionPlan, Regions};
-use crate::tape::{Batch, Points, Tape, TapeOptions};
+use crate::tape::{Batch, Points, Tape};
 use crate::world::{World, WorldError};
 
 /// A signed distance function, or any other function of a point, prepared for evaluation.
@@ -21,9 +21,7 @@ impl Field {
     /// [`limits`](crate::limits).
     pub fn parse(text: &str) -> Result<Self, WorldError> {
         let world = World::parse("field", text)?;
-        let scene = &world.scene;
-        let failed = |source| WorldError::Tape { scene: world.name.clone(), source };
-        let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).map_err(failed)?;
+        let tape = Tape::new(&world.scene.graph, &[world.scene.distance]);
         Ok(Self { world, tape })
     }
 

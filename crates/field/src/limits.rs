@@ -17,10 +17,6 @@ limits! {
     include_depth_max: usize = 16;
     /// Maximum number of distinct nodes in an expression graph (32 bytes each).
     graph_nodes_max: usize = 1 << 21;
-    /// Maximum number of clauses in a tape (20 bytes each, and 40 more while the tape is built).
-    tape_clauses_max: usize = 1 << 21;
-    /// Maximum number of memory slots to which the values of one tape are spilled.
-    tape_memory_max: usize = 1 << 16;
     /// Maximum number of bytes in a scene's text and its included files together.
     scene_bytes_max: usize = 1 << 20;
     /// Maximum number of tokens in a scene's text and its included files together.

@@ -31,7 +31,7 @@ impl SceneRenderer {
     pub fn new(gl: &Gl, world: World) -> Result<Self> {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world);
-        let (buffers, plan) = (Arc::new(world.tape_buffers()?), Arc::new(RegionPlan::new(&world)));
+        let (buffers, plan) = (Arc::new(world.tape_buffers()), Arc::new(RegionPlan::new(&world)));
         let (mode, cells) = (Mode::Compiled, CellUse::default());
         let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
         let program = link_scene(gl, &library, &variant)?;

@@ -14,7 +14,7 @@ use mariana_assets::TEXTURES;
 use mariana_field::graph::FrameInputs;
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, Span, TextureRef, nearest};
 use mariana_field::region::RegionPlan;
-use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
+use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World};
 
 use super::folder::{Folder, Refusal, ends_with_one_of};
 use super::shapes::ShapeCache;
@@ -39,13 +39,10 @@ pub struct ReadyScene {
 
 impl ReadyScene {
     /// Prepares a world.
-    ///
-    /// # Errors
-    /// Fails if the world exceeds a limit.
-    fn of(world: World) -> Result<Self, WorldError> {
-        let buffers = Arc::new(world.tape_buffers()?);
+    fn of(world: World) -> Self {
+        let buffers = Arc::new(world.tape_buffers());
         let plan = Arc::new(RegionPlan::new(&world));
-        Ok(Self { world: Arc::new(world), buffers, plan, settles: false, warnings: Arc::default() })
+        Self { world: Arc::new(world), buffers, plan, settles: false, warnings: Arc::default() }
     }
 
     /// Blends this scene with the scene `to`, which is moved to `alignment`. The default fraction of `to` is
@@ -60,7 +57,7 @@ impl ReadyScene {
         alignment: &Alignment,
         fraction: f32,
     ) -> Result<Self, BlendError> {
-        Ok(Self::of(World::blend(&self.world, &to.world, kind, alignment, fraction)?)?)
+        Ok(Self::of(World::blend(&self.world, &to.world, kind, alignment, fraction)?))
     }
 }
 
@@ -151,7 +148,7 @@ impl SceneSource {
         let (scene, pictures, mut warnings) = self.with_pictures(compiled, textures)?;
         let world = World::new(&self.name(), scene, pictures)?;
         warnings.diagnostics.extend(world.warning().into_iter().chain(world.feedback_warning()));
-        Ok(ReadyScene { warnings: Arc::new(warnings), ..ReadyScene::of(world)? })
+        Ok(ReadyScene { warnings: Arc::new(warnings), ..ReadyScene::of(world) })
     }
 
     fn mistakes(&self, diagnostics: Vec<Diagnostic>, sources: Sources) -> SceneError {
@@ -184,11 +181,11 @@ pub struct SceneBlend {
 }
 
 impl SeenScene {
-    fn seen(&self, ready: ReadyScene) -> Result<ReadyScene, SceneError> {
-        Ok(match camera_number(&ready.world, self.camera.as_deref()) {
-            Some(camera) => ReadyScene { world: Arc::new(ready.world.seen_by(camera)?), ..ready },
+    fn seen(&self, ready: ReadyScene) -> ReadyScene {
+        match camera_number(&ready.world, self.camera.as_deref()) {
+            Some(camera) => ReadyScene { world: Arc::new(ready.world.seen_by(camera)), ..ready },
             None => ready,
-        })
+        }
     }
 }
 
@@ -198,7 +195,7 @@ impl SceneBlend {
     /// # Errors
     /// Fails if the two scenes together exceed a limit.
     pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
-        let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
+        let (from, to) = (self.from.seen(from), self.to.seen(to));
         // Use the cameras' values in silence, because values in music depend on where playback began.
         let camera = |scene: &ReadyScene| {
             let params = scene.world.scene.params.iter().map(|param| param.default).collect();

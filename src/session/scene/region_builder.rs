@@ -137,7 +137,7 @@ mod tests {
     }
 
     fn maker_of(world: &World) -> RegionMaker {
-        let (plan, buffers) = (RegionPlan::new(world).into(), world.tape_buffers().unwrap().into());
+        let (plan, buffers) = (RegionPlan::new(world).into(), world.tape_buffers().into());
         RegionMaker { plan, buffers, last: None }
     }
 

@@ -235,7 +235,7 @@ mod tests {
     fn both_cameras_of_a_fade_within_one_scene_get_a_tree() {
         let context = Headless::new(false).unwrap();
         let world = World::parse("test", TWO_CAMERAS).unwrap();
-        let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
+        let (buffers, plan) = (world.tape_buffers(), RegionPlan::new(&world));
         let scene =
             SceneResources::upload(context.gl(), None, world.into(), buffers.into(), plan.into()).unwrap();
         let (woken, wakes) = channel();

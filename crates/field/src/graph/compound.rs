@@ -313,28 +313,12 @@ pub(crate) struct Operation {
     pub(crate) b: Arg,
 }
 
-pub(crate) trait Values {
-    /// Returns the operation that computes a value, or `None` for inputs and other values without an operator.
-    fn operation(&self, value: u32) -> Option<Operation>;
-    /// True if a value is read exactly once.
-    fn is_own(&self, value: u32) -> bool;
-}
-
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
     pub(crate) compound: Compound,
     /// The values that the compound reads from registers. If it reads only one register, both values are the same.
     pub(crate) registers: [u32; 2],
     pub(crate) number: f32,
-    absorbed: [u32; PARTS_MAX],
-    absorbed_count: usize,
-}
-
-impl Found {
-    /// Returns the intermediate values, which only this compound reads.
-    pub(crate) fn absorbed(&self) -> &[u32] {
-        self.absorbed.get(..self.absorbed_count).unwrap_or(&[])
-    }
 }
 
 /// The operands found so far while a compound is matched with a tape.
@@ -344,8 +328,6 @@ struct Bound {
     b: Option<u32>,
     c: Option<f32>,
     quarter: Option<f32>,
-    absorbed: [u32; PARTS_MAX],
-    absorbed_count: usize,
 }
 
 /// For each operator number, the compounds that may end with that operator.
@@ -389,26 +371,29 @@ const fn insert(table: &mut [u32; 128], op: Op, compound: Compound) {
 }
 
 impl Compounds {
-    /// Returns the compound of this set that matches the operations up to `last` and has the most parts.
+    /// Returns the compound of this set that matches the operations up to `last` and has the most parts. `own` returns
+    /// the operation of a value that is read exactly once.
     #[inline]
-    pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
+    pub(crate) fn find(self, own: impl Fn(u32) -> Option<Operation>, last: Operation) -> Option<Found> {
         let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
         let rooted = self.0 & by_op(&ROOTED, last.op);
         if rooted == 0 {
             return None;
         }
         let before = |operand: Arg| match operand {
-            Arg::Value(value) if values.is_own(value) => {
-                values.operation(value).map_or(0, |operation| by_op(&BEFORE_LAST, operation.op))
-            }
-            _ => 0,
+            Arg::Value(value) => own(value).map_or(0, |operation| by_op(&BEFORE_LAST, operation.op)),
+            Arg::Number(_) => 0,
         };
         let candidates = rooted & (before(last.a) | before(last.b));
-        if candidates == 0 { None } else { find_among(candidates, values, last) }
+        if candidates == 0 { None } else { find_among(candidates, &own, last) }
     }
 }
 
-fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Option<Found> {
+fn find_among(
+    mut candidates: u32,
+    own: &impl Fn(u32) -> Option<Operation>,
+    last: Operation,
+) -> Option<Found> {
     let mut best: Option<Found> = None;
     while candidates != 0 {
         let number = FIRST_COMPOUND + candidates.trailing_zeros() as u8;
@@ -419,7 +404,7 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
         }
         let parts = compound.parts();
         let mut bound = Bound::default();
-        if !fit(values, parts, parts.len() - 1, last, false, &mut bound) {
+        if !fit(own, parts, parts.len() - 1, last, false, &mut bound) {
             continue;
         }
         let c = bound.c.unwrap_or(0.0);
@@ -427,13 +412,7 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
         if quarter.is_some_and(|quarter| quarter != 0.25 / c) {
             continue;
         }
-        best = Some(Found {
-            compound,
-            registers: [a, bound.b.unwrap_or(a)],
-            number: c,
-            absorbed: bound.absorbed,
-            absorbed_count: bound.absorbed_count,
-        });
+        best = Some(Found { compound, registers: [a, bound.b.unwrap_or(a)], number: c });
     }
     best
 }
@@ -441,7 +420,7 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
 /// Matches a part with an operation, and adds the operands that the part reads to `bound`. Returns false if they do not
 /// match; `bound` is then meaningless. If `negated` is set, the operation's number must have the opposite sign.
 fn fit(
-    values: &impl Values,
+    own: &impl Fn(u32) -> Option<Operation>,
     parts: &[Part],
     place: usize,
     Operation { op, a, b }: Operation,
@@ -450,12 +429,12 @@ fn fit(
 ) -> bool {
     let Some(&part) = parts.get(place) else { return false };
     let both = |for_a: Arg, for_b: Arg, bound: &mut Bound| {
-        fit_operand(values, parts, part.a, for_a, negated, bound)
-            && fit_operand(values, parts, part.b, for_b, negated, bound)
+        fit_operand(own, parts, part.a, for_a, negated, bound)
+            && fit_operand(own, parts, part.b, for_b, negated, bound)
     };
     if part.op == op {
         if op.arity() == 1 {
-            return fit_operand(values, parts, part.a, a, negated, bound);
+            return fit_operand(own, parts, part.a, a, negated, bound);
         }
         let before = *bound;
         if both(a, b, bound) {
@@ -472,8 +451,8 @@ fn fit(
         (Op::Add, Op::Sub, Arg::Value(_), Arg::Value(product)) => {
             let times_number = two(Op::Mul, Reads::A, Reads::C);
             matches!(part.a, Reads::Part(earlier) if parts.get(earlier) == Some(&times_number))
-                && fit_operand(values, parts, part.b, a, negated, bound)
-                && fit_operand(values, parts, part.a, Arg::Value(product), true, bound)
+                && fit_operand(own, parts, part.b, a, negated, bound)
+                && fit_operand(own, parts, part.a, Arg::Value(product), true, bound)
         }
         _ => false,
     }
@@ -481,7 +460,7 @@ fn fit(
 
 /// As [`fit`], for one operand.
 fn fit_operand(
-    values: &impl Values,
+    own: &impl Fn(u32) -> Option<Operation>,
     parts: &[Part],
     reads: Reads,
     arg: Arg,
@@ -500,12 +479,8 @@ fn fit_operand(
             true
         }
         (Reads::Always(always), Arg::Number(number)) => always == number,
-        (Reads::Part(earlier), Arg::Value(value)) if values.is_own(value) => {
-            let Some(absorbed) = bound.absorbed.get_mut(bound.absorbed_count) else { return false };
-            *absorbed = value;
-            bound.absorbed_count += 1;
-            let operation = values.operation(value);
-            operation.is_some_and(|operation| fit(values, parts, earlier, operation, negated, bound))
+        (Reads::Part(earlier), Arg::Value(value)) => {
+            own(value).is_some_and(|operation| fit(own, parts, earlier, operation, negated, bound))
         }
         _ => false,
     }
@@ -515,7 +490,7 @@ fn fit_operand(
 mod tests {
     use super::super::{Input, Point};
     use super::*;
-    use crate::tape::{Tape, TapeOptions};
+    use crate::region::{Encoder, Formula, REGISTERS_MAX};
 
     fn only(compound: Compound) -> Compounds {
         let mut one = Compounds::NONE;
@@ -524,9 +499,9 @@ mod tests {
     }
 
     fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
-        let tape = Tape::build(graph, &[root], &TapeOptions::default()).unwrap();
-        let mut texels = Vec::new();
-        tape.append_texels(&FrameInputs::default(), compounds, &mut texels);
+        let formula = Formula::new(graph, &[root], Input::OF_POINT.len(), 0);
+        let mut encoder = Encoder::new(compounds, REGISTERS_MAX);
+        let texels = formula.encode(&FrameInputs::default(), &mut encoder);
         let words = texels.iter().flat_map(|texel| [texel[0], texel[2]]);
         words.map(|word| word as u8).filter(|opcode| *opcode != crate::tape::opcode::END).collect()
     }

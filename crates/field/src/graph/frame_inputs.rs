@@ -84,16 +84,11 @@ impl FrameInputs {
     /// Returns bounds of an input: a single value, unless these are the inputs of all frames ([`FrameInputs::any`]).
     pub fn bounds(&self, input: Input) -> Interval {
         let Some(own) = &self.ranges else { return Interval::point(self.value(input)) };
+        let within = |(lo, hi)| Interval { lo, hi };
         match input {
             Input::T => Interval { lo: 0.0, hi: TIME_MAX },
-            Input::Sound(input) => {
-                let (lo, hi) = input.range();
-                Interval { lo, hi }
-            }
-            Input::Level(level) => {
-                let (lo, hi) = level.range();
-                Interval { lo, hi }
-            }
+            Input::Sound(input) => within(input.range()),
+            Input::Level(level) => within(level.range()),
             Input::Param(i) => own.params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::Motion(i) => own.motions.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,

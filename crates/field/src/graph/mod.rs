@@ -31,7 +31,7 @@ mod table_extremes;
 mod unit_input;
 
 pub use build::{NoTerm, PRODUCT_EXPONENT_MAX, Pending, Term};
-pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
+pub(crate) use compound::{Arg, Operation, Uses};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, OwnRanges, TextureReader};

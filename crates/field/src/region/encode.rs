@@ -12,14 +12,15 @@
 //! Compounds ([`Compound`]) are formed after pruning, so that pruning still sees every minimum and maximum.
 
 use super::program::{Arg, Form, Program, Step, refill};
-use crate::graph::{Compound, Compounds, Operation, Uses, Values};
+use crate::graph::{Compound, Compounds, Uses};
 use crate::tape::interpreter::{IMMEDIATE, end_of, is_rare};
 use crate::tape::opcode;
 
-pub(super) const REGISTERS_MAX: usize = 256;
+/// Maximum number of registers.
+pub const REGISTERS_MAX: usize = 256;
 
 /// Four words: two clauses with their immediates.
-pub(super) type Texel = [u32; 4];
+pub type Texel = [u32; 4];
 
 /// A clause before its registers are known.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +36,9 @@ struct Clause {
     number: f32,
 }
 
+/// Encodes programs, one after the other.
 #[derive(Debug, Default)]
-pub(super) struct Encoder {
+pub struct Encoder {
     compounds: Compounds,
     registers_max: usize,
     /// The clauses of the program, last first.
@@ -50,10 +52,11 @@ pub(super) struct Encoder {
     sampled: Vec<bool>,
     pub(super) texels: Vec<Texel>,
     /// The largest number of registers that a program has needed so far.
-    pub(super) registers: usize,
+    pub registers: usize,
     /// Number of clauses of the last program.
     pub(super) clauses: usize,
-    pub(super) outputs: Vec<u8>,
+    /// The registers of the last program's outputs.
+    pub outputs: Vec<u8>,
 }
 
 impl Clause {
@@ -69,47 +72,23 @@ impl Clause {
     }
 }
 
-struct Uncompounded<'a> {
-    program: &'a Program,
-    uses: &'a [u8],
-}
-
-impl Values for Uncompounded<'_> {
-    #[inline]
-    fn operation(&self, value: u32) -> Option<Operation> {
-        self.program.step(value).map(|step| step.operation())
-    }
-
-    #[inline]
-    fn is_own(&self, value: u32) -> bool {
-        self.uses.get(value as usize) == Some(&1)
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooManyRegisters;
-
 impl Encoder {
     /// Creates an encoder with a limit on registers. Compounds read operands later than separate operators do, so they
     /// may need more registers. A program that exceeds the limit is encoded again without compounds.
-    pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
+    pub fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self { compounds, registers_max, ..Self::default() }
     }
 
-    pub(super) fn encode(
-        &mut self,
-        program: &Program,
-        outputs: &[usize],
-    ) -> Result<&[Texel], TooManyRegisters> {
+    /// `None` if the program needs too many registers.
+    pub(super) fn encode(&mut self, program: &Program, outputs: &[usize]) -> Option<&[Texel]> {
         let root = |root: &usize| program.roots.get(*root).copied().unwrap_or(Arg::Number(0.0));
         let roots: Vec<Arg> = outputs.iter().map(root).collect();
         let mut highest = self.encode_with(self.compounds, program, &roots);
         if self.compounds != Compounds::NONE && highest.is_none_or(|highest| highest > self.registers_max) {
             highest = self.encode_with(Compounds::NONE, program, &roots);
         }
-        let highest = highest.filter(|highest| *highest <= self.registers_max).ok_or(TooManyRegisters)?;
-        self.registers = self.registers.max(highest);
-        Ok(&self.texels)
+        self.registers = self.registers.max(highest.filter(|highest| *highest <= self.registers_max)?);
+        Some(&self.texels)
     }
 
     pub(super) fn count(&self, uses: &mut Uses) {
@@ -131,28 +110,20 @@ impl Encoder {
         }
         let mut highest = program.in_registers;
         let mut half = false;
-        let list = std::mem::take(&mut self.list);
         self.sampled.clear();
         self.sampled.resize(program.inputs - program.in_registers, false);
-        for clause in list.iter().rev() {
+        for place in (0..self.list.len()).rev() {
+            let clause = self.list[place];
             for value in [clause.a, clause.b] {
                 if (value as usize) < program.inputs {
-                    highest = highest
-                        .max(self.sample(value, program, &mut free, &mut half).unwrap_or(REGISTERS_MAX + 1));
+                    highest = highest.max(self.sample(value, program, &mut free, &mut half)?);
                 }
-            }
-            if highest > REGISTERS_MAX {
-                self.list = list;
-                return None;
             }
             let [a, b] = [clause.a, clause.b].map(|value| self.register[value as usize]);
             for (value, register) in [(clause.a, a), (clause.b, b)] {
                 free.give_if(self.last_use[value as usize] == clause.at, register);
             }
-            let Some(output) = free.allocate() else {
-                self.list = list;
-                return None;
-            };
+            let output = free.allocate()?;
             highest = highest.max(usize::from(output) + 1);
             self.register[clause.at as usize] = output;
             let a = if clause.reads[0] { a } else { IMMEDIATE };
@@ -160,7 +131,6 @@ impl Encoder {
             let word = u32::from_le_bytes([clause.opcode, output, a, b]);
             self.write(word, clause.number, clause.rare, &mut half);
         }
-        self.list = list;
         self.outputs.clear();
         let mut numbers: Vec<(u32, u8)> = Vec::new();
         for root in roots {
@@ -230,7 +200,8 @@ impl Encoder {
             if self.last_use[at as usize] == 0 {
                 continue;
             }
-            let found = compounds.find(&Uncompounded { program, uses: &self.uses }, step.operation());
+            let own = |value: u32| program.step(value).filter(|_| self.uses[value as usize] == 1);
+            let found = compounds.find(|value| own(value).map(|step| step.operation()), step.operation());
             let clause = match found {
                 Some(found) => Clause {
                     at,

@@ -7,7 +7,7 @@
 use std::rc::Rc;
 
 use super::gradient::Linear;
-use super::lanes::{CELLS, Lanes, bound, mask};
+use super::lanes::{CELLS, Lanes, bound, bounds_of, mask};
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use crate::bounds::Bounds;
@@ -43,8 +43,8 @@ pub(crate) struct EveryFrame<'a> {
     structure: Structure,
     decisions: ChoiceTrace,
     scratch: Scratch,
-    /// The distance in the boxes that have just been bounded.
-    root: Arg,
+    /// Lower bounds of the distance in the boxes that have just been bounded.
+    low: [f32; CELLS],
 }
 
 impl<'a> EveryFrame<'a> {
@@ -100,7 +100,10 @@ impl<'a> EveryFrame<'a> {
         let root = places[distance.index()].unwrap_or(Arg::Number(f32::NAN));
         program.roots = vec![root, root, Arg::Number(0.0)];
         let (structure, decisions, scratch) = Default::default();
-        (Self { any, rows, structure, decisions, scratch, root }, Rc::new(BoxProgram(program)))
+        (
+            Self { any, rows, structure, decisions, scratch, low: [f32::NAN; CELLS] },
+            Rc::new(BoxProgram(program)),
+        )
     }
 
     /// Returns the boxes that may contain a surface or a solid, as a mask. If there are fewer than 64 boxes, the last
@@ -114,20 +117,14 @@ impl<'a> EveryFrame<'a> {
             }
         }
         bound(program, &mut self.rows, self.any);
-        self.root = program.roots[BOUND];
+        self.low = bounds_of(program, BOUND, &self.rows).lo;
         // A lower bound of NaN says nothing, so such a box may contain a surface.
-        !match self.root {
-            Arg::Value(value) => mask(|lane| self.rows[value as usize].lo[lane] > 0.0),
-            Arg::Number(number) => mask(|_| number > 0.0),
-        }
+        !mask(|lane| self.low[lane] > 0.0)
     }
 
     /// Returns the lower bound of the distance in a box that has just been bounded.
     pub(crate) fn low(&self, lane: usize) -> f32 {
-        match self.root {
-            Arg::Value(value) => self.rows[value as usize].lo[lane],
-            Arg::Number(number) => number,
-        }
+        self.low[lane]
     }
 
     /// Returns a common program for some of the boxes that [`EveryFrame::open`] has just bounded.

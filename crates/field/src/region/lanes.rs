@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::blend::SmoothMin;
-use super::program::{Form, Program};
+use super::program::{Arg, Form, Program};
 use crate::graph::{self, FrameInputs, Interval};
 
 /// Number of cells that are processed at once: all children of one cell.
@@ -105,6 +105,14 @@ fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
         if let Some(blend) = SmoothMin::of(program, step) {
             blend.narrow(before, result);
         }
+    }
+}
+
+/// Returns the bounds of a program's root in each cell, given those of its values.
+pub(super) fn bounds_of(program: &Program, root: usize, rows: &[Lanes]) -> Lanes {
+    match program.roots[root] {
+        Arg::Value(value) => rows[value as usize],
+        Arg::Number(number) => Lanes::splat(Interval::point(number)),
     }
 }
 

@@ -1,9 +1,10 @@
 //! A grid over a frame's media: for each cell, an upper bound of the density, so that rays skip empty space.
 
-use super::RegionKey;
-use super::lanes::{CELLS, Lanes, bound};
-use super::program::Arg;
-use super::surface::{Over, SurfacePlan, place_of};
+use super::formula::Numbers;
+use super::lanes::{CELLS, Lanes, bound, bounds_of};
+use super::program::INPUTS;
+use super::surface::place_of;
+use super::{Formula, RegionKey};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, Interval, NodeId};
 use crate::rays::DENSEST;
@@ -20,7 +21,7 @@ const GLOWING: f32 = 1e-9;
 /// The parts of a world's grids that all frames share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MediumPlan {
-    plan: SurfacePlan,
+    formula: Formula,
     bounds: Bounds,
 }
 
@@ -46,12 +47,12 @@ impl MediumPlan {
     /// Creates the plan of media: `roots` are their density and the emitted light in red, green and blue, and `bounds` is a
     /// box around them, whose sides may be infinite.
     pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Self {
-        Self { plan: SurfacePlan::new(graph, &roots, 0, Over::Points), bounds }
+        Self { formula: Formula::new(graph, &roots, INPUTS, 0), bounds }
     }
 
     /// Returns the inputs that determine a frame's grid.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
-        self.plan.key(inputs)
+        self.formula.key(inputs)
     }
 
     /// Builds the grid of a frame. `center` is its centre along axes on which the media have no bound.
@@ -63,7 +64,7 @@ impl MediumPlan {
             low[axis] = low[axis].max(center[axis].min(high) - REACH);
             size[axis] = (high - low[axis]).max(1e-3);
         }
-        let program = self.plan.folded(inputs);
+        let program = self.formula.folded(&Numbers::Of(inputs), inputs);
         let mut rows = vec![Lanes::splat(Interval::point(0.0)); program.inputs];
         let mut densities = Vec::with_capacity(MEDIUM_SIDE.pow(3));
         for first in (0..MEDIUM_SIDE.pow(3)).step_by(CELLS) {
@@ -76,13 +77,9 @@ impl MediumPlan {
                 }
             }
             bound(&program, &mut rows, inputs);
-            let highest = |root: usize, lane: usize| match program.roots.get(root) {
-                Some(Arg::Value(value)) => rows.get(*value as usize).map_or(f32::NAN, |row| row.hi[lane]),
-                Some(Arg::Number(number)) => *number,
-                None => f32::NAN,
-            };
+            let [density, light @ ..] = [0, 1, 2, 3].map(|root| bounds_of(&program, root, &rows).hi);
             densities.extend((0..CELLS).map(|lane| {
-                let [density, light] = [highest(0, lane), (1..4).map(|root| highest(root, lane)).sum()];
+                let (density, light) = (density[lane], light.iter().map(|part| part[lane]).sum::<f32>());
                 match (density <= 0.0, light <= 0.0) {
                     (true, true) => 0.0,
                     (true, false) => GLOWING,

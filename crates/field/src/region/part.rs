@@ -6,9 +6,10 @@ use std::hash::BuildHasherDefault;
 
 use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
-use super::lanes::{CELLS, Lanes, cells_of, mask};
+use super::lanes::{CELLS, Lanes, bounds_of, cells_of, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
+use super::read::clauses;
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
 use super::tree::{Brick, RegionStats, Scale, Trunk, bound_cells, place_in};
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
@@ -143,7 +144,7 @@ impl<'a> Part<'a> {
         let trunk = self.trunk;
         for (number, root) in trunk.roots.iter().enumerate() {
             self.scale = root.scale;
-            let bounds = bounds_of(&trunk.program, &root.rows);
+            let bounds = bounds_of(&trunk.program, BOUND, &root.rows);
             for &group in &root.groups {
                 // Distribute neighbouring blocks over the parts, because neighbours take about the same time.
                 let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
@@ -221,7 +222,7 @@ impl<'a> Part<'a> {
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
         self.stats.passes += 1;
         bound_cells(program, block, self.scale.overlap, &mut level.rows, trunk.frame);
-        let bounds = bounds_of(program, &level.rows);
+        let bounds = bounds_of(program, BOUND, &level.rows);
         // A cell whose bound is NaN may contain a surface. A cell that is solid throughout contains no surface.
         let outside = mask(|cell| bounds.lo[cell] > self.scale.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > self.scale.margin);
@@ -468,13 +469,8 @@ impl<'a> Part<'a> {
         self.written.heads.push(self.written.texels.len());
         self.written.texels.push([object_tape, 0, 0, 0]);
         self.written.texels.extend_from_slice(tape.texels);
-        let is_clause = |word: &&u32| **word & 255 != 0;
         self.stats.tapes += 1;
-        self.stats.clauses += tape
-            .texels
-            .iter()
-            .map(|[first, _, second, _]| [first, second].iter().filter(|word| is_clause(word)).count())
-            .sum::<usize>();
+        self.stats.clauses += clauses(tape.texels);
         let second = (at + 1) | tape.object << 24;
         self.known.insert(tape.program, second);
         Some(second)
@@ -483,7 +479,7 @@ impl<'a> Part<'a> {
     /// Writes a texel with the address of the object's tape, then a new tape. Returns the address of the new tape.
     fn stored(&mut self, program: &Program, roots: &[usize], object_tape: Option<u32>) -> Option<u32> {
         let before = usize::from(object_tape.is_some());
-        let count = self.encoder.encode(program, roots).ok()?.len();
+        let count = self.encoder.encode(program, roots)?.len();
         let at = self.address(before + count)?;
         if let Some(object) = object_tape {
             self.written.heads.push(self.written.texels.len());
@@ -491,14 +487,6 @@ impl<'a> Part<'a> {
         }
         self.written.texels.extend_from_slice(&self.encoder.texels);
         Some(at + before as u32)
-    }
-}
-
-/// The distances of 64 cells, from the values of a program in them.
-fn bounds_of(program: &Program, rows: &[Lanes]) -> Lanes {
-    match program.roots[BOUND] {
-        Arg::Value(value) => rows[value as usize],
-        Arg::Number(number) => Lanes::splat(Interval::point(number)),
     }
 }
 

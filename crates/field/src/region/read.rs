@@ -1,9 +1,10 @@
 //! Reads a tree on the CPU in the same way as the shaders, for tests and for tracing without a GPU.
 
+use super::encode::Texel;
 use super::tree::{PENUMBRA_MAX, Regions};
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, gradient};
-use crate::graph::{Compound, FrameInputs, Input, Interval};
-use crate::tape::{Instruction, Operand, opcode};
+use crate::graph::{Compound, FrameInputs, Interval, Op};
+use crate::tape::opcode;
 
 /// A cell of the tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +21,19 @@ pub struct Cell {
     pub low: [f32; 3],
     /// Upper corner.
     pub high: [f32; 3],
+}
+
+/// Returns the texels of the tape that begins at a texel; none if it does not end.
+pub(super) fn tape_at(texels: &[Texel], first: u32) -> &[Texel] {
+    let from = texels.get(first as usize..).unwrap_or(&[]);
+    let end = from.iter().position(|texel| texel[2] & 255 == u32::from(opcode::END));
+    end.map_or(&[], |end| &from[..=end])
+}
+
+/// Number of clauses of a tape. Its end is none, nor is an empty first clause of a texel.
+pub(super) fn clauses(tape: &[Texel]) -> usize {
+    let words = tape.as_flattened().iter().step_by(2);
+    words.filter(|word| *word & 255 != u32::from(opcode::END)).count()
 }
 
 impl Regions {
@@ -69,16 +83,7 @@ impl Regions {
 
     /// Number of clauses of the tape that begins at a texel.
     pub fn clauses_of(&self, tape: u32) -> u64 {
-        let mut clauses = 0;
-        for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
-            let numbers = [texel[0], texel[2]].map(|word| word.to_le_bytes()[0]);
-            // The first clause of a texel can be empty.
-            clauses += numbers.iter().filter(|number| **number != opcode::END).count() as u64;
-            if numbers[1] == opcode::END {
-                break;
-            }
-        }
-        clauses
+        clauses(tape_at(&self.texels, tape)) as u64
     }
 
     /// Returns bound and estimate at `point`, computed by the tape of the point's cell.
@@ -107,16 +112,48 @@ impl Regions {
             *register = Interval { lo: *low, hi: *high };
         }
         registers[3] = Interval { lo: 0.0, hi: PENUMBRA_MAX };
-        let mut listed = Vec::new();
-        for texel in self.texels.get(cell.tape as usize..).unwrap_or(&[]) {
-            for [word, immediate] in texel.as_chunks::<2>().0 {
-                listed.extend(list(*word, f32::from_bits(*immediate), &mut registers, frame));
+        let clauses = tape_at(&self.texels, cell.tape).as_flattened().as_chunks::<2>().0;
+        let listed =
+            |[word, immediate]: &[u32; 2]| list(*word, f32::from_bits(*immediate), &mut registers, frame);
+        clauses.iter().filter_map(listed).collect()
+    }
+}
+
+pub(super) enum Computes {
+    Load,
+    Texture,
+    Operator(Op),
+    Compound(Compound),
+}
+
+/// A word of a tape.
+pub(super) struct Clause {
+    pub(super) computes: Computes,
+    pub(super) output: u8,
+    /// The registers that are read; `None` for the immediate.
+    reads: [Option<u8>; 2],
+}
+
+impl Clause {
+    /// Returns the clause of a word; `None` for an end or an empty clause.
+    pub(super) fn of(word: u32) -> Option<Self> {
+        let [code, output, a, b] = word.to_le_bytes();
+        let (a, b) = (Some(a), Some(b));
+        let (computes, reads) = match (code, Compound::from_number(code)) {
+            (opcode::LOAD, _) => (Computes::Load, [None; 2]),
+            (opcode::TEXTURE, _) => (Computes::Texture, [None; 2]),
+            (_, Some(compound)) => (Computes::Compound(compound), [a, b]),
+            _ => {
+                let (number, reads) = match code & 0xC0 {
+                    0 => (code, [a, a]),
+                    0x40 => (code, [a, b]),
+                    0x80 => (code - opcode::REGISTER_IMMEDIATE, [a, None]),
+                    _ => (code - opcode::IMMEDIATE_REGISTER, [None, b]),
+                };
+                (Computes::Operator(Op::from_number(number)?), reads)
             }
-            if texel[2] & 255 == u32::from(opcode::END) {
-                break;
-            }
-        }
-        listed
+        };
+        Some(Self { computes, output, reads })
     }
 }
 
@@ -128,39 +165,18 @@ pub(crate) fn run_texels(
     samples: &[f32],
     frame: &FrameInputs,
 ) -> [f32; 2] {
-    let inputs: [f32; 6] = std::array::from_fn(|place| registers[place]);
     for texel in texels {
-        for [word, immediate] in texel.as_chunks::<2>().0 {
-            let immediate = f32::from_bits(*immediate);
-            let [number, output, a, b] = word.to_le_bytes();
-            if let Some(compound) = Compound::from_number(number) {
-                let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
-                registers[usize::from(output)] = compound.value(a, b, immediate, frame);
-                continue;
-            }
-            let Some(instruction) = Instruction::from_word(*word) else { continue };
-            let of = |registers: &[f32; 256], operand: Operand| match operand {
-                Operand::Register(register) => registers[usize::from(register)],
-                Operand::Immediate(_) => immediate,
+        for [word, bits] in texel.as_chunks::<2>().0 {
+            let Some(Clause { computes, output, reads }) = Clause::of(*word) else { continue };
+            let immediate = f32::from_bits(*bits);
+            let [a, b] =
+                reads.map(|read| read.map_or(immediate, |register| registers[usize::from(register)]));
+            registers[usize::from(output)] = match computes {
+                Computes::Load => immediate,
+                Computes::Texture => samples.get(*bits as usize).copied().unwrap_or(0.0),
+                Computes::Operator(op) => op.value(a, b, frame),
+                Computes::Compound(compound) => compound.value(a, b, immediate, frame),
             };
-            match instruction {
-                Instruction::Unary { op, output, a } => {
-                    registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
-                }
-                Instruction::Binary { op, output, a, b } => {
-                    registers[usize::from(output)] = op.value(of(registers, a), of(registers, b), frame);
-                }
-                Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
-                Instruction::Texture { output, .. } => {
-                    let sampled = samples.get(immediate.to_bits() as usize);
-                    registers[usize::from(output)] = sampled.copied().unwrap_or(0.0);
-                }
-                Instruction::Input { output, place } => {
-                    debug_assert!(usize::from(place) < Input::OF_POINT.len());
-                    registers[usize::from(output)] = inputs.get(usize::from(place)).copied().unwrap_or(0.0);
-                }
-                _ => {}
-            }
         }
         if texel[2] & 255 == u32::from(opcode::END) {
             let [_, _, first, second] = texel[2].to_le_bytes();
@@ -193,34 +209,18 @@ fn list(
     registers: &mut [Interval; 256],
     frame: &FrameInputs,
 ) -> Option<ListedClause> {
-    let slot = |register: u8| format!("slot {register}");
-    let [number, output, a, b] = word.to_le_bytes();
-    let at = |registers: &[Interval; 256], register: u8| registers[usize::from(register)];
-    let (operator, operands, output, bounds) = if let Some(compound) = Compound::from_number(number) {
-        let bounds = compound.bounds(at(registers, a), at(registers, b), immediate, frame);
-        (compound.name(), vec![slot(a), slot(b), immediate.to_string()], output, bounds)
-    } else {
-        let of = |operand: Operand| match operand {
-            Operand::Register(register) => (slot(register), at(registers, register)),
-            Operand::Immediate(_) => (immediate.to_string(), Interval::point(immediate)),
-        };
-        match Instruction::from_word(word)? {
-            Instruction::Unary { op, output, a } => {
-                let bounds = op.bounds(at(registers, a), Interval::point(0.0), frame);
-                (op.name(), vec![slot(a)], output, bounds)
-            }
-            Instruction::Binary { op, output, a, b } => {
-                let ((a, of_a), (b, of_b)) = (of(a), of(b));
-                (op.name(), vec![a, b], output, op.bounds(of_a, of_b, frame))
-            }
-            Instruction::Load { output, .. } => {
-                ("LOAD", vec![immediate.to_string()], output, Interval::point(immediate))
-            }
-            Instruction::Input { output, place } => ("INPUT", vec![place.to_string()], output, Interval::ANY),
-            Instruction::Texture { output, .. } => ("TEXTURE", Vec::new(), output, Interval::ANY),
-            _ => return None,
-        }
+    let Clause { computes, output, reads } = Clause::of(word)?;
+    let of = |read: Option<u8>| read.map(|register| registers[usize::from(register)]);
+    let [a, b] = reads.map(|read| of(read).unwrap_or(Interval::point(immediate)));
+    let (operator, operands, bounds) = match computes {
+        Computes::Load => ("LOAD", 1, Interval::point(immediate)),
+        Computes::Texture => ("TEXTURE", 0, Interval::ANY),
+        Computes::Operator(op) => (op.name(), op.arity(), op.bounds(a, b, frame)),
+        Computes::Compound(compound) => (compound.name(), 3, compound.bounds(a, b, immediate, frame)),
     };
+    let shown =
+        |read: Option<u8>| read.map_or_else(|| immediate.to_string(), |register| format!("slot {register}"));
+    let operands = reads.into_iter().chain([None]).map(shown).take(operands).collect();
     registers[usize::from(output)] = bounds;
     Some(ListedClause { operator, operands, output, bounds })
 }

@@ -13,6 +13,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use super::encode::Texel;
 use super::program::Program;
+use super::read::tape_at;
 use super::tree::{Brick, Regions};
 use crate::graph::{Node, NodeId, Op, Properties, ShapeAtlas};
 
@@ -71,9 +72,7 @@ impl<'a> Before<'a> {
     }
 
     fn texels_of(self, first: u32) -> Option<&'a [Texel]> {
-        let from = self.0.texels.get(first as usize..)?;
-        let end = from.iter().position(|texel| texel[2] & 255 == 0)?;
-        from.get(..=end)
+        Some(tape_at(&self.0.texels, first)).filter(|tape| !tape.is_empty())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::tests::{LATTICE, MANY, inputs_of, point};
 use super::*;
+use crate::graph::TableData;
 use crate::world::testing::{SPEAKERS, world_of};
 
 const NON_LIPSCHITZ: &str = "

@@ -10,17 +10,18 @@
 use std::collections::HashMap;
 
 use super::encode::{Encoder, Texel};
+use super::formula::Numbers;
 use super::lanes::{CELLS, Lanes, bound, cells_of, mask};
-use super::program::{Arg, Program, Structure};
+use super::program::{Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::tree::place_in;
-use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
-use crate::graph::{Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId};
+use super::{DIVIDED, Formula, ROOT_SIDE, Regions};
+use crate::graph::{FrameInputs, Input, Interval};
 
 /// Number of cells of a grid along each axis.
 pub(crate) const SIDE: usize = 8;
-/// Number of values before the first step: the point and the normal.
-const OF_POINT: usize = Input::OF_POINT.len();
+/// Number of values of the point: position and normal.
+pub(crate) const OF_POINT: usize = Input::OF_POINT.len();
 /// Largest coordinate at which anything is drawn.
 const FARTHEST: f32 = 1e7;
 /// Overlap of cells, as a fraction of their size and their distance from the origin. Shaders round differently, so they
@@ -150,12 +151,8 @@ impl Regions {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SurfacePlan {
-    nodes: Vec<(usize, Node)>,
-    graph_nodes: usize,
-    roots: Vec<usize>,
-    textures: usize,
-    over: Over,
-    reads: Reads,
+    pub(crate) formula: Formula,
+    pub(crate) over: Over,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -176,44 +173,8 @@ pub(crate) struct ShortTapes {
 }
 
 impl SurfacePlan {
-    /// Creates the plan of a graph's roots. Textures have no coordinates here: they are sampled beforehand.
-    pub(crate) fn new(graph: &Graph, roots: &[NodeId], textures: usize, over: Over) -> Self {
-        Self {
-            nodes: graph.order(roots).iter().map(|id| (id.index(), graph.node(*id))).collect(),
-            graph_nodes: graph.len(),
-            roots: roots.iter().map(|root| root.index()).collect(),
-            textures,
-            over,
-            reads: Reads::of(graph, roots),
-        }
-    }
-
     pub(crate) fn may_become_shorter(&self) -> bool {
-        (WHOLE_MAX + 1..=NODES_MAX).contains(&self.nodes.len())
-    }
-
-    pub(crate) fn key(&self, frame: &FrameInputs) -> RegionKey {
-        self.reads.key(frame)
-    }
-
-    pub(super) fn folded(&self, frame: &FrameInputs) -> Program {
-        let mut program = Program {
-            inputs: OF_POINT + 4 * self.textures,
-            in_registers: OF_POINT,
-            steps: Vec::with_capacity(self.nodes.len()),
-            roots: Vec::new(),
-        };
-        let of_point = |node: Node| match node {
-            Node::Input(input) => input.of_point().map_or(Arg::Number(0.0), |place| Arg::Value(place as u32)),
-            Node::Texture { texture, channel, .. } => {
-                Arg::Value(OF_POINT as u32 + 4 * u32::from(texture) + u32::from(channel))
-            }
-            _ => Arg::Number(0.0),
-        };
-        let numbers = Numbers::Of(frame);
-        let places = fold(&mut program, &self.nodes, self.graph_nodes, &numbers, frame, of_point);
-        program.roots = self.roots.iter().map(|root| places[*root]).collect();
-        program
+        (WHOLE_MAX + 1..=NODES_MAX).contains(&self.formula.len())
     }
 }
 
@@ -239,8 +200,7 @@ impl<'a> Shortener<'a> {
         frame: &'a FrameInputs,
         grid: Grid,
         surfaces: Option<Surfaces>,
-        compounds: Compounds,
-        registers: usize,
+        encoder: Encoder,
         room: usize,
     ) -> Self {
         let may_meet = |cell: usize| {
@@ -254,7 +214,7 @@ impl<'a> Shortener<'a> {
             asked: (0..SIDE.pow(3)).map(may_meet).collect(),
             room,
             nodes: NODES_MAX,
-            encoder: Encoder::new(compounds, registers),
+            encoder,
             rows: Vec::new(),
             decisions: ChoiceTrace::default(),
             scratch: Scratch::default(),
@@ -269,9 +229,9 @@ impl<'a> Shortener<'a> {
             Over::Directions => Grid::of_box([-1.0; 3], [1.0; 3]),
         };
         let mut short = ShortTapes { grid, ..ShortTapes::default() };
-        let Some(nodes) = self.nodes.checked_sub(plan.nodes.len()) else { return short };
+        let Some(nodes) = self.nodes.checked_sub(plan.formula.len()) else { return short };
         let Some(room) = self.room.checked_sub(GRID_TEXELS) else { return short };
-        let program = plan.folded(self.frame);
+        let program = plan.formula.folded(&Numbers::Of(self.frame), self.frame);
         if program.steps.len() <= WHOLE_MAX {
             short.saved = Some(0.0);
             return short;
@@ -388,7 +348,7 @@ impl<'a> Shortener<'a> {
         let outputs: Vec<usize> = (0..program.roots.len()).collect();
         let beside = beside(program);
         let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
-        let fits = texels.ok().filter(|texels| {
+        let fits = texels.filter(|texels| {
             let texels = texels.len() + beside;
             texels as f32 <= SHORTER_FRACTION * whole as f32 && texels <= self.room
         });

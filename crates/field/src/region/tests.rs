@@ -1,9 +1,10 @@
 use crate::graph::{LevelList, SoundInput, SoundInputs};
 use proptest::prelude::*;
 
+use super::read::{Clause, Computes};
 use super::*;
-use crate::graph::{Point, testing};
-use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
+use crate::graph::{Input, Point, testing};
+use crate::tape::{PointEvaluator, Tape, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
 pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
@@ -38,8 +39,8 @@ pub(super) fn assert_regions_are_right(world: &World, inputs: &FrameInputs, poin
     let plan = RegionPlan::new(world);
     let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
     let regions = plan.build(inputs, &options);
-    let tape = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
-    let object = Tape::build(&world.graph, &[world.roots.object], &TapeOptions::default()).unwrap();
+    let tape = Tape::new(&world.graph, &world.roots.distance);
+    let object = Tape::new(&world.graph, &[world.roots.object]);
     let (mut whole, mut whole_object) =
         (PointEvaluator::new(&tape, inputs), PointEvaluator::new(&object, inputs));
     let (mut texels, mut asked_near) = (0.0, 0.0);
@@ -312,10 +313,7 @@ fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
         );
         for texel in &tree.texels[tree.whole_tape as usize..][..tree.stats.whole_clauses / 2] {
             for word in [texel[0], texel[2]] {
-                use crate::tape::Instruction;
-                if let Some(Instruction::Unary { op, output, .. } | Instruction::Binary { op, output, .. }) =
-                    Instruction::from_word(word)
-                {
+                if let Some(Clause { computes: Computes::Operator(op), output, .. }) = Clause::of(word) {
                     assert!(plan.variant.operators.contains(&op), "{op:?} at {time} s");
                     assert!(usize::from(output) < plan.variant.registers);
                 }
@@ -422,7 +420,7 @@ fn cells_hold_the_slopes_in_them() {
         let inputs = inputs_of(&world, 3.5, 0.8);
         let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3], eye: None };
         let regions = RegionPlan::new(&world).build(&inputs, &options);
-        let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
+        let tape = Tape::new(&world.graph, &world.roots.distance[..1]);
         let mut gradients = crate::tape::GradientBatch::new(&tape, &inputs);
         let (mut seen, mut close, mut slack) = (0, 0, 0.0);
         for number in 0..60_000 {
@@ -495,5 +493,44 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
             let wanted = graph.evaluate(&roots, &Point::at(at[0], at[1], at[2]), &frame);
             assert!(testing::same(tree.distance(at, 0.0, &frame)[0], wanted[0]), "{at:?}: {}", wanted[0]);
         }
+    }
+}
+
+fn texels_of(graph: &Graph, root: crate::graph::NodeId) -> Vec<Texel> {
+    let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
+    Formula::new(graph, &[root], 2, 0).encode(&FrameInputs::default(), &mut encoder).to_vec()
+}
+
+#[test]
+fn words_match_the_table_in_the_documentation_of_tapes() {
+    let mut graph = Graph::new();
+    let [x, y] = [Input::X, Input::Y].map(|input| graph.input(input));
+    let [one, half] = [1.0, 0.5].map(|number| graph.constant(number));
+    let radius = graph.length(&[x, y]);
+    let (outer, inner) = (graph.sub(radius, one), graph.sub(half, radius));
+    let root = graph.max(outer, inner);
+    // Bytes from the highest: input_b, input_a, output, opcode. Immediates follow their clauses.
+    let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
+    let expected = [
+        [0x00_00_00_18, 0, 0x01_01_01_18, 0], // SQUARE = 24
+        [0x01_00_00_40, 0, 0x00_00_00_19, 0], // ADD = 64, SQRT = 25
+        // SUB = 65, + 64: register 0 - immediate, and + 128: immediate - register 0.
+        [0x80_00_01_81, one, 0x00_80_00_C1, half],
+        [0x00_01_00_45, 0, 0x00_00_00_00, 0], // MAX = 69, END
+    ];
+    assert_eq!(texels_of(&graph, root), expected);
+}
+
+#[test]
+fn end_and_rare_operators_are_second_in_their_texels() {
+    let mut graph = Graph::new();
+    let mut node = graph.input(Input::X);
+    for length in 0..9 {
+        let texels = texels_of(&graph, node);
+        let (last, others) = texels.split_last().unwrap();
+        assert_eq!(*last, [0; 4]);
+        assert_eq!(others.len(), length);
+        assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
+        node = graph.unary(Op::Sin, node);
     }
 }

@@ -8,12 +8,13 @@
 //! tape.
 
 use super::encode::{Encoder, Texel};
+use super::formula::Numbers;
 use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
 use super::reuse::{Before, Memory};
-use super::{BRICK_SIDE, Numbers, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionPlan, RegionVariant};
+use super::{BRICK_SIDE, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionPlan, RegionVariant};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Interval};
 use crate::rays::WITHOUT_GLASS;
@@ -167,7 +168,7 @@ impl RegionPlan {
         parts: usize,
         run: impl FnOnce(&mut [Part]),
     ) -> Regions {
-        let program = self.folded(&Numbers::Of(frame), frame);
+        let program = self.formula.folded(&Numbers::Of(frame), frame);
         let variant = &self.variant;
         let has_rest = self.has_rest && (self.runs || variant.non_lipschitz);
         let bounds =
@@ -289,11 +290,11 @@ impl Trunk<'_> {
     fn write_whole(&mut self) {
         let mut encoder = self.encoder();
         // A program that needs too many registers has no tape here. The plan has already reported this.
-        if let Ok(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
+        if let Some(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
             self.whole.object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
         }
-        if let Ok(texels) = encoder.encode(&self.program, &[BOUND, ESTIMATE]) {
+        if let Some(texels) = encoder.encode(&self.program, &[BOUND, ESTIMATE]) {
             self.texels.push([self.whole.object, 0, 0, 0]);
             self.whole.tape = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
@@ -374,7 +375,7 @@ pub(super) fn bound_cells(
     bound(program, rows, frame);
 }
 
-pub(super) const fn place_in(cell: usize) -> [usize; 3] {
+pub(crate) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 

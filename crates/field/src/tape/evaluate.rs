@@ -1,8 +1,7 @@
 //! Evaluation of tapes on the CPU. The same generic code computes with numbers, batches of numbers, intervals or dual
 //! numbers.
 
-use super::Tape;
-use super::clause::{Instruction, Operand};
+use super::{Clause, Instruction, Operand, Tape};
 use crate::graph::{FrameInputs, Kernel, Op, Point, Properties};
 
 /// Points that [`Batch`] computes at once.
@@ -12,8 +11,8 @@ pub(super) trait Domain {
     type Value: Copy;
     fn constant(&self, number: f32) -> Self::Value;
     fn input(&self, place: usize) -> Self::Value;
-    fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value;
-    fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// If the operator takes one operand, `b` is `a`.
+    fn operator(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value;
     fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
 }
 
@@ -21,58 +20,46 @@ pub(super) trait Domain {
 pub(super) struct Machine<'a, V> {
     pub(super) tape: &'a Tape,
     pub(super) registers: Vec<V>,
-    memory: Vec<V>,
     table: Vec<f32>,
 }
 
 impl<'a, V: Copy> Machine<'a, V> {
     pub(super) fn new(tape: &'a Tape, frame: &FrameInputs, zero: V) -> Self {
-        let (registers, memory) = (vec![zero; tape.registers.max(1)], vec![zero; tape.memory]);
-        Self { tape, registers, memory, table: tape.table_values(frame) }
+        Self { tape, registers: vec![zero; tape.registers], table: tape.table_values(frame) }
+    }
+
+    /// Returns an output after a run.
+    pub(super) fn output(&self, output: Operand, domain: &impl Domain<Value = V>) -> V {
+        match output {
+            Operand::Register(register) => self.registers[register as usize],
+            Operand::Immediate(entry) => domain.constant(self.table[entry as usize]),
+        }
     }
 
     #[inline(always)]
     pub(super) fn run(&mut self, domain: &mut impl Domain<Value = V>) {
-        let Self { tape, registers, memory, table } = self;
-        for clause in &tape.clauses {
-            match *clause {
-                Instruction::Load { output, entry } => {
-                    registers[usize::from(output)] = domain.constant(table[entry as usize]);
+        let Self { tape, registers, table } = self;
+        for Clause { instruction, output, operands: [a, b] } in &tape.clauses {
+            let (first, second);
+            let a = match *a {
+                Operand::Register(register) => &registers[register as usize],
+                Operand::Immediate(entry) => {
+                    first = domain.constant(table[entry as usize]);
+                    &first
                 }
-                Instruction::Store { register, memory: to } => {
-                    memory[usize::from(to)] = registers[usize::from(register)]
+            };
+            let b = match *b {
+                Operand::Register(register) => &registers[register as usize],
+                Operand::Immediate(entry) => {
+                    second = domain.constant(table[entry as usize]);
+                    &second
                 }
-                Instruction::Reload { output, memory: from } => {
-                    registers[usize::from(output)] = memory[usize::from(from)];
-                }
-                Instruction::Texture { output, texture, channel, u, v } => {
-                    let (u, v) = (&registers[usize::from(u)], &registers[usize::from(v)]);
-                    registers[usize::from(output)] = domain.texture(texture, channel, u, v);
-                }
-                Instruction::Input { output, place } => {
-                    registers[usize::from(output)] = domain.input(usize::from(place));
-                }
-                Instruction::Unary { op, output, a } => {
-                    registers[usize::from(output)] = domain.unary(op, &registers[usize::from(a)]);
-                }
-                Instruction::Binary { op, output, a, b } => {
-                    let value = match (a, b) {
-                        (Operand::Register(a), Operand::Register(b)) => {
-                            domain.binary(op, &registers[usize::from(a)], &registers[usize::from(b)])
-                        }
-                        (Operand::Register(a), Operand::Immediate(b)) => {
-                            let b = domain.constant(table[b as usize]);
-                            domain.binary(op, &registers[usize::from(a)], &b)
-                        }
-                        (Operand::Immediate(a), Operand::Register(b)) => {
-                            let a = domain.constant(table[a as usize]);
-                            domain.binary(op, &a, &registers[usize::from(b)])
-                        }
-                        (Operand::Immediate(_), Operand::Immediate(_)) => continue,
-                    };
-                    registers[usize::from(output)] = value;
-                }
-            }
+            };
+            registers[*output as usize] = match *instruction {
+                Instruction::Input(place) => domain.input(usize::from(place)),
+                Instruction::Texture { texture, channel } => domain.texture(texture, channel, a, b),
+                Instruction::Operator(op) => domain.operator(op, a, b),
+            };
         }
     }
 }
@@ -97,9 +84,10 @@ impl<'a> PointEvaluator<'a> {
         let [position, normal] =
             [&point.position, &point.normal].map(|v| v.each_ref().map(std::slice::from_ref));
         let points = Points { position, normal: Some(normal) };
-        self.machine.run(&mut Lanes { points, start: 0, frame: self.frame });
-        for (value, &register) in self.outputs.iter_mut().zip(&self.machine.tape.outputs) {
-            *value = self.machine.registers[usize::from(register)][0] + 0.0;
+        let mut domain = Lanes { points, start: 0, frame: self.frame };
+        self.machine.run(&mut domain);
+        for (value, output) in self.outputs.iter_mut().zip(&self.machine.tape.outputs) {
+            *value = self.machine.output(*output, &domain)[0] + 0.0;
         }
         &self.outputs
     }
@@ -168,11 +156,7 @@ impl<const LANES: usize> Domain for Lanes<'_, LANES> {
         self.points.lanes(place, self.start)
     }
     #[inline(always)]
-    fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value {
-        self.binary(op, a, a)
-    }
-    #[inline(always)]
-    fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value {
+    fn operator(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value {
         // Sums over the history read a table many times, often at the same place for all points.
         let is_same = |lanes: &Self::Value| lanes.iter().all(|lane| lane.to_bits() == lanes[0].to_bits());
         if op.properties().has(Properties::READS_FRAME) && is_same(a) && is_same(b) {
@@ -203,14 +187,14 @@ impl<'a> Batch<'a> {
     /// Returns the values at `points`, a vector per output, bit for bit equal to the values of [`PointEvaluator`].
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
         let count = points.count();
-        let registers = &self.machine.tape.outputs;
-        let mut outputs: Vec<Vec<f32>> = registers.iter().map(|_| Vec::with_capacity(count)).collect();
+        let tape = self.machine.tape;
+        let mut outputs: Vec<Vec<f32>> = tape.outputs.iter().map(|_| Vec::with_capacity(count)).collect();
         for start in (0..count).step_by(BATCH) {
             let mut domain = Lanes { points, start, frame: self.frame };
             self.machine.run(&mut domain);
             let lanes = BATCH.min(count - start);
-            for (values, &register) in outputs.iter_mut().zip(registers) {
-                let row = &self.machine.registers[usize::from(register)];
+            for (values, output) in outputs.iter_mut().zip(&tape.outputs) {
+                let row = self.machine.output(*output, &domain);
                 values.extend(row[..lanes].iter().map(|value| value + 0.0));
             }
         }

@@ -79,17 +79,7 @@ impl Domain for Lanes<'_> {
         let gradient = std::array::from_fn(|axis| [if axis == place { 1.0 } else { 0.0 }; LANES]);
         Duals { value: self.inputs[place], gradient }
     }
-    fn unary(&mut self, op: Op, a: &Duals) -> Duals {
-        let Values { value, by_a, .. } = Values::of(op, &a.value, &[0.0; LANES], self.frame);
-        let mut duals = Duals { value, ..Duals::ZERO };
-        for (part, of_a) in duals.gradient.iter_mut().zip(&a.gradient) {
-            for lane in 0..LANES {
-                part[lane] = along(by_a[lane], of_a[lane]);
-            }
-        }
-        duals
-    }
-    fn binary(&mut self, op: Op, a: &Duals, b: &Duals) -> Duals {
+    fn operator(&mut self, op: Op, a: &Duals, b: &Duals) -> Duals {
         let Values { value, by_a, by_b, .. } = Values::of(op, &a.value, &b.value, self.frame);
         let mut duals = Duals { value, ..Duals::ZERO };
         for ((part, of_a), of_b) in duals.gradient.iter_mut().zip(&a.gradient).zip(&b.gradient) {
@@ -128,7 +118,7 @@ impl<'a> GradientBatch<'a> {
     /// without outputs gives no duals.
     pub fn run(&mut self, positions: &[[f32; 3]], duals: &mut Vec<Dual>) {
         duals.clear();
-        let Some(&register) = self.machine.tape.outputs.first() else { return };
+        let Some(&output) = self.machine.tape.outputs.first() else { return };
         for some in positions.chunks(LANES) {
             let mut inputs = [[0.0; LANES]; 6];
             for (lane, position) in some.iter().enumerate() {
@@ -136,8 +126,9 @@ impl<'a> GradientBatch<'a> {
                     input[lane] = *value;
                 }
             }
-            self.machine.run(&mut Lanes { inputs, frame: self.frame });
-            let found = &self.machine.registers[usize::from(register)];
+            let mut domain = Lanes { inputs, frame: self.frame };
+            self.machine.run(&mut domain);
+            let found = self.machine.output(output, &domain);
             duals.extend((0..some.len()).map(|lane| found.at(lane)));
         }
     }

@@ -1,14 +1,12 @@
 //! Input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the generated text of a variant.
 //!
-//! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate. If an operand
-//! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits. The
-//! shader therefore needs no pages and no table, and LOAD means register := immediate. A TEXTURE clause reads a sample
-//! that was taken before the tape runs; its immediate is four times the texture's number plus the channel. Inputs of
-//! the point are left out if the interpreter starts with them in the right registers. A first clause that is 0 does
-//! nothing. The second clause of the last texel is END, with the registers of the first two outputs in bytes 2 and 3.
-//! Rare operators ([`is_rare`]) are always second in a texel; the shader computes them between runs of texels. A
-//! compound ([`Compound`]) replaces several clauses if the registers still hold the clauses' operands. A scene's set of
-//! compounds is chosen once, for all frames.
+//! **Texels.** `region::encode` writes two clauses into a texel, each followed by its immediate. If an operand is a
+//! number, its byte is [`IMMEDIATE`] and the immediate holds the number as float bits. The shader therefore needs no
+//! pages and no table. A TEXTURE clause reads a sample that was taken before the tape runs. The inputs of the point are
+//! in the first registers from the start. A first clause that is 0 does nothing. The second clause of the last texel is
+//! END, with the registers of the first two outputs in bytes 2 and 3. Rare operators ([`is_rare`]) are always second in a
+//! texel; the shader computes them between runs of texels. A compound ([`Compound`]) replaces several clauses. A scene's
+//! set of compounds is chosen once, for all frames.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. With `EVERY_CASE`, for renderers that never skip
 //! a branch (llvmpipe), all cases are computed and the bits of the operator's number select the result
@@ -25,18 +23,15 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 pub(crate) use super::clause::IMMEDIATE;
-use super::compounds::{Clause, RunClauses};
 use super::glsl::{fill, literal};
+use super::opcode;
 use super::select;
 pub(crate) use super::select::rounded_registers;
-use super::{Instruction, Tape, opcode};
-use crate::graph::{Compound, Compounds, FrameInputs, Op, Properties, Uses};
+use crate::graph::{Compound, Compounds, Op, Properties};
 use crate::limits::LIMITS;
 
 /// Number of registers without the bit of [`IMMEDIATE`].
 pub(super) const REGISTERS_WITHOUT_BIT: usize = IMMEDIATE as usize;
-/// A number to which no simplification applies.
-const TYPICAL: f32 = 0.618_034;
 
 /// Opcodes that are not operators. They give their first operand as the result.
 const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
@@ -51,68 +46,6 @@ pub(crate) fn end_of([first, second]: [u8; 2]) -> u32 {
     u32::from_le_bytes([opcode::END, first, first, second])
 }
 
-impl Tape {
-    /// Appends the tape as texels, with the numbers of a frame.
-    pub fn append_texels(&self, frame: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
-        let mut first: Option<[u32; 2]> = None;
-        let mut clauses = RunClauses::of(self, &self.table_values(frame));
-        clauses.compound(compounds, self.outputs());
-        for Clause { word, immediate, second, .. } in clauses.kept() {
-            match first.take() {
-                Some([before, its]) => texels.push([before, its, *word, *immediate]),
-                None if *second => texels.push([0, 0, *word, *immediate]),
-                None => first = Some([*word, *immediate]),
-            }
-        }
-        let [word, its] = first.unwrap_or_default();
-        let output = |place: usize| self.outputs().get(place).copied().unwrap_or(0);
-        texels.push([word, its, end_of([output(0), output(1)]), 0]);
-    }
-
-    /// Returns the compounds that save more than they cost in `tapes`, for any values of the inputs in the tables.
-    pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape>) -> Compounds {
-        let runs: Vec<(&Tape, RunClauses)> = tapes
-            .map(|tape| {
-                // Only constants have known values here, inputs do not.
-                let table: Vec<f32> =
-                    tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
-                (tape, RunClauses::of(tape, &table))
-            })
-            .collect();
-        Compounds::that_pay(|compounds| {
-            let mut uses = Uses::default();
-            for (tape, clauses) in &runs {
-                let mut clauses = clauses.clone();
-                clauses.compound(compounds, tape.outputs());
-                for clause in clauses.kept() {
-                    uses.add(Compound::from_number(clause.word as u8));
-                }
-            }
-            uses
-        })
-    }
-
-    /// Returns an upper bound of the texels that [`Tape::append_texels`] appends.
-    pub fn texels_max(&self) -> usize {
-        self.clauses().len() + 1
-    }
-
-    /// Returns the clauses, except inputs that are in their registers from the start.
-    pub(super) fn run_clauses(&self) -> impl Iterator<Item = Instruction> + '_ {
-        let is_there =
-            |clause: &Instruction| matches!(clause, Instruction::Input { output, place } if output == place);
-        self.clauses.iter().copied().skip_while(is_there)
-    }
-}
-
-pub(super) fn is_second(instruction: Instruction) -> bool {
-    match instruction {
-        Instruction::Unary { op, .. } | Instruction::Binary { op, .. } => is_rare(op),
-        Instruction::Store { .. } | Instruction::Reload { .. } | Instruction::Texture { .. } => true,
-        _ => false,
-    }
-}
-
 /// The features of an interpreter. They determine its text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Variant {
@@ -122,14 +55,10 @@ pub struct Variant {
     pub compounds: Compounds,
     /// Registers, 8 to 256: a power of two, or a result of [`rounded_registers`] if every case is computed.
     pub registers: usize,
-    /// Memory slots: 0 or a power of two.
-    pub memory: usize,
     /// Texture samples that a program can hold.
     pub samples: usize,
     /// Textures of the scene.
     pub textures: usize,
-    /// True if inputs can be read again after the start.
-    pub inputs: bool,
     /// True if all cases are computed and one is selected, for renderers that never skip a branch.
     pub every_case: bool,
 }
@@ -142,37 +71,11 @@ impl Variant {
             operators: Op::ALL.iter().copied().collect(),
             compounds: Compounds::ALL,
             registers: 128,
-            // Only tapes with more than 256 registers need memory.
-            memory: 0,
             // Enough for two images, each projected onto a surface from three sides, and two further samples.
             samples: 8,
             textures: LIMITS.scene_textures_max,
-            inputs: true,
             every_case: false,
         }
-    }
-
-    /// Returns a variant that runs all `tapes`. Numbers are rounded up, so that few variants serve many scenes.
-    pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
-        let mut variant = Self { registers: 8, every_case, ..Self::default() };
-        for tape in tapes {
-            variant.operators.extend(tape.operators());
-            let rounded = if every_case { rounded_registers } else { usize::next_power_of_two };
-            variant.registers = variant.registers.max(rounded(tape.registers()));
-            if tape.memory() > 0 {
-                variant.memory = variant.memory.max(tape.memory().next_power_of_two());
-            }
-            for instruction in tape.run_clauses() {
-                match instruction {
-                    Instruction::Input { .. } => variant.inputs = true,
-                    Instruction::Texture { texture, .. } => {
-                        variant.samples = variant.samples.max(usize::from(texture) + 1);
-                    }
-                    _ => {}
-                }
-            }
-        }
-        variant
     }
 
     /// True if this variant runs every tape that `other` runs.
@@ -180,10 +83,8 @@ impl Variant {
         self.operators.is_superset(&other.operators)
             && self.compounds.covers(other.compounds)
             && self.registers >= other.registers
-            && self.memory >= other.memory
             && self.samples >= other.samples
             && self.textures >= other.textures
-            && (self.inputs || !other.inputs)
             && self.every_case == other.every_case
     }
 
@@ -201,19 +102,15 @@ impl Variant {
         let (registers, region_registers) = (rounded(self.registers), rounded(region_registers));
         let numbers = [
             ("REGISTERS", registers),
-            ("MEMORY", self.memory),
             ("SAMPLES", self.samples),
             ("REGION_REGISTERS", region_registers),
-            ("STORE", usize::from(opcode::STORE)),
-            ("RELOAD", usize::from(opcode::RELOAD)),
             ("TEXTURE", usize::from(opcode::TEXTURE)),
         ];
         for (name, number) in numbers {
             let _ = writeln!(text, "#define {name} {number}");
         }
-        let flags = [("INPUT_CLAUSES", self.inputs), ("EVERY_CASE", self.every_case)];
-        for (name, _) in flags.iter().filter(|(_, set)| *set) {
-            let _ = writeln!(text, "#define {name}");
+        if self.every_case {
+            text.push_str("#define EVERY_CASE\n");
         }
         for (name, file, count) in
             [("REGION_", "region_file", region_registers), ("", "tape_file", registers)]
@@ -221,7 +118,7 @@ impl Variant {
             select::write_registers(&mut text, name, file, count, self.every_case);
         }
         // A texel may hold only one clause.
-        let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
+        let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.graph_nodes_max + 1);
         let region = (region_operators, region_compounds);
         let tape = (&self.operators, self.compounds);
         for (whose, (operators, compounds)) in [("region", region), ("tape", tape)] {

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::testing::GradientIntervals;
-use super::{Batch, PointEvaluator, Points, Tape, TapeOptions};
+use super::{Batch, PointEvaluator, Points, Tape};
 use crate::graph::{FrameInputs, Interval, Point};
 use crate::lang::{compile, no_includes};
 use crate::rays::{
@@ -47,7 +47,7 @@ impl Random {
 
 fn tape_of(formula: &str) -> Tape {
     let scene = compile("test", formula, &mut no_includes).scene.unwrap();
-    Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap()
+    Tape::new(&scene.graph, &[scene.distance])
 }
 
 #[derive(Debug, Clone, Copy)]

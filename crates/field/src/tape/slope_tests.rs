@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::testing::GradientIntervals;
 use super::*;
 use crate::graph::testing::{Step, build, frame, number, same, steps};
-use crate::graph::{GradientInterval, Interval};
+use crate::graph::{GradientInterval, Interval, Op};
 
 fn config(cases: u32) -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(cases);
@@ -78,64 +78,45 @@ fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> Grad
 fn tape_of(steps: &[Step]) -> Tape {
     let mut graph = Graph::new();
     let root = *build(&mut graph, steps, true).last().unwrap();
-    Tape::build(&graph, &[root], &TapeOptions { registers: 8, ..TapeOptions::default() }).unwrap()
+    Tape::new(&graph, &[root])
 }
 
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let table = tape.table_values(frame);
-    let (mut registers, mut memory) = (vec![0.0f64; tape.registers()], vec![0.0f64; tape.memory()]);
-    for clause in tape.clauses() {
-        let operand = |registers: &[f64], operand: Operand| match operand {
-            Operand::Register(register) => registers[usize::from(register)],
-            Operand::Immediate(entry) => f64::from(table[entry as usize]),
+    let value = |registers: &[f64], operand| match operand {
+        Operand::Register(register) => registers[register as usize],
+        Operand::Immediate(entry) => f64::from(table[entry as usize]),
+    };
+    let mut registers = vec![0.0f64; tape.registers()];
+    for Clause { instruction, output, operands } in tape.clauses() {
+        let [a, b] = operands.map(|operand| value(&registers, operand));
+        registers[*output as usize] = match *instruction {
+            Instruction::Input(place) => at.get(usize::from(place)).copied().unwrap_or(0.0),
+            Instruction::Texture { .. } => continue,
+            Instruction::Operator(op) => match op {
+                Op::Neg => -a,
+                Op::Abs => a.abs(),
+                Op::Square => a * a,
+                Op::Sqrt => a.max(0.0).sqrt(),
+                Op::Exp => a.exp(),
+                Op::Exp2 => a.exp2(),
+                Op::Log => a.max(f64::from(f32::MIN_POSITIVE)).ln(),
+                Op::Sin => a.sin(),
+                Op::Cos => a.cos(),
+                Op::Asin => a.clamp(-1.0, 1.0).asin(),
+                Op::Acos => a.clamp(-1.0, 1.0).acos(),
+                Op::Atan => a.atan(),
+                Op::Tanh => a.tanh(),
+                Op::Add => a + b,
+                Op::Sub => a - b,
+                Op::Mul => a * b,
+                Op::Min => a.min(b),
+                Op::Max => a.max(b),
+                other => f64::from(other.value(a as f32, b as f32, frame)),
+            },
         };
-        match *clause {
-            Instruction::Load { output, entry } => {
-                registers[usize::from(output)] = f64::from(table[entry as usize]);
-            }
-            Instruction::Store { register, memory: to } => {
-                memory[usize::from(to)] = registers[usize::from(register)]
-            }
-            Instruction::Reload { output, memory: from } => {
-                registers[usize::from(output)] = memory[usize::from(from)]
-            }
-            Instruction::Input { output, place } => {
-                registers[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.0);
-            }
-            Instruction::Unary { op, output, a } => {
-                let a = registers[usize::from(a)];
-                registers[usize::from(output)] = match op {
-                    Op::Neg => -a,
-                    Op::Abs => a.abs(),
-                    Op::Square => a * a,
-                    Op::Sqrt => a.max(0.0).sqrt(),
-                    Op::Exp => a.exp(),
-                    Op::Exp2 => a.exp2(),
-                    Op::Log => a.max(f64::from(f32::MIN_POSITIVE)).ln(),
-                    Op::Sin => a.sin(),
-                    Op::Cos => a.cos(),
-                    Op::Asin => a.clamp(-1.0, 1.0).asin(),
-                    Op::Acos => a.clamp(-1.0, 1.0).acos(),
-                    Op::Atan => a.atan(),
-                    Op::Tanh => a.tanh(),
-                    other => f64::from(other.value(a as f32, 0.0, frame)),
-                };
-            }
-            Instruction::Binary { op, output, a, b } => {
-                let (a, b) = (operand(&registers, a), operand(&registers, b));
-                registers[usize::from(output)] = match op {
-                    Op::Add => a + b,
-                    Op::Sub => a - b,
-                    Op::Mul => a * b,
-                    Op::Min => a.min(b),
-                    Op::Max => a.max(b),
-                    other => f64::from(other.value(a as f32, b as f32, frame)),
-                };
-            }
-            _ => {}
-        }
     }
-    registers[usize::from(tape.outputs()[0])]
+    value(&registers, tape.outputs()[0])
 }
 
 proptest! {
@@ -203,7 +184,7 @@ fn shape(make: impl Fn(&mut Graph, [NodeId; 3]) -> NodeId) -> Tape {
     let mut graph = Graph::new();
     let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
     let root = make(&mut graph, p);
-    Tape::build(&graph, &[root], &TapeOptions::default()).unwrap()
+    Tape::new(&graph, &[root])
 }
 
 fn assert_within(tape: &Tape, sides: [(f32, f32); 3], low: [f32; 3], high: [f32; 3]) {

@@ -30,17 +30,18 @@ impl Domain for Slopes<'_> {
             _ => GradientInterval::flat(self.normal[place - 3]),
         }
     }
-    fn unary(&mut self, op: Op, a: &GradientInterval) -> GradientInterval {
+    fn operator(&mut self, op: Op, a: &GradientInterval, b: &GradientInterval) -> GradientInterval {
+        let is_unary = op.arity() == 1;
         if let Some(jumps) = &mut self.jumps {
-            jumps.add(GradientInterval::jump(op, a, self.position));
+            jumps.add(match is_unary {
+                true => GradientInterval::jump(op, a, self.position),
+                false => GradientInterval::jump_of_two(op, a, b, self.position),
+            });
         }
-        GradientInterval::unary(op, a, self.frame)
-    }
-    fn binary(&mut self, op: Op, a: &GradientInterval, b: &GradientInterval) -> GradientInterval {
-        if let Some(jumps) = &mut self.jumps {
-            jumps.add(GradientInterval::jump_of_two(op, a, b, self.position));
+        match is_unary {
+            true => GradientInterval::unary(op, a, self.frame),
+            false => GradientInterval::binary(op, a, b, self.frame),
         }
-        GradientInterval::binary(op, a, b, self.frame)
     }
     fn texture(
         &mut self,
@@ -76,14 +77,16 @@ impl<'a> GradientIntervals<'a> {
     pub(crate) fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[GradientInterval] {
         let Self { tape, frame, machine, outputs, pieces } = self;
         pieces.clear();
-        machine.run(&mut Slopes { position, normal, frame, jumps: Some(pieces) });
-        for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
-            *bounds = machine.registers[usize::from(register)];
+        let mut domain = Slopes { position, normal, frame, jumps: Some(pieces) };
+        machine.run(&mut domain);
+        for (bounds, output) in outputs.iter_mut().zip(&tape.outputs) {
+            *bounds = machine.output(*output, &domain);
         }
         for (number, &position) in pieces.of(position).iter().enumerate() {
-            machine.run(&mut Slopes { position, normal, frame, jumps: None });
-            for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
-                let piece = machine.registers[usize::from(register)];
+            let mut domain = Slopes { position, normal, frame, jumps: None };
+            machine.run(&mut domain);
+            for (bounds, output) in outputs.iter_mut().zip(&tape.outputs) {
+                let piece = machine.output(*output, &domain);
                 // Keep the value's bounds in the whole box: the pieces leave out the jumps themselves.
                 let value = bounds.value;
                 *bounds = if number == 0 { piece } else { bounds.hull(&piece) };

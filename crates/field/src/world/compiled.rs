@@ -18,7 +18,6 @@ use crate::lang::{
     Camera, Light, LightKind, Material, Picture, SURFACE_NUMBERS, Scene, Sky, material_members,
 };
 use crate::limits::LIMITS;
-use crate::tape::TapeError;
 use crate::tape::glsl::{self, Sampling};
 
 /// A function of the compiled program.
@@ -84,8 +83,7 @@ impl World {
         let written = written.collect();
         let all: Vec<NodeId> = functions.into_iter().flat_map(|of| of.roots).collect();
         let inputs = graph.order(&all).into_iter().filter_map(|id| match graph.node(id) {
-            Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
-            Node::Input(input) => Some(input),
+            Node::Input(input) if input.of_point().is_none() => Some(input),
             _ => None,
         });
         with_copies(written, inputs)
@@ -205,22 +203,22 @@ pub struct FrameValues {
 }
 
 impl FrameTape {
-    pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
+    pub(super) fn new(scene: &Scene, planes: &[Plane]) -> Self {
         let cameras = std::iter::once(&scene.camera).chain(scene.cameras.iter().map(|(_, camera)| camera));
         let mut numbers = vec![scene.sky.reach, scene.sky.bounce];
         numbers.extend(cameras.flat_map(Camera::numbers));
         numbers.extend(scene.picture.numbers());
         numbers.extend(scene.lights.iter().flat_map(Light::numbers));
         let planes: Vec<NodeId> = planes.iter().map(|plane| plane.shape).collect();
-        Ok(Self {
+        Self {
             numbers: Hoisted::of(&scene.graph, &numbers),
             cameras: scene.cameras.len(),
             lights: scene.lights.iter().map(|light| light.kind).collect(),
             planes: Hoisted::of(&scene.graph, &planes),
-            feedback: Feedback::of(scene)?,
+            feedback: Feedback::of(scene),
             motions: Motions::of(&scene.graph),
             screen_inputs: screen_inputs(scene),
-        })
+        }
     }
 
     /// Computes the values of a frame.

@@ -10,7 +10,7 @@ use super::World;
 use crate::graph::{FrameInputs, Graph, Node, NodeId, Screen, ScreenInput, SoundInputs, TextureReader};
 use crate::lang::{Diagnostic, FORGOTTEN, Picture, Scene, Span, VISIBLE, outlasting};
 use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
-use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
+use crate::tape::{Batch, Points, Tape};
 
 /// Columns and rows of the cells of the grid.
 pub const WARP_CELLS: (usize, usize) = (64, 36);
@@ -31,21 +31,19 @@ pub struct Feedback {
 }
 
 impl Feedback {
-    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, TapeError> {
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
         let is_read = scene.textures.iter().any(|texture| texture.is_last_frame());
         let any = super::any_frame(scene);
         let decay = scene.picture.largest_decay(&scene.graph, &any).clamp(0.0, FEEDBACK_DECAY_MAX);
         let has_trails = decay > 0.0;
         if !is_read && !has_trails {
-            return Ok(None);
+            return None;
         }
         let warp = scene.picture.warp;
         let stays = warp.iter().any(|part| scene.graph.as_constant(*part).is_some_and(f32::is_infinite));
-        let warp = (has_trails && !stays)
-            .then(|| Tape::build(&scene.graph, &warp, &TapeOptions::default()))
-            .transpose()?;
+        let warp = (has_trails && !stays).then(|| Tape::new(&scene.graph, &warp));
         let frames = frames_of(&scene.picture, &scene.graph, decay, is_read);
-        Ok(Some(Self { frames, is_read, has_trails, warp }))
+        Some(Self { frames, is_read, has_trails, warp })
     }
 
     /// The seconds of earlier frames that count.
@@ -112,8 +110,7 @@ impl FeedbackColor {
             Node::Texture { texture: number, u, v, .. } if usize::from(number) == texture => Some([u, v]),
             _ => None,
         });
-        let tape = |roots: &[NodeId]| Tape::build(graph, roots, &TapeOptions::default()).ok();
-        Some(Self { colors: tape(&roots)?, place: tape(&read?)? })
+        Some(Self { colors: Tape::new(graph, &roots), place: Tape::new(graph, &read?) })
     }
 
     fn lit<'a>(&'a self, frames: &'a [FrameInputs; 2]) -> LitReader<'a> {

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::graph::{LevelList, SoundInput, SoundInputs};
     use crate::lang::{compile, no_includes};
-    use crate::tape::{PointEvaluator, Tape, TapeOptions};
+    use crate::tape::{PointEvaluator, Tape};
     use crate::world::World;
 
     const TEXT: &str = "param wide = 1 in 0 .. 2\n\
@@ -129,9 +129,8 @@ mod tests {
         inputs.levels.of_mut(LevelList::Band)[3] = 0.75;
         inputs.hoisted = world.hoisted.values(&inputs);
         assert_eq!(inputs.hoisted.len(), 3, "the radius and two coordinates of the ball's place");
-        let options = TapeOptions::default();
-        let whole = Tape::build(&world.scene.graph, &[world.scene.distance], &options).unwrap();
-        let short = Tape::build(&world.graph, &world.roots.distance[1..], &options).unwrap();
+        let whole = Tape::new(&world.scene.graph, &[world.scene.distance]);
+        let short = Tape::new(&world.graph, &world.roots.distance[1..]);
         assert!(short.clauses().len() + 8 < whole.clauses().len(), "{short}\n{whole}");
         for step in 0..200 {
             let at = step as f32 * 0.37;

@@ -20,14 +20,13 @@
 //! are also computed for the neighbouring pixels. If a texture's coordinates depend on a second texture, the second
 //! texture is sampled first.
 
-use super::{Bounds, ShortPrograms, SwarmPlan, World, WorldError, WorthShortening};
-use crate::graph::{Compounds, FrameInputs, Graph, Node, NodeId};
+use super::{Bounds, ShortPrograms, SwarmPlan, World, WorthShortening};
+use crate::graph::{FrameInputs, Graph, Node, NodeId};
 use crate::lang::{Material, SURFACE_NUMBERS};
-use crate::region::MediumPlan;
-use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
-use crate::tape::glsl;
-use crate::tape::interpreter::Variant;
-use crate::tape::{Tape, TapeError, TapeOptions};
+use crate::region::surface::{Grid, OF_POINT, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
+use crate::region::{Encoder, Formula, MediumPlan, Needs, REGISTERS_MAX, compounds_that_pay};
+use crate::tape::interpreter::{Variant, rounded_registers};
+use crate::tape::{Tape, glsl};
 
 /// Number of programs before the programs of materials: sky, ambient light, glow and media.
 const PROGRAMS_OF_LIGHT: usize = 4;
@@ -56,16 +55,18 @@ pub struct TapeBuffers {
     pub variant: Variant,
     /// The interpreter for a renderer that never skips a branch.
     pub software_variant: Variant,
+    /// True if there are enough registers for all programs.
+    pub runs: bool,
     /// The cost in clauses.
     pub cost: Cost,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct SurfaceTape {
-    tape: Tape,
-    /// The number of each texture, and the tape of its coordinates u and v.
-    textures: Vec<(u16, Tape)>,
     plan: SurfacePlan,
+    /// The number of each texture, and its coordinates u and v.
+    textures: Vec<(u16, Formula)>,
+    needs: Needs,
 }
 
 /// Half the side of the grid in a scene without bounds.
@@ -85,7 +86,7 @@ pub struct Cost {
 }
 
 impl SurfaceTape {
-    fn build(graph: &Graph, roots: &[NodeId], over: Over) -> Result<Self, TapeError> {
+    fn new(graph: &Graph, roots: &[NodeId], over: Over) -> Self {
         // Few programs sample textures. The others need no copy of the graph.
         let samples = !graph.inputs_used(roots).textures.is_empty();
         let separated = samples.then(|| without_coordinates(graph, roots));
@@ -96,29 +97,22 @@ impl SurfaceTape {
         read.extend(textures.iter().flat_map(|(_, place)| place));
         let graph = graph.fused(&mut read);
         let (roots, places) = read.split_at(roots.len());
-        let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
-        let plan = SurfacePlan::new(&graph, roots, textures.len(), over);
-        let textures = textures.iter().zip(places.as_chunks::<2>().0);
-        let textures = textures.map(|((picture, _), place)| Ok((*picture, tape(place)?)));
-        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)?, plan })
-    }
-
-    fn tapes(&self) -> impl Iterator<Item = &Tape> + Clone {
-        std::iter::once(&self.tape).chain(self.textures.iter().map(|(_, tape)| tape))
-    }
-
-    fn clauses(&self) -> usize {
-        self.tapes().map(|tape| tape.clauses().len()).sum()
+        let mut needs = Needs::NONE;
+        let mut formula = |roots: &[NodeId]| {
+            let mut formula = Formula::new(&graph, roots, OF_POINT, textures.len());
+            needs.add(&formula.needs());
+            formula
+        };
+        let plan = SurfacePlan { formula: formula(roots), over };
+        let places = textures.iter().zip(places.as_chunks::<2>().0);
+        let textures = places.map(|((picture, _), place)| (*picture, formula(place))).collect();
+        Self { plan, textures, needs }
     }
 
     fn head(registers: &[u8], textures: usize) -> [u32; 4] {
-        let mut outputs = [0; OUTPUTS_MAX];
-        for (byte, register) in outputs.iter_mut().zip(registers) {
-            *byte = *register;
-        }
-        let four =
-            |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-        [four(0), four(4), four(8), textures as u32]
+        let byte = |place: usize| registers.get(place).copied().unwrap_or(0);
+        let [a, b, c] = [0, 4, 8].map(|first| u32::from_le_bytes([0, 1, 2, 3].map(|at| byte(first + at))));
+        [a, b, c, textures as u32]
     }
 
     /// Appends a shortened tape and returns its address. The program's whole tape begins at `whole`.
@@ -131,17 +125,14 @@ impl SurfaceTape {
         start
     }
 
-    fn append(&self, inputs: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
-        texels.push(Self::head(self.tape.outputs(), self.textures.len()));
-        let heads = texels.len();
-        texels.resize(heads + self.textures.len(), [0; 4]);
-        self.tape.append_texels(inputs, compounds, texels);
-        for (index, (picture, tape)) in self.textures.iter().enumerate() {
-            let start = texels.len() as u32;
-            if let Some(head) = texels.get_mut(heads + index) {
-                *head = [u32::from(*picture), start, 0, 0];
-            }
-            tape.append_texels(inputs, compounds, texels);
+    fn append(&self, inputs: &FrameInputs, encoder: &mut Encoder, texels: &mut Vec<[u32; 4]>) {
+        let head = texels.len();
+        texels.resize(head + 1 + self.textures.len(), [0; 4]);
+        texels.extend_from_slice(self.plan.formula.encode(inputs, encoder));
+        texels[head] = Self::head(&encoder.outputs, self.textures.len());
+        for ((picture, coordinates), at) in self.textures.iter().zip(head + 1..) {
+            texels[at] = [u32::from(*picture), texels.len() as u32, 0, 0];
+            texels.extend_from_slice(coordinates.encode(inputs, encoder));
         }
     }
 }
@@ -182,14 +173,16 @@ impl TapeBuffers {
         let heads = 1 + self.of_objects.len().div_ceil(2);
         let mut texels = vec![[0; 4]; heads];
         let everywhere = ShortTapes::default();
+        let mut encoder = self.encoder();
         let starts: Vec<u32> = self
             .programs
             .iter()
             .enumerate()
             .map(|(number, program)| {
                 let whole = texels.len();
-                program.append(inputs, self.variant.compounds, &mut texels);
-                let short = short.tapes_of(number, || program.plan.key(inputs)).unwrap_or(&everywhere);
+                program.append(inputs, &mut encoder, &mut texels);
+                let short =
+                    short.tapes_of(number, || program.plan.formula.key(inputs)).unwrap_or(&everywhere);
                 let append = |tape| program.append_short(tape, whole, &mut texels);
                 let starts: Vec<u32> = short.tapes.iter().map(append).collect();
                 append_grid(short, whole as u32, &starts, &mut texels)
@@ -214,10 +207,15 @@ impl TapeBuffers {
         self.programs.iter().map(|program| &program.plan)
     }
 
+    /// Creates an encoder of tapes that both variants can run.
+    pub(super) fn encoder(&self) -> Encoder {
+        Encoder::new(self.variant.compounds, self.software_variant.registers)
+    }
+
     pub(super) fn whole_length(&self, program: usize, inputs: &FrameInputs) -> usize {
         let mut texels = Vec::new();
         if let Some(program) = self.programs.get(program) {
-            program.append(inputs, self.variant.compounds, &mut texels);
+            program.append(inputs, &mut self.encoder(), &mut texels);
         }
         texels.len()
     }
@@ -230,11 +228,8 @@ impl TapeBuffers {
 
     /// Returns the maximum number of texels that a frame needs without shortened programs.
     pub fn texels_max(&self) -> usize {
-        let of_programs = self
-            .programs
-            .iter()
-            .map(|program| 4 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
-        1 + self.of_objects.len().div_ceil(2) + of_programs.sum::<usize>()
+        let texels = |program: &SurfaceTape| 4 + program.textures.len() + program.needs.texels;
+        1 + self.of_objects.len().div_ceil(2) + self.programs.iter().map(texels).sum::<usize>()
     }
 }
 
@@ -257,31 +252,22 @@ fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<
 
 impl World {
     /// Returns the programs of materials and light.
-    ///
-    /// # Errors
-    /// Fails if a tape exceeds the limits.
-    pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
-        let failed = WorldError::of(&self.name);
-        let program =
-            |(roots, over): (&[NodeId], Over)| SurfaceTape::build(&self.graph, roots, over).map_err(failed);
-        let tape =
-            |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
+    pub fn tape_buffers(&self) -> TapeBuffers {
+        let program = |(roots, over): (&[NodeId], Over)| SurfaceTape::new(&self.graph, roots, over);
         let of_light = [
             (&self.roots.sky[..], Over::Directions),
             (&self.roots.ambient, Over::Directions),
             (&self.roots.glow, Over::Points),
             (self.roots.medium.as_ref().map_or(&[][..], |medium| &medium[..]), Over::Points),
         ];
-        let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
         let materials = &self.roots.materials;
-        for roots in materials {
-            programs.push(program((&roots[..SURFACE_NUMBERS], Over::Points))?);
-        }
         let has_bodies = self.features.body();
         let bodies = if has_bodies { materials.len() } else { 1 };
-        for roots in materials.iter().take(bodies) {
-            programs.push(program((&roots[SURFACE_NUMBERS..], Over::Points))?);
-        }
+        let surfaces = materials.iter().map(|roots| &roots[..SURFACE_NUMBERS]);
+        let of_materials =
+            surfaces.chain(materials.iter().take(bodies).map(|roots| &roots[SURFACE_NUMBERS..]));
+        let of_materials = of_materials.map(|roots| (roots, Over::Points));
+        let programs: Vec<SurfaceTape> = of_light.into_iter().chain(of_materials).map(program).collect();
         // The programs that the scene's own interpreter runs.
         let run = if has_bodies { programs.len() } else { PROGRAMS_OF_LIGHT + materials.len() };
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
@@ -292,33 +278,51 @@ impl World {
             [material, body].map(|program| PROGRAMS_OF_LIGHT + program)
         };
         let of_objects = self.scene.objects.iter().map(|object| of_material(object.material)).collect();
-        let clauses = |programs: &[SurfaceTape]| programs.iter().map(SurfaceTape::clauses).sum::<usize>();
-        let (of_light, of_materials) = programs[..run].split_at(PROGRAMS_OF_LIGHT);
-        let distance = tape(&self.roots.distance)?.clauses().len();
-        let object = tape(&[self.roots.object])?.clauses().len();
-        let materials = clauses(of_materials);
-        let total = distance + object + materials + clauses(of_light);
-        let functions = self.functions().into_iter();
-        let statements = functions.map(|function| glsl::statements(&self.graph, &function.roots));
-        let cost = Cost { distance, materials, total, compiled: statements.sum() };
-        let [on_gpu, on_processor] = {
-            let tapes = programs[..run].iter().flat_map(SurfaceTape::tapes);
-            let compounds = Tape::compounds_that_pay(tapes.clone());
-            [false, true].map(|every_case| {
-                let variant = Variant::of(tapes.clone(), every_case);
-                Variant { textures: self.pictures.len(), compounds, ..variant }
-            })
-        };
-        Ok(TapeBuffers {
+        let mut needs = Needs::NONE;
+        programs[..run].iter().for_each(|program| needs.add(&program.needs));
+        let [on_gpu, on_processor] = self.variants(&programs[..run], &needs);
+        TapeBuffers {
             variant: on_gpu,
             software_variant: on_processor,
+            runs: needs.registers.is_some(),
+            cost: self.cost(&programs[..run]),
             programs,
             of_objects,
             medium,
-            swarm: SwarmPlan::of(&self.scene, self.features.mirrors).map_err(failed)?,
+            swarm: SwarmPlan::of(&self.scene, self.features.mirrors),
             bounds: self.bounds,
-            cost,
-        })
+        }
+    }
+
+    fn cost(&self, run: &[SurfaceTape]) -> Cost {
+        let steps =
+            |programs: &[SurfaceTape]| programs.iter().map(|program| program.needs.steps).sum::<usize>();
+        let (of_light, of_materials) = run.split_at(PROGRAMS_OF_LIGHT);
+        let clauses = |roots: &[NodeId]| Tape::new(&self.graph, roots).clauses().len();
+        let (distance, materials) = (clauses(&self.roots.distance), steps(of_materials));
+        let total = distance + clauses(&[self.roots.object]) + materials + steps(of_light);
+        let functions = self.functions().into_iter();
+        let statements = functions.map(|function| glsl::statements(&self.graph, &function.roots));
+        Cost { distance, materials, total, compiled: statements.sum() }
+    }
+
+    /// Returns the interpreters that run the programs: on a GPU, and on a renderer that never skips a branch. Numbers are
+    /// rounded up, so that few variants serve many scenes.
+    fn variants(&self, run: &[SurfaceTape], needs: &Needs) -> [Variant; 2] {
+        let compounds = compounds_that_pay(run.iter().flat_map(|program| {
+            program.textures.iter().map(|(_, formula)| formula).chain([&program.plan.formula])
+        }));
+        let registers = needs.registers.unwrap_or(REGISTERS_MAX).max(8);
+        [(false, registers.next_power_of_two()), (true, rounded_registers(registers))].map(
+            |(every_case, registers)| Variant {
+                operators: needs.operators.clone(),
+                compounds,
+                registers,
+                samples: run.iter().map(|program| program.textures.len()).max().unwrap_or(0),
+                textures: self.pictures.len(),
+                every_case,
+            },
+        )
     }
 }
 
@@ -329,6 +333,7 @@ mod shortened_tests;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::Compounds;
     use crate::world::testing::world_of;
 
     #[test]
@@ -339,8 +344,7 @@ mod tests {
                     object third { shape = sphere(p, 2) material = a }";
         let world = world_of(text);
         let inputs = FrameInputs::default();
-        let buffers = world.tape_buffers().unwrap();
-        let compounds = buffers.variant.compounds;
+        let buffers = world.tape_buffers();
         let texels = buffers.texels(&inputs, &ShortPrograms::default());
         let directory = [texels[0], texels[1], texels[2]];
         assert_eq!(directory[1][0], directory[2][0], "the first and the third object are of one material");
@@ -354,12 +358,33 @@ mod tests {
         ] {
             let program = texels[grid as usize + 2][0];
             let mut alone = Vec::new();
-            SurfaceTape::build(&world.graph, roots, Over::Points)
-                .unwrap()
-                .append(&inputs, compounds, &mut alone);
+            SurfaceTape::new(&world.graph, roots, Over::Points).append(
+                &inputs,
+                &mut buffers.encoder(),
+                &mut alone,
+            );
             assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
-        assert!(texels.len() <= world.tape_buffers().unwrap().texels_max());
+        assert!(texels.len() <= world.tape_buffers().texels_max());
+    }
+
+    #[test]
+    fn there_are_enough_registers_for_every_shipped_scene() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+        let mut count = 0;
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.extension().is_some_and(|extension| extension == "scene") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let mut include = |name: &str| {
+                    std::fs::read_to_string(folder.join(name)).map_err(|error| error.to_string())
+                };
+                let scene = crate::lang::compile("shipped", &text, &mut include).scene.unwrap();
+                let buffers = World::new("shipped", scene, Vec::new()).unwrap().tape_buffers();
+                assert!(buffers.runs && buffers.variant.registers <= 64, "{path:?}: {:?}", buffers.variant);
+                count += 1;
+            }
+        }
+        assert!(count > 20, "{count}");
     }
 
     #[test]
@@ -369,11 +394,12 @@ mod tests {
         let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));
         let nested = graph.texture(1, 2, first[0], x);
         let sum = graph.add(first[1], nested);
-        let program = SurfaceTape::build(&graph, &[sum], Over::Points).unwrap();
+        let program = SurfaceTape::new(&graph, &[sum], Over::Points);
         let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
         assert_eq!(pictures, [3, 1]);
         let mut texels = Vec::new();
-        program.append(&FrameInputs::default(), Compounds::ALL, &mut texels);
+        let mut encoder = Encoder::new(Compounds::ALL, REGISTERS_MAX);
+        program.append(&FrameInputs::default(), &mut encoder, &mut texels);
         assert_eq!(texels[0][3], 2);
         // The sum reads green of the first texture and blue of the second.
         let read: Vec<u32> = texels[3..texels[1][1] as usize]

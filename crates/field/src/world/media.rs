@@ -227,7 +227,7 @@ mod tests {
         let world = world_of(text);
         let mut inputs = FrameInputs { time: 3.7, params: vec![2.0], ..FrameInputs::default() };
         inputs.hoisted = world.hoisted.values(&inputs);
-        let grid = world.tape_buffers().unwrap().medium.as_ref().unwrap().grid(&inputs, [0.0; 3]);
+        let grid = world.tape_buffers().medium.as_ref().unwrap().grid(&inputs, [0.0; 3]);
         let side = MEDIUM_SIDE as f32;
         let mut empty = 0;
         for number in 0..40_000u32 {

@@ -7,7 +7,7 @@
 use crate::graph::{FrameInputs, Point};
 use crate::lang::Material;
 use crate::region::{RegionOptions, RegionPlan, Regions};
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape};
 use crate::vectors::{cross, difference, dot, length};
 use crate::world::World;
 
@@ -98,16 +98,15 @@ impl World {
     fn paint(&self, mesh: &mut Mesh, tree: &Regions, frame: &FrameInputs) {
         let tape = |numbers: &Vec<_>| {
             let material = Material::of(String::new(), numbers.iter().copied());
-            Tape::build(&self.graph, &material.color, &TapeOptions::default()).ok()
+            Tape::new(&self.graph, &material.color)
         };
-        let tapes: Vec<Option<Tape>> = self.roots.materials.iter().map(tape).collect();
-        let mut colors: Vec<_> =
-            tapes.iter().map(|tape| tape.as_ref().map(|tape| PointEvaluator::new(tape, frame))).collect();
+        let tapes: Vec<Tape> = self.roots.materials.iter().map(tape).collect();
+        let mut colors: Vec<_> = tapes.iter().map(|tape| PointEvaluator::new(tape, frame)).collect();
         for Vertex { position, normal, color } in &mut mesh.vertices {
             let object = self.scene.objects.get(tree.object(*position, frame) as usize);
             let material = object.and_then(|object| colors.get_mut(object.material));
             let point = Point { position: *position, normal: *normal };
-            if let Some([r, g, b]) = material.and_then(Option::as_mut).map(|of| of.at(&point)) {
+            if let Some([r, g, b]) = material.map(|of| of.at(&point)) {
                 *color = [*r, *g, *b].map(|part| if part > 0.0 { part.min(1.0) } else { 0.0 });
             }
         }

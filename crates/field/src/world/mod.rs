@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use crate::graph::{FrameInputs, Graph, NodeId, Point, ScreenInput};
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId, Point, ScreenInput};
 use crate::lang::{Diagnostic, Material, Object, Scene, compile, no_includes};
-use crate::tape::{Tape, TapeError, TapeOptions};
+use crate::tape::Tape;
 use media::MEDIUM_NUMBERS;
 
 mod blend;
@@ -56,13 +56,13 @@ pub enum WorldError {
     /// The text is not a scene.
     #[error("{0}")]
     Text(String),
-    /// The scene has too many expressions, or a tape for it cannot be built.
+    /// The scene has too many expressions.
     #[error("{scene}: {source}")]
-    Tape {
+    TooLarge {
         /// The scene.
         scene: String,
         /// The cause.
-        source: TapeError,
+        source: GraphError,
     },
     /// The generated GLSL is invalid.
     #[error(
@@ -79,8 +79,8 @@ pub enum WorldError {
 
 impl WorldError {
     /// Returns a function that adds the scene to an error.
-    fn of<E: Into<TapeError>>(scene: &str) -> impl Fn(E) -> Self + Copy {
-        move |source| Self::Tape { scene: scene.to_owned(), source: source.into() }
+    fn of(scene: &str) -> impl Fn(GraphError) -> Self {
+        move |source| Self::TooLarge { scene: scene.to_owned(), source }
     }
 }
 
@@ -181,12 +181,12 @@ impl World {
     /// Prepares a scene. `pictures` are the images of its textures, in their order.
     ///
     /// # Errors
-    /// Fails if the scene exceeds the limits on nodes or clauses.
+    /// Fails if the scene exceeds the limit on nodes.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let (planes, rest) = planes::split(&mut scene);
-        let frame_tape = FrameTape::build(&scene, &planes).map_err(WorldError::of(name))?;
+        let frame_tape = FrameTape::new(&scene, &planes);
         let traced = match &rest {
-            Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape).map_err(WorldError::of(name))?,
+            Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape),
             None => Traced::default(),
         };
         let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz);
@@ -196,17 +196,13 @@ impl World {
 
     /// Returns this world, seen by the camera with the given index in [`Scene::cameras`]; unchanged if there is no such
     /// camera. The programs stay the same.
-    ///
-    /// # Errors
-    /// Fails if the camera exceeds the limit on clauses.
-    pub fn seen_by(&self, camera: usize) -> Result<Self, WorldError> {
+    pub fn seen_by(&self, camera: usize) -> Self {
         let mut world = self.clone();
         if let Some((_, camera)) = self.scene.cameras.get(camera) {
             world.scene.camera = camera.clone();
-            let tape = FrameTape::build(&world.scene, &world.planes);
-            world.frame_tape = tape.map_err(WorldError::of(&self.name))?;
+            world.frame_tape = FrameTape::new(&world.scene, &world.planes);
         }
-        Ok(world)
+        world
     }
 
     /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, where shadow rays move away from
@@ -326,22 +322,21 @@ struct Traced {
 }
 
 impl Traced {
-    fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
-        let any = any_frame(scene);
-        let bounds = bounds::find(&scene.graph, distance, &any);
-        let Some(checked) = untrusted(scene, distance) else { return Ok(Self { bounds, ..Self::default() }) };
-        let tape = Tape::build(&scene.graph, &[checked], &TapeOptions::default())?;
-        let around = |inputs: &FrameInputs| match bounds {
-            Some(bounds) => vec![bounds],
-            None => distance_check::around(frame_tape.values(inputs).camera.target),
-        };
-        let frames =
-            distance_check::frames(&scene.params, &scene.atlas).map(|inputs| (around(&inputs), inputs));
-        let reach = bounds.map_or(TAMED_REACH, |bounds| NORMALIZED_FRACTION * bounds.half());
-        Ok(match distance_check::tamed(&tape, frames, bounds.as_ref(), reach) {
-            Some(slopes) => Self { bounds, non_lipschitz: true, slopes, ..Self::default() },
-            None => Self { bounds, ..Self::default() },
-        })
+    fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Self {
+        let bounds = bounds::find(&scene.graph, distance, &any_frame(scene));
+        let slopes = untrusted(scene, distance).and_then(|checked| {
+            let tape = Tape::new(&scene.graph, &[checked]);
+            let around = |inputs: &FrameInputs| match bounds {
+                Some(bounds) => vec![bounds],
+                None => distance_check::around(frame_tape.values(inputs).camera.target),
+            };
+            let frames =
+                distance_check::frames(&scene.params, &scene.atlas).map(|inputs| (around(&inputs), inputs));
+            let reach = bounds.map_or(TAMED_REACH, |bounds| NORMALIZED_FRACTION * bounds.half());
+            distance_check::tamed(&tape, frames, bounds.as_ref(), reach)
+        });
+        let non_lipschitz = slopes.is_some();
+        Self { bounds, non_lipschitz, slopes: slopes.unwrap_or_default(), ..Self::default() }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::{LevelList, Point, SoundInput, SoundInputs, testing};
+use crate::graph::{Compounds, LevelList, Point, SoundInput, SoundInputs, testing};
 use crate::region::Surfaces;
 use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
@@ -97,13 +97,13 @@ fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
 /// Compares the shortened and whole programs of a world at many points. Returns the mean length of the tapes that were
 /// run, as a fraction of the whole tapes.
 fn assert_the_same(world: &World, frame: &FrameInputs, options: &ShortenOptions<'_>) -> f64 {
-    let buffers = world.tape_buffers().unwrap();
+    let buffers = world.tape_buffers();
     let texels = buffers.texels(frame, &shortened(&buffers, frame, options));
     assert_these_are_the_same(world, frame, &texels)
 }
 
 fn assert_these_are_the_same(world: &World, frame: &FrameInputs, short: &[[u32; 4]]) -> f64 {
-    let whole = whole_texels(&world.tape_buffers().unwrap(), frame);
+    let whole = whole_texels(&world.tape_buffers(), frame);
     let materials = world.scene.objects.iter().enumerate();
     let materials =
         materials.map(|(object, its)| (4 + object, Over::Points, world.roots.materials[its.material].len()));
@@ -142,7 +142,7 @@ fn materials_and_light_are_the_same_in_every_cell() {
 fn programs_without_room_are_whole() {
     let world = world_of(ROOMS);
     let frame = frame_of(&world, 3.0, 0.5);
-    let buffers = world.tape_buffers().unwrap();
+    let buffers = world.tape_buffers();
     let most = buffers.texels_max();
     for texels_max in [0, most, most + 300, most + 1_500] {
         let options = ShortenOptions { texels_max, ..Default::default() };
@@ -161,12 +161,12 @@ fn programs_are_shortened_where_surfaces_are() {
     let surfaces = Surfaces { regions: &regions, planes: &planes, around: 0.3 };
     let options = ShortenOptions { surfaces: Some(surfaces), ..Default::default() };
     assert_the_same(&world, &frame, &options);
-    let buffers = world.tape_buffers().unwrap();
+    let buffers = world.tape_buffers();
     let texels = |options: ShortenOptions| buffers.texels(&frame, &shortened(&buffers, &frame, &options));
     let everywhere = texels(ShortenOptions::default());
     let where_asked = texels(options);
     let whole = whole_texels(&buffers, &frame);
-    let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
+    let distance = Tape::new(&world.graph, &world.roots.distance);
     let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
     // How many tapes are shorter, near surfaces and away from them: first with known surfaces, then with unknown ones.
     let (mut near, mut away) = ([0; 2], [0; 2]);
@@ -208,7 +208,7 @@ fn names(request: &ShortenRequest, materials: usize) -> Vec<bool> {
 #[test]
 fn programs_that_save_little_stay_whole_for_a_while() {
     let world = world_of(CHANGING);
-    let buffers = world.tape_buffers().unwrap();
+    let buffers = world.tape_buffers();
     let mut worth = buffers.worth_shortening();
     let options = ShortenOptions::default();
     let mut attempts = Vec::new();
@@ -236,7 +236,7 @@ fn programs_that_save_little_stay_whole_for_a_while() {
 #[test]
 fn programs_that_were_shortened_with_other_numbers_are_not_run() {
     let world = world_of(CHANGING);
-    let buffers = world.tape_buffers().unwrap();
+    let buffers = world.tape_buffers();
     let [quiet, loud] = [0.0, 1.0].map(|loud| frame_of(&world, 3.0, loud));
     let short = shortened(&buffers, &quiet, &ShortenOptions::default());
     // The last cells of two grids: of the sky, which reads no number, and of the floor's material.
@@ -266,13 +266,22 @@ proptest! {
         let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
         let roots = [0, 3, 1, 7].map(from_end);
         let over = if directions { Over::Directions } else { Over::Points };
-        let program = SurfaceTape::build(&graph, &roots, over).unwrap();
-        let variant = Variant::of(program.tapes(), false);
+        let program = SurfaceTape::new(&graph, &roots, over);
+        prop_assume!(program.needs.registers.is_some());
+        let variant = Variant {
+            operators: program.needs.operators.clone(),
+            compounds: Compounds::ALL,
+            registers: REGISTERS_MAX,
+            samples: program.textures.len(),
+            textures: 0,
+            every_case: false,
+        };
         let buffers = TapeBuffers {
             medium: None,
             swarm: None,
             software_variant: variant.clone(),
-            variant: Variant { compounds: Compounds::ALL, ..variant },
+            variant,
+            runs: true,
             programs: vec![program],
             of_objects: Vec::new(),
             bounds: Some(Bounds { low: corner, high: corner.map(|low| low + side) }),
@@ -287,8 +296,11 @@ proptest! {
             let at = if directions { Point { position: [0.0; 3], ..at } } else { at };
             let wanted = run(&whole, 0, over, &at, &frame).0;
             let got = run(&texels, 0, over, &at, &frame).0;
-            for (got, wanted) in got.iter().zip(wanted).take(roots.len()) {
-                prop_assert!(testing::same(*got, wanted), "{at:?}: {got} and not {wanted}");
+            for (got, wanted) in got.iter().zip(&wanted).take(roots.len()) {
+                prop_assert!(testing::same(*got, *wanted), "{at:?}: {got} and not {wanted}");
+            }
+            for (value, truth) in wanted.iter().zip(graph.evaluate(&roots, &at, &frame)) {
+                prop_assert!(testing::same(*value, truth), "{at:?}: {value} and not {truth}");
             }
         }
     }

@@ -89,7 +89,7 @@ impl WorthShortening {
     pub fn request(&self, buffers: &TapeBuffers, inputs: &FrameInputs) -> ShortenRequest {
         let keys = buffers.plans().zip(&self.rests);
         let mut keys: Vec<_> =
-            keys.map(|(plan, rest)| (*rest == Some(0)).then(|| plan.key(inputs))).collect();
+            keys.map(|(plan, rest)| (*rest == Some(0)).then(|| plan.formula.key(inputs))).collect();
         if keys.iter().all(Option::is_none) {
             keys.clear();
         }
@@ -123,9 +123,8 @@ impl TapeBuffers {
             return ShortPrograms::default();
         }
         let room = options.texels_max.saturating_sub(self.texels_max()).min(SHORTENED_TEXELS_MAX);
-        let (compounds, registers) = (self.variant.compounds, self.variant.registers);
         let grid = self.grid(options.center);
-        let mut shortener = Shortener::new(inputs, grid, options.surfaces, compounds, registers, room);
+        let mut shortener = Shortener::new(inputs, grid, options.surfaces, self.encoder(), room);
         let shorten = |(number, plan)| match request.key_of(number) {
             Some(_) => shortener.shorten(plan, self.whole_length(number, inputs)),
             None => ShortTapes::default(),

@@ -29,7 +29,7 @@ use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId, Point};
 use crate::lang::{Scene, Swarm};
 use crate::region::{Reads, RegionKey};
-use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
+use crate::tape::{Batch, PointEvaluator, Points, Tape};
 use crate::vectors::{difference, dot, length, sum};
 
 /// A mirrored point is seen from at most this multiple of its distance from the eye. Beyond it, pixels are wider than
@@ -89,23 +89,22 @@ impl SwarmView {
 
 impl SwarmPlan {
     /// `has_mirrors` is false if no surface of the scene is a mirror.
-    pub(super) fn of(scene: &Scene, has_mirrors: bool) -> Result<Option<Self>, TapeError> {
+    pub(super) fn of(scene: &Scene, has_mirrors: bool) -> Option<Self> {
         if scene.swarms.is_empty() {
-            return Ok(None);
+            return None;
         }
-        let options = TapeOptions::default();
         let mut graph = scene.graph.clone();
         let facing = |direction| facing(&mut graph, &scene.sky.ambient, direction);
         let ambient: Vec<NodeId> = AXES.into_iter().flat_map(facing).collect();
         let numbers = scene.swarms.iter().flat_map(Swarm::numbers);
         let all: Vec<NodeId> = numbers.chain(ambient.iter().copied()).collect();
-        let tape = |swarm: &Swarm| Ok((swarm.points, Tape::build(&graph, &swarm.numbers(), &options)?));
-        Ok(Some(Self {
-            swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
-            ambient: Tape::build(&graph, &ambient, &options)?,
+        let tape = |swarm: &Swarm| (swarm.points, Tape::new(&graph, &swarm.numbers()));
+        Some(Self {
+            swarms: scene.swarms.iter().map(tape).collect(),
+            ambient: Tape::new(&graph, &ambient),
             reads: Reads::of(&graph, &all),
             has_mirrors,
-        }))
+        })
     }
 
     /// Returns the inputs that determine a frame's points.

@@ -19,7 +19,7 @@ const VIEW: SwarmView = SwarmView {
 };
 
 fn plan(world: &World) -> SwarmPlan {
-    SwarmPlan::of(&world.scene, world.features.mirrors).unwrap().unwrap()
+    SwarmPlan::of(&world.scene, world.features.mirrors).unwrap()
 }
 
 fn points(text: &str, time: f32) -> Vec<Swarm<f32>> {

@@ -5,7 +5,7 @@
 use crate::expression::Random;
 use mariana_field::graph::{FrameInputs, Levels, Point, SoundInput, SoundInputs, TableData};
 use mariana_field::lang::{compile, no_includes};
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::tape::{PointEvaluator, Tape};
 use mariana_field::world::{Alignment, BlendKind, World};
 
 const RAYS: (usize, usize) = (32, 18);
@@ -46,7 +46,7 @@ fn own_params(world: &World) -> Vec<f32> {
 fn shown(melt: &World, inputs: FrameInputs) -> [f32; 3] {
     let camera = melt.frame_tape.values(&inputs).camera;
     let inputs = FrameInputs { eye: camera.position, ..inputs };
-    let tape_of = |roots: &[_]| Tape::build(&melt.scene.graph, roots, &TapeOptions::default()).unwrap();
+    let tape_of = |roots: &[_]| Tape::new(&melt.scene.graph, roots);
     let (distance, owner) = (tape_of(&[melt.scene.distance]), tape_of(&melt.scene.materials[0].color[..1]));
     let (mut distance, mut owner) =
         (PointEvaluator::new(&distance, &inputs), PointEvaluator::new(&owner, &inputs));

@@ -103,10 +103,9 @@ pub enum DoesNotFit {
         /// Texels that the driver supports.
         available: usize,
     },
-    /// The distance needs more values at once than a tape has registers.
+    /// The scene needs more values at once than a tape has registers.
     #[error(
-        "the scene's distance needs more than 256 values at once, but a region's tape has 256 registers: the scene is \
-         compiled instead"
+        "the scene needs more than 256 values at once, but a tape has 256 registers: the scene is compiled instead"
     )]
     Registers,
 }

@@ -82,7 +82,7 @@ mod tests {
         let gl = context.gl();
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world_of(SPEAKERS));
-        let buffers = Arc::new(world.tape_buffers().unwrap());
+        let buffers = Arc::new(world.tape_buffers());
         let plan = Arc::new(mariana_field::region::RegionPlan::new(&world));
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &library, &variant).unwrap();

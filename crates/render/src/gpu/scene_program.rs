@@ -101,7 +101,7 @@ impl Interpreter {
     /// # Errors
     /// [`DoesNotFit`] if a buffer exceeds a limit.
     pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
-        if !plan.runs {
+        if !plan.runs || !buffers.runs {
             return Err(DoesNotFit::Registers);
         }
         let needed = buffers.texels_max().max(plan.whole_texels);

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use image::{DynamicImage, ImageFormat, Rgba};
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::Fault;
-use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::tape::{PointEvaluator, Tape};
 use mariana_field::world::World;
 use mariana_testing::tiny_font::TinyFont;
 use tempfile::TempDir;
@@ -53,7 +53,7 @@ impl Place {
 }
 
 fn distances(world: &World, points: &[(f32, f32)]) -> Vec<f32> {
-    let tape = Tape::build(&world.scene.graph, &[world.scene.distance], &TapeOptions::default()).unwrap();
+    let tape = Tape::new(&world.scene.graph, &[world.scene.distance]);
     let frame = FrameInputs { shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     let mut evaluator = PointEvaluator::new(&tape, &frame);
     points.iter().map(|(x, y)| evaluator.at(&Point::at(*x, *y, 0.0))[0]).collect()

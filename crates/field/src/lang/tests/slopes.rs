@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::scene;
 use super::shapes::points;
 use crate::graph::{FrameInputs, Point};
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape};
 
 type Slope = fn(f32, f32, f32) -> f32;
 
@@ -41,7 +41,7 @@ impl Formula {
     fn of(components: &[&str], (a, b, n): (f32, f32, u32)) -> Self {
         let tape = |component: &&str| {
             let scene = scene(&format!("let a = {a}\nlet b = {b}\nlet m = {n}\n{component}"));
-            Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap()
+            Tape::new(&scene.graph, &[scene.distance])
         };
         Self(components.iter().map(tape).collect())
     }

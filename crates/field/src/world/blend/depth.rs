@@ -3,7 +3,7 @@
 use super::melt::HOLLOW;
 use super::side::Side;
 use crate::graph::{FrameInputs, Graph, Point};
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape};
 use crate::vectors::{cross, length};
 
 const RAYS: (usize, usize) = (15, 9);
@@ -37,7 +37,7 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
     let (eye, view) = ([x, y, z], [tx - x, ty - y, tz - z]);
     let inputs = FrameInputs { eye, ..inputs };
     // Textures read 0 here.
-    let tape = Tape::build(graph, &[estimate], &TapeOptions::default()).ok()?;
+    let tape = Tape::new(graph, &[estimate]);
     let mut evaluator = PointEvaluator::new(&tape, &inputs);
     let mut value = |p: [f32; 3]| evaluator.at(&Point::at(p[0], p[1], p[2])).first().copied().unwrap_or(0.0);
     let level = view[0].hypot(view[2]).max(1e-3);

@@ -179,7 +179,7 @@ impl World {
         let non_lipschitz = a.non_lipschitz || b.non_lipschitz;
         let traced = Traced { bounds, non_lipschitz, is_blend: true, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
-        let frame_tape = FrameTape::build(&scene, &surfaces.planes).map_err(WorldError::of(&name))?;
+        let frame_tape = FrameTape::new(&scene, &surfaces.planes);
         let world = Self::prepared(&name, scene, surfaces, traced, frame_tape, pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }

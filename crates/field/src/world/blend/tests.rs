@@ -3,7 +3,7 @@
 use super::*;
 use crate::graph::{FrameInputs, Interval, Point, cell_hash};
 use crate::lang::LightKind;
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape};
 use crate::world::testing::{SPEAKERS, world_of};
 use proptest::prelude::*;
 
@@ -33,11 +33,7 @@ fn params(from: &World, to: &World, fraction: f32) -> Vec<f32> {
 
 /// Returns a frame at a fraction, seen from far away, so that no solid shrinks because of the eye.
 fn frame(from: &World, to: &World, fraction: f32) -> FrameInputs {
-    FrameInputs {
-        eye: [10.0, 200.0, -300.0],
-        params: params(from, to, fraction),
-        ..FrameInputs::default()
-    }
+    FrameInputs { eye: [10.0, 200.0, -300.0], params: params(from, to, fraction), ..FrameInputs::default() }
 }
 
 fn value(world: &World, root: NodeId, p: [f32; 3], inputs: &FrameInputs) -> f32 {
@@ -85,7 +81,7 @@ proptest! {
     ) {
         for (kind, ..) in BlendKind::ALL {
             let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
-            let tape = Tape::build(&blend.scene.graph, &[blend.scene.distance], &TapeOptions::default()).unwrap();
+            let tape = Tape::new(&blend.scene.graph, &[blend.scene.distance]);
             let inputs = frame(&a, &b, fraction);
             let ([x, y, z], none) = (low.map(|low| Interval::new(low, low + size)), Interval::point(0.0));
             let over = [x, y, z, none, none, none];
