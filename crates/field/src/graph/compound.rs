@@ -8,6 +8,7 @@
 //! Compounds have the numbers 96..128, after the two-operand operators. They make the interpreter's code at most 7.3 %
 //! longer on Vega GPUs and 5 % longer on Xe GPUs, without additional GPU registers.
 
+use std::cell::RefCell;
 use std::fmt::Write as _;
 
 use super::Graph;
@@ -16,7 +17,7 @@ use super::interval::Interval;
 use super::node::{Node, NodeId};
 use super::op::{Op, Properties};
 
-pub(crate) const PARTS_MAX: usize = 6;
+const PARTS_MAX: usize = 6;
 /// The lowest number of a compound.
 pub const FIRST_COMPOUND: u8 = 96;
 
@@ -144,58 +145,48 @@ impl Compound {
 
     /// Returns the value for the operands `a`, `b` and `c`, bit for bit as the separate operators compute it.
     pub fn value(self, a: f32, b: f32, c: f32, frame: &FrameInputs) -> f32 {
-        self.by_parts(a, b, c, |number| number, |op, a, b| op.value(a, b, frame))
+        self.by_parts([a, b, c, 0.25 / c], |number| number, |op, a, b| op.value(a, b, frame))
     }
 
     /// Returns bounds of the value for operands within `a` and `b`, and the number `c`.
     pub fn bounds(self, a: Interval, b: Interval, c: f32, frame: &FrameInputs) -> Interval {
-        self.by_parts(a, b, c, Interval::point, |op, a, b| op.bounds(a, b, frame))
+        let [c, quarter] = [c, 0.25 / c].map(Interval::point);
+        self.by_parts([a, b, c, quarter], Interval::point, |op, a, b| op.bounds(a, b, frame))
     }
 
-    fn by_parts<T: Copy>(
+    /// Applies the operators one after the other. The operands are a, b, c and a quarter over c.
+    fn by_parts<T: Clone>(
         self,
-        a: T,
-        b: T,
-        c: f32,
+        [a, b, c, quarter]: [T; 4],
         number: impl Fn(f32) -> T,
-        apply: impl Fn(Op, T, T) -> T,
+        mut apply: impl FnMut(Op, T, T) -> T,
     ) -> T {
-        let mut values = [number(0.0); PARTS_MAX];
-        let mut last = number(0.0);
+        let mut values: [T; PARTS_MAX] = std::array::from_fn(|_| a.clone());
+        let mut last = 0;
         for (place, part) in self.parts().iter().enumerate() {
             let [first, second] = [part.a, part.b].map(|reads| match reads {
-                Reads::A => a,
-                Reads::B => b,
-                Reads::C => number(c),
-                Reads::QuarterOverC => number(0.25 / c),
+                Reads::A => a.clone(),
+                Reads::B => b.clone(),
+                Reads::C => c.clone(),
+                Reads::QuarterOverC => quarter.clone(),
                 Reads::Always(constant) => number(constant),
-                Reads::Part(earlier) => values.get(earlier).copied().unwrap_or(number(0.0)),
+                Reads::Part(earlier) => values[earlier].clone(),
             });
-            last = apply(part.op, first, second);
-            if let Some(value) = values.get_mut(place) {
-                *value = last;
-            }
+            values[place] = apply(part.op, first, second);
+            last = place;
         }
-        last
+        values[last].clone()
     }
 
     /// Adds the compound's operators to `graph` and returns the last node.
     pub fn nodes(self, graph: &mut Graph, a: NodeId, b: NodeId, c: f32) -> NodeId {
-        let mut nodes: Vec<NodeId> = Vec::with_capacity(PARTS_MAX);
-        for part in self.parts() {
-            let [a, b] = [part.a, part.b].map(|reads| match reads {
-                Reads::A => a,
-                Reads::B => b,
-                Reads::C => graph.constant(c),
-                Reads::QuarterOverC => graph.constant(0.25 / c),
-                Reads::Always(number) => graph.constant(number),
-                Reads::Part(earlier) => nodes.get(earlier).copied().unwrap_or_default(),
-            });
-            let node =
-                if part.op.arity() == 1 { Node::Unary(part.op, a) } else { Node::Binary(part.op, a, b) };
-            nodes.push(graph.raw(node));
-        }
-        nodes.last().copied().unwrap_or_default()
+        let [c, quarter] = [c, 0.25 / c].map(|number| graph.constant(number));
+        let graph = RefCell::new(graph);
+        let constant = |number| graph.borrow_mut().constant(number);
+        self.by_parts([a, b, c, quarter], constant, |op, a, b| {
+            let node = if op.arity() == 1 { Node::Unary(op, a) } else { Node::Binary(op, a, b) };
+            graph.borrow_mut().raw(node)
+        })
     }
 
     /// Returns GLSL: declarations of the intermediate values, and the result as an expression of `a`, `b` and `c`.
@@ -204,24 +195,18 @@ impl Compound {
         fill: impl Fn(&mut String, &str, &str, &str),
         literal: impl Fn(f32) -> String,
     ) -> (String, String) {
-        let (mut before, mut expression) = (String::new(), String::new());
+        let (mut before, mut expression, mut place) = (String::new(), String::new(), 0);
         let name = |part: usize| format!("{}_{part}", self.name().to_lowercase());
-        let of = |reads: Reads| match reads {
-            Reads::A => "a".to_owned(),
-            Reads::B => "b".to_owned(),
-            Reads::C => "c".to_owned(),
-            Reads::QuarterOverC => "(0.25 / c)".to_owned(),
-            Reads::Always(number) => literal(number),
-            Reads::Part(earlier) => name(earlier),
-        };
-        for (place, part) in self.parts().iter().enumerate() {
+        self.by_parts(["a", "b", "c", "(0.25 / c)"].map(str::to_owned), literal, |op, a, b| {
             if place > 0 {
                 // Writing to a String cannot fail.
                 let _ = writeln!(before, "    float {} = {expression};", name(place - 1));
             }
             expression.clear();
-            fill(&mut expression, part.op.glsl(), &of(part.a), &of(part.b));
-        }
+            fill(&mut expression, op.glsl(), &a, &b);
+            place += 1;
+            name(place - 1)
+        });
         (before, expression)
     }
 }
