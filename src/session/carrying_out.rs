@@ -11,7 +11,7 @@ use mariana_player::Edit;
 impl Session {
     /// Carries out a command. Does nothing if a switch already has the requested state.
     pub(crate) fn carry_out(&mut self, command: Command, sender: Sender) {
-        if command.row().is_on.is_some() && command.is_done_already(&self.state()) {
+        if command.is_done_already(|| self.state()) {
             return self.playback.reports.hurry();
         }
         match command {

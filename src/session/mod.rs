@@ -178,7 +178,7 @@ impl Session {
         if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
-        let command_key = held.control_key() || held.super_key();
+        let command_key = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
         let commands = self.interface.ui_state.help.handle_key(key, command_key);
         let is_taken = commands.is_some();
         self.carry_out_all(commands.into_iter().flatten());
@@ -201,7 +201,7 @@ impl Session {
             self.carry_out_all(panel);
             return true;
         }
-        let command_key = held.control_key() || held.super_key();
+        let command_key = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
         let taken = self.interface.ui_state.panel.as_mut().and_then(|panel| panel.handle_key(key, held));
         // Files can be dropped while no panel is open, so the former list comes back without one.
         let undoes = command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
@@ -252,7 +252,7 @@ impl Session {
     fn open_dropped(&mut self) {
         let dropped = self.interface.input.drain_dropped();
         if !dropped.is_empty() {
-            let append = self.interface.input.held().shift_key()
+            let append = self.interface.input.held().contains(Modifiers::SHIFT)
                 || self.interface.ui_state.panels.open == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }
@@ -505,13 +505,13 @@ impl Interface {
     /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used the key.
     fn pass_to_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
-            && (held.shift_key() || self.overlay.assisted)
+            && (held.contains(Modifiers::SHIFT) || self.overlay.assisted)
             && self.ui_state.panels.open != Some(Panel::Corners);
         let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
             return false;
         }
-        let taken = self.overlay.handle_key(key, held.shift_key());
+        let taken = self.overlay.handle_key(key, held.contains(Modifiers::SHIFT));
         if taken {
             // Show the bar, which stays while it has the focus.
             self.pointer_rest.wake(clock::now());

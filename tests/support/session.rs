@@ -266,7 +266,7 @@ impl App {
             };
             name = rest;
         }
-        let key = key_of(name, held.shift_key());
+        let key = key_of(name, held.contains(Modifiers::SHIFT));
         let text = match &key {
             Key::Character(text) => Some(text.clone()),
             Key::Named(NamedKey::Space) => Some(" ".to_owned()),

@@ -66,28 +66,6 @@ bitflags! {
     }
 }
 
-impl Modifiers {
-    /// True if Shift is held.
-    pub fn shift_key(self) -> bool {
-        self.contains(Self::SHIFT)
-    }
-
-    /// True if Ctrl is held.
-    pub fn control_key(self) -> bool {
-        self.contains(Self::CONTROL)
-    }
-
-    /// True if Alt is held.
-    pub fn alt_key(self) -> bool {
-        self.contains(Self::ALT)
-    }
-
-    /// True if the Super key is held.
-    pub fn super_key(self) -> bool {
-        self.contains(Self::SUPER)
-    }
-}
-
 /// A key press, or a repeat while the key is held.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeyPress {

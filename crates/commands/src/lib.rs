@@ -151,10 +151,10 @@ pub enum Sender {
 pub enum Control {
     /// A button without a value.
     Press(fn() -> Command),
-    /// On or off. Without a value, the switch toggles.
-    Switch(fn(Switch) -> Command),
-    /// A value from 0 to 1.
-    Level(fn(f32) -> Command),
+    /// On or off. Without a value, the switch toggles. The second field returns the switch's state.
+    Switch(fn(Switch) -> Command, fn(&ShowState) -> bool),
+    /// A value from 0 to 1. The second field returns the present value, if there is one.
+    Level(fn(f32) -> Command, fn(&ShowState) -> Option<f32>),
     /// A number in the command's unit. Without a value, the default in the second field applies, if there is one.
     Number(fn(f32) -> Command, Option<f32>),
     /// A scene.
@@ -166,43 +166,34 @@ pub enum Control {
 /// A command's entry in the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// The name in OSC addresses, MIDI mappings and phone requests. Never change it: users' files contain it.
-    pub name: Option<&'static str>,
-    /// The value that controllers send for the command.
-    pub control: Option<Control>,
+    /// The name in OSC addresses, MIDI mappings and phone requests, and the value that controllers send. Never change the
+    /// name: users' files contain it. It is empty if only the desktop sends values.
+    pub control: Option<(&'static str, Control)>,
     /// The keys of the command.
     pub bindings: &'static [Binding],
     /// The group of the keys in the help.
-    pub group: Option<Group>,
+    pub group: Group,
     /// The help text of a command without keys.
     pub help: &'static str,
-    /// Returns the state of a switch.
-    pub is_on: Option<fn(&ShowState) -> bool>,
-    /// Returns the value of a level, 0..1.
-    pub level: Option<fn(&ShowState) -> Option<f32>>,
     /// True if phones may send the command. Phones must not cause files to be written.
     pub for_phones: bool,
 }
 
 impl Row {
     /// The defaults of a row: without keys and a name, only panels send the command.
-    pub const PLAIN: Self = Self {
-        name: None,
-        control: None,
-        bindings: &[],
-        group: None,
-        help: "",
-        is_on: None,
-        level: None,
-        for_phones: true,
-    };
+    pub const PLAIN: Self =
+        Self { control: None, bindings: &[], group: Group::Playing, help: "", for_phones: true };
+
+    fn named(&self) -> Option<(&'static str, Control)> {
+        self.control.filter(|(name, _)| !name.is_empty())
+    }
 
     fn for_controllers(&self) -> Option<ActionRow> {
-        let name = self.name?;
-        let takes = match self.control? {
+        let (name, control) = self.named()?;
+        let takes = match control {
             Control::Press(_) => ValueType::Press,
-            Control::Switch(_) => ValueType::Switch,
-            Control::Level(_) => ValueType::Level,
+            Control::Switch(..) => ValueType::Switch,
+            Control::Level(..) => ValueType::Level,
             Control::Number(..) => ValueType::Number,
             Control::Scene(_) => ValueType::Choice,
             Control::Numbered(_, most) => ValueType::Index(most),
@@ -219,17 +210,18 @@ impl Row {
 impl Command {
     /// Returns the command for a controller's action, or `None` if the name is unknown or the value does not fit.
     pub fn of_controller(action: &Action) -> Option<Self> {
-        let row = ROWS.iter().find(|row| row.name == Some(action.name))?;
+        let (_, control) =
+            ROWS.iter().find_map(|row| row.named().filter(|(name, _)| *name == action.name))?;
         let number = match action.given {
             ActionValue::Number(number) => Some(number),
             ActionValue::Nothing | ActionValue::Text(_) => None,
         };
-        Some(match row.control? {
+        Some(match control {
             Control::Press(command) => command(),
-            Control::Switch(command) => {
+            Control::Switch(command, _) => {
                 command(number.map_or(Switch::Toggle, |number| Switch::from(number >= 0.5)))
             }
-            Control::Level(command) => command(number?),
+            Control::Level(command, _) => command(number?),
             Control::Number(command, default) => command(number.or(default)?),
             Control::Scene(command) => command(match &action.given {
                 ActionValue::Text(title) => SceneName::Title(title.clone()),
@@ -264,7 +256,7 @@ impl Command {
         if repeated && !binding.repeats {
             return None;
         }
-        let shifted = binding.shifted.as_ref().filter(|_| held.shift_key() && place == 0);
+        let shifted = binding.shifted.as_ref().filter(|_| held.contains(Modifiers::SHIFT) && place == 0);
         shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
     }
 
@@ -285,11 +277,11 @@ impl Command {
     }
 
     /// Returns true if the command sets a switch to the state that the switch already has.
-    pub fn is_done_already(&self, state: &ShowState) -> bool {
-        let Row { control: Some(Control::Switch(command)), is_on: Some(is_on), .. } = self.row() else {
-            return false;
-        };
-        *self == command(Switch::from(is_on(state)))
+    pub fn is_done_already(&self, state: impl FnOnce() -> ShowState) -> bool {
+        match self.row().control {
+            Some((_, Control::Switch(command, is_on))) => *self == command(Switch::from(is_on(&state()))),
+            _ => false,
+        }
     }
 }
 
@@ -307,12 +299,20 @@ pub fn for_phones() -> &'static [ActionRow] {
 
 /// Returns the named switches with their states.
 pub fn switches(state: &ShowState) -> Vec<(&'static str, bool)> {
-    ROWS.iter().filter_map(|row| Some((row.name?, (row.is_on?)(state)))).collect()
+    let state_of = |row: &Row| match row.named()? {
+        (name, Control::Switch(_, is_on)) => Some((name, is_on(state))),
+        _ => None,
+    };
+    ROWS.iter().filter_map(state_of).collect()
 }
 
 /// Returns the values, 0..1, of the named levels. Leaves out levels that have no value now.
 pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
-    ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
+    let value_of = |row: &Row| match row.named()? {
+        (name, Control::Level(_, level)) => Some((name, level(state)?)),
+        _ => None,
+    };
+    ROWS.iter().filter_map(value_of).collect()
 }
 
 /// Returns all key bindings, in the order of the table.
@@ -323,7 +323,7 @@ pub fn bindings() -> impl Iterator<Item = &'static Binding> {
 /// Returns the key bindings of a group, in the order of the help.
 pub fn bindings_of(group: Group) -> impl Iterator<Item = &'static Binding> {
     let of_row = move |row: &'static Row| {
-        row.bindings.iter().filter(move |binding| binding.group.or(row.group) == Some(group))
+        row.bindings.iter().filter(move |binding| binding.group.unwrap_or(row.group) == group)
     };
     ROWS.iter().flat_map(of_row)
 }
@@ -350,9 +350,6 @@ mod tests {
     #[test]
     fn every_binding_is_in_one_group_and_has_a_command() {
         let grouped: usize = Group::ALL.into_iter().map(|group| bindings_of(group).count()).sum();
-        let ungrouped = ROWS.iter().filter(|row| row.group.is_none()).flat_map(|row| row.bindings);
-        let ungrouped: Vec<_> = ungrouped.filter(|binding| binding.group.is_none()).collect();
-        assert!(ungrouped.is_empty(), "give these keys a group: {ungrouped:?}");
         assert_eq!(grouped, bindings().count());
         for binding in bindings() {
             assert!(binding.command().is_some(), "{}", binding.written);
@@ -427,15 +424,6 @@ mod tests {
     }
 
     #[test]
-    fn every_switch_and_level_of_a_controller_reports_its_state() {
-        for row in ROWS {
-            let (Some(name), Some(control)) = (row.name, row.control) else { continue };
-            assert_eq!(matches!(control, Control::Switch(_)), row.is_on.is_some(), "{name}");
-            assert_eq!(matches!(control, Control::Level(_)), row.level.is_some(), "{name}");
-        }
-    }
-
-    #[test]
     fn phones_cannot_start_a_recording() {
         assert!(for_controllers().iter().any(|row| row.name == "record"));
         assert!(for_phones().iter().all(|row| row.name != "record"));
@@ -446,11 +434,11 @@ mod tests {
         let action = |given| Action { name: "pause", given };
         let pause = |given| Command::of_controller(&action(given)).unwrap();
         let (playing, paused) = (ShowState::default(), ShowState { paused: true, ..ShowState::default() });
-        assert!(pause(ActionValue::Number(1.0)).is_done_already(&paused));
-        assert!(!pause(ActionValue::Number(1.0)).is_done_already(&playing));
-        assert!(pause(ActionValue::Number(0.0)).is_done_already(&playing));
-        assert!(!pause(ActionValue::Nothing).is_done_already(&playing));
-        assert!(!pause(ActionValue::Nothing).is_done_already(&paused));
+        assert!(pause(ActionValue::Number(1.0)).is_done_already(|| paused));
+        assert!(!pause(ActionValue::Number(1.0)).is_done_already(|| playing));
+        assert!(pause(ActionValue::Number(0.0)).is_done_already(|| playing));
+        assert!(!pause(ActionValue::Nothing).is_done_already(|| playing));
+        assert!(!pause(ActionValue::Nothing).is_done_already(|| paused));
     }
 
     #[test]

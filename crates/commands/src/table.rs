@@ -16,12 +16,10 @@ use Command as C;
 use Switch::Toggle;
 
 commands! {
+    [Playing]
     /// Pauses or resumes playback.
     Pause(Switch) {
-        name: Some("pause"),
-        control: Some(Control::Switch(C::Pause)),
-        is_on: Some(|state| state.paused),
-        group: Some(Group::Playing),
+        control: Some(("pause", Control::Switch(C::Pause, |state| state.paused))),
         bindings: &[keys!(
             Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle),
             "Space or Shift+Space", "pause or resume; with Shift, refine the paused picture",
@@ -30,13 +28,11 @@ commands! {
     }
     /// Pauses, and draws the paused moment by paths of light until something changes.
     Refine {
-        name: Some("refine"),
-        control: Some(Control::Press(|| C::Refine)),
+        control: Some(("refine", Control::Press(|| C::Refine))),
         help: "pause, and draw the paused moment by paths of light; again: end this",
     }
     /// Seeks by this many seconds.
     SeekBy(f64) {
-        group: Some(Group::Playing),
         bindings: &[
             keys!(
                 Key::Named(NamedKey::ArrowLeft) => C::SeekBy(-SEEK_SECONDS),
@@ -54,14 +50,11 @@ commands! {
     SeekTo(f64) {}
     /// Seeks to this position in the track, 0..1.
     Position(f32) {
-        name: Some("position"),
-        control: Some(Control::Level(C::Position)),
-        level: Some(|state| state.position),
+        control: Some(("position", Control::Level(C::Position, |state| state.position))),
         help: "seek to this position in the track, from 0 (start) to 1 (end)",
     }
     /// Changes the volume by this amount, on a scale of 0..1.
     VolumeBy(f32) {
-        group: Some(Group::Playing),
         bindings: &[
             keys!(Key::Named(NamedKey::ArrowUp) => C::VolumeBy(VOLUME_STEP), "Up", "louder", repeats: true),
             keys!(Key::Named(NamedKey::ArrowDown) => C::VolumeBy(-VOLUME_STEP), "Down", "quieter", repeats: true),
@@ -69,44 +62,32 @@ commands! {
     }
     /// Sets the volume, 0..1.
     Volume(f32) {
-        name: Some("volume"),
-        control: Some(Control::Level(C::Volume)),
-        level: Some(|state| state.volume),
+        control: Some(("volume", Control::Level(C::Volume, |state| state.volume))),
         help: "set the volume, from 0 to 1",
     }
     /// Mutes or unmutes the song.
     Mute(Switch) {
-        name: Some("mute"),
-        control: Some(Control::Switch(C::Mute)),
-        is_on: Some(|state| state.muted),
-        group: Some(Group::Playing),
+        control: Some(("mute", Control::Switch(C::Mute, |state| state.muted))),
         bindings: &[keys!(Key::Character("m") => C::Mute(Toggle), "M", "mute or unmute; the image keeps moving")],
     }
     /// Counts this moment as a beat of a tapped tempo.
     Tap {
-        name: Some("beat"),
-        control: Some(Control::Press(|| C::Tap)),
-        group: Some(Group::Playing),
+        control: Some(("beat", Control::Press(|| C::Tap))),
         bindings: &[keys!(Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected tempo")],
     }
     /// Sets the tempo in beats per minute; 0 returns to the detected tempo.
     Tempo(f32) {
-        name: Some("tempo"),
-        control: Some(Control::Number(C::Tempo, Some(0.0))),
+        control: Some(("tempo", Control::Number(C::Tempo, Some(0.0)))),
         help: "set the tempo in beats per minute; 0 returns to the detected tempo",
     }
     /// Plays the next track.
     NextTrack {
-        name: Some("next_track"),
-        control: Some(Control::Press(|| C::NextTrack)),
-        group: Some(Group::Playing),
+        control: Some(("next_track", Control::Press(|| C::NextTrack))),
         bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "next track")],
     }
     /// Returns to the start of the track, or plays the previous track.
     PreviousTrack {
-        name: Some("previous_track"),
-        control: Some(Control::Press(|| C::PreviousTrack)),
-        group: Some(Group::Playing),
+        control: Some(("previous_track", Control::Press(|| C::PreviousTrack))),
         bindings: &[keys!(
             Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious) => C::PreviousTrack,
             "Page up", "start of the track, or previous track"
@@ -114,14 +95,11 @@ commands! {
     }
     /// Plays the tracks in random order or in list order.
     Shuffle(Switch) {
-        control: Some(Control::Switch(C::Shuffle)),
-        is_on: Some(|state| state.shuffled),
-        group: Some(Group::Playing),
+        control: Some(("", Control::Switch(C::Shuffle, |state| state.shuffled))),
         bindings: &[keys!(Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order")],
     }
     /// Switches to the next repeat mode: all tracks, one track, or none.
     NextRepeat {
-        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, one track, or none")],
     }
     /// Sets the repeat mode.
@@ -142,7 +120,6 @@ commands! {
     Open(Files) {}
     /// Switches to the next audio source.
     NextSource {
-        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("d") => C::NextSource,
             "D", "next source: the song, the computer's sound, or an input"
@@ -152,7 +129,6 @@ commands! {
     Listen(usize) {}
     /// Delays the image by this many steps of 5 ms.
     DelayBy(f64) {
-        group: Some(Group::Playing),
         bindings: &[
             keys!(
                 Key::Character("[") => C::DelayBy(-1.0),
@@ -168,7 +144,6 @@ commands! {
     Delay(Delay) {}
     /// Opens this panel and closes any other panel. If this panel is already open, closes it.
     TogglePanel(Panel) {
-        group: Some(Group::Playing),
         bindings: &[
             keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "track list"),
             keys!(Key::Character("o") => C::TogglePanel(Panel::Files), "O", "open music, folders, playlists or scenes"),
@@ -186,29 +161,25 @@ commands! {
                 "Y", "drag the image's corners, for a projector at an angle", group: Some(Group::Stage)),
         ],
     }
+
+    [Scenes]
     /// Shows the next scene.
     NextScene {
-        name: Some("next"),
-        control: Some(Control::Press(|| C::NextScene)),
-        group: Some(Group::Scenes),
+        control: Some(("next", Control::Press(|| C::NextScene))),
         bindings: &[keys!(Key::Character("n") => C::NextScene, "N", "next scene")],
     }
     /// Shows the previous scene.
     PreviousScene {
-        name: Some("previous"),
-        control: Some(Control::Press(|| C::PreviousScene)),
-        group: Some(Group::Scenes),
+        control: Some(("previous", Control::Press(|| C::PreviousScene))),
         bindings: &[keys!(Key::Character("p") => C::PreviousScene, "P", "previous scene")],
     }
     /// Shows the scene named by a controller.
     Scene(SceneName) {
-        name: Some("scene"),
-        control: Some(Control::Scene(C::Scene)),
+        control: Some(("scene", Control::Scene(C::Scene))),
         help: "show this scene, by title or by number; marked scenes come first",
     }
     /// Shows the entry of the scene list with this index, from 0. Marked scenes come first.
     SceneAt(usize) {
-        group: Some(Group::Scenes),
         bindings: &[Binding {
             keys: &[
                 (Key::Character("1"), C::SceneAt(0)),
@@ -231,18 +202,16 @@ commands! {
     ShowScene(Box<SceneSource>) {}
     /// Reloads the scene. Unsaved edits in the editor are shown too.
     ReloadScene {}
+
+    [Looks]
     /// Shows a variation of the scene, made from this number; 0 takes a new number.
     Surprise(f32) {
-        name: Some("surprise"),
-        control: Some(Control::Number(C::Surprise, Some(0.0))),
-        group: Some(Group::Looks),
+        control: Some(("surprise", Control::Number(C::Surprise, Some(0.0)))),
         bindings: &[keys!(Key::Named(NamedKey::F5) => C::Surprise(0.0), "F5", "surprise me: another variation of this scene")],
     }
     /// Returns to the variation before, and at last to the scene itself.
     SurpriseBack {
-        name: Some("surprise_back"),
-        control: Some(Control::Press(|| C::SurpriseBack)),
-        group: Some(Group::Looks),
+        control: Some(("surprise_back", Control::Press(|| C::SurpriseBack))),
         bindings: &[keys!(
             Key::Named(NamedKey::F6) => C::SurpriseBack,
             "F6", "back to the variation before, and at last to the scene itself"
@@ -250,10 +219,8 @@ commands! {
     }
     /// Saves the shown variation as a scene of the user.
     KeepSurprise {
-        name: Some("keep_surprise"),
-        control: Some(Control::Press(|| C::KeepSurprise)),
+        control: Some(("keep_surprise", Control::Press(|| C::KeepSurprise))),
         for_phones: false,
-        group: Some(Group::Looks),
         bindings: &[keys!(Key::Named(NamedKey::F7) => C::KeepSurprise, "F7", "save this variation as a scene of your own")],
     }
     /// Changes numbers in a scene's text and shows the result without parsing the text again.
@@ -262,55 +229,43 @@ commands! {
     MarkScenes(BTreeSet<String>) {}
     /// Makes manual scene changes cuts or fades.
     Cut(Switch) {
-        name: Some("cut"),
-        control: Some(Control::Switch(C::Cut)),
-        is_on: Some(|state| state.cuts),
+        control: Some(("cut", Control::Switch(C::Cut, |state| state.cuts))),
         help: "cut instead of fading at manual scene changes",
     }
     /// Sets the duration of manual fades in seconds; 0 cuts.
     Fade(f32) {
-        name: Some("fade"),
-        control: Some(Control::Number(C::Fade, None)),
+        control: Some(("fade", Control::Number(C::Fade, None))),
         help: "duration of manual fades in seconds; 0 cuts",
     }
+
+    [Scenes]
     /// Turns automatic scene changes on or off.
     Follow(Switch) {
-        name: Some("follow"),
-        control: Some(Control::Switch(C::Follow)),
-        is_on: Some(|state| state.follows),
-        group: Some(Group::Scenes),
+        control: Some(("follow", Control::Switch(C::Follow, |state| state.follows))),
         bindings: &[keys!(Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off")],
     }
     /// Keeps the current scene while scenes follow the song, or allows scene changes again.
     Keep(Switch) {
-        name: Some("keep"),
-        control: Some(Control::Switch(C::Keep)),
-        is_on: Some(|state| state.kept),
-        group: Some(Group::Scenes),
+        control: Some(("keep", Control::Switch(C::Keep, |state| state.kept))),
         bindings: &[keys!(Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song")],
     }
+
+    [Stage]
     /// Plays two scenes on two decks, mixed by a crossfader, or one scene.
     Decks(Switch) {
-        name: Some("decks"),
-        control: Some(Control::Switch(C::Decks)),
-        is_on: Some(|state| state.decks),
-        group: Some(Group::Stage),
+        control: Some(("decks", Control::Switch(C::Decks, |state| state.decks))),
         bindings: &[keys!(Key::Named(NamedKey::F3) => C::Decks(Toggle), "F3", "two decks with a crossfader, or one scene")],
     }
     /// Moves the crossfader to this position, 0..1: 0 shows deck A, 1 shows deck B.
     Crossfade(f32) {
-        name: Some("crossfade"),
-        control: Some(Control::Level(C::Crossfade)),
-        level: Some(|state| state.crossfade),
+        control: Some(("crossfade", Control::Level(C::Crossfade, |state| state.crossfade))),
         help: "position of the crossfader, from 0 (deck A) to 1 (deck B)",
     }
     /// Moves the crossfader by this part of its way.
     CrossfadeBy(f32) {}
     /// Moves the crossfader to the other end within the duration of a fade.
     CrossOver {
-        name: Some("cross"),
-        control: Some(Control::Press(|| C::CrossOver)),
-        group: Some(Group::Stage),
+        control: Some(("cross", Control::Press(|| C::CrossOver))),
         bindings: &[keys!(
             Key::Named(NamedKey::F8) => C::CrossOver,
             "F8", "move the crossfader to the other deck; Shift+F8 at once",
@@ -319,27 +274,22 @@ commands! {
     }
     /// Mirrors the position of the crossfader at once.
     SwapDecks {
-        name: Some("swap"),
-        control: Some(Control::Press(|| C::SwapDecks)),
+        control: Some(("swap", Control::Press(|| C::SwapDecks))),
         help: "swap the decks: mirror the position of the crossfader at once",
     }
     /// Mixes the decks in the way with this number, from 1: melt, fade, ball or plane. 0 takes the next way.
     MixDecks(usize) {
-        name: Some("mix"),
-        control: Some(Control::Numbered(C::MixDecks, 4)),
+        control: Some(("mix", Control::Numbered(C::MixDecks, 4))),
         help: "how the decks mix: 1 melt, 2 fade, 3 ball, 4 plane, 0 the next way",
     }
     /// Lets sliders and controllers change the scene on this deck: 1 is A, 2 is B.
     TakeDeck(usize) {
-        name: Some("deck"),
-        control: Some(Control::Numbered(C::TakeDeck, 2)),
+        control: Some(("deck", Control::Numbered(C::TakeDeck, 2))),
         help: "the deck whose parameters sliders and controllers change: 1 is A, 2 is B",
     }
     /// Starts the next entry that waits for a key in the show file.
     NextCue {
-        name: Some("cue"),
-        control: Some(Control::Press(|| C::NextCue)),
-        group: Some(Group::Stage),
+        control: Some(("cue", Control::Press(|| C::NextCue))),
         bindings: &[keys!(
             Key::Named(NamedKey::Enter) => C::NextCue,
             "Enter or Shift+Enter", "next cue of a show file; Shift shows all entries",
@@ -348,31 +298,27 @@ commands! {
     }
     /// Goes back to the entry of the show before the present one.
     PreviousCue {
-        name: Some("previous_cue"),
-        control: Some(Control::Press(|| C::PreviousCue)),
+        control: Some(("previous_cue", Control::Press(|| C::PreviousCue))),
         help: "back to the entry of the show before the present one",
     }
     /// Goes to the entry of the show with this number, from 1.
     CueAt(usize) {
-        name: Some("cue_at"),
-        control: Some(Control::Numbered(C::CueAt, 8)),
+        control: Some(("cue_at", Control::Numbered(C::CueAt, 8))),
         help: "go to the entry of the show with this number",
     }
     /// Starts or ends a recording of the user's actions as a show.
     Record(Switch) {
-        name: Some("record"),
-        control: Some(Control::Switch(C::Record)),
-        is_on: Some(|state| state.recording),
+        control: Some(("record", Control::Switch(C::Record, |state| state.recording))),
         for_phones: false,
-        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Named(NamedKey::F9) => C::Record(Toggle),
             "F9", "start or stop recording your actions as a show"
         )],
     }
+
+    [Playing]
     /// Moves a mark on the seek bar. The marks are the ends of the part that a video shows.
     Mark(Mark) {
-        group: Some(Group::Playing),
         bindings: &[
             keys!(
                 Key::Character("<") => C::Mark(Mark { edge: Edge::Start, at: None }),
@@ -383,26 +329,27 @@ commands! {
     }
     /// Changes the choices for a video or the queue of videos.
     Video(VideoEdit) {}
+
+    [Looks]
     /// Saves the present frame without panels as a PNG, at this many times the window's size.
     SavePicture(u32) {
         for_phones: false,
-        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F12) => C::SavePicture(1),
             "F12 or Shift+F12", "save this moment as a PNG; Shift doubles its size",
             shifted: Some(C::SavePicture(2))
         )],
     }
+
+    [Developers]
     /// Switches between interpreting and compiling the scene.
     ToggleMode {
-        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("c") => C::ToggleMode, "C", "interpreted or compiled formulas; the image is the same"
         )],
     }
     /// Switches between a shortened tape in each cell and the whole tape everywhere.
     ToggleRegions {
-        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("r") => C::ToggleRegions,
             "R or Shift+R", "skip empty space or not; Shift+R: the pointer's ray, step by step",
@@ -411,11 +358,11 @@ commands! {
     }
     /// Shows or hides the path and the steps of the ray under the pointer.
     ToggleRay {}
+
+    [Looks]
     /// Returns to the scene's own camera after manual camera moves.
     ResetCamera {
-        name: Some("camera"),
-        control: Some(Control::Press(|| C::ResetCamera)),
-        group: Some(Group::Looks),
+        control: Some(("camera", Control::Press(|| C::ResetCamera))),
         bindings: &[keys!(
             Key::Named(NamedKey::Home) => C::ResetCamera, "Home", "return to the scene's camera after manual moves"
         )],
@@ -426,9 +373,10 @@ commands! {
     ZoomCamera(f64) {}
     /// Probes the scene at this window position, in pixels, and shows the result in the editor.
     Inspect([f64; 2]) {}
+
+    [Developers]
     /// Shows the next diagnostic view.
     NextView {
-        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("v") => C::NextView,
             "V or Shift+V", "next diagnostic view, such as ray steps; Shift goes back",
@@ -439,7 +387,6 @@ commands! {
     PreviousView {}
     /// Increases (`true`) or decreases the adjustable value of a diagnostic view, such as its scale.
     StepView(bool) {
-        group: Some(Group::Developers),
         bindings: &[
             keys!(
                 Key::Character(",") => C::StepView(false),
@@ -448,9 +395,10 @@ commands! {
             keys!(Key::Character(".") => C::StepView(true), ".", "increase the value of the view", repeats: true),
         ],
     }
+
+    [Looks]
     /// Shows or hides the parameter sliders.
     ToggleSliders {
-        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::Tab), Key::Named(NamedKey::Backspace) => C::ToggleSliders,
             "Tab or Backspace", "the scene's sliders; Shift+Tab, with a screen reader Tab: the bar"
@@ -464,10 +412,8 @@ commands! {
     WriteBinding(String) {}
     /// Recalls the snapshot of the sliders with this number, from 1. The first time, takes the snapshot.
     Snapshot(usize) {
-        name: Some("snapshot"),
-        control: Some(Control::Numbered(C::Snapshot, 8)),
+        control: Some(("snapshot", Control::Numbered(C::Snapshot, 8))),
         for_phones: false,
-        group: Some(Group::Looks),
         bindings: &[Binding {
             digits: Some(C::Snapshot),
             written: "Shift+1 to Shift+8",
@@ -477,11 +423,8 @@ commands! {
     }
     /// Makes the next snapshot key take its snapshot, even if there is one.
     TakeNext(Switch) {
-        name: Some("take_next"),
-        control: Some(Control::Switch(C::TakeNext)),
-        is_on: Some(|state| state.snapshots.takes),
+        control: Some(("take_next", Control::Switch(C::TakeNext, |state| state.snapshots.takes))),
         for_phones: false,
-        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F2) => C::TakeNext(Toggle),
             "F2", "the next snapshot key takes its snapshot again"
@@ -489,71 +432,57 @@ commands! {
     }
     /// Recalls snapshots over some beats or at once.
     Morph(Switch) {
-        name: Some("morph"),
-        control: Some(Control::Switch(C::Morph)),
-        is_on: Some(|state| state.snapshots.morphs),
-        group: Some(Group::Looks),
+        control: Some(("morph", Control::Switch(C::Morph, |state| state.snapshots.morphs))),
         bindings: &[keys!(Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over some beats, or at once")],
     }
     /// Recalls snapshots over this number of beats; 0 recalls them at once.
     MorphBeats(f32) {
-        name: Some("morph_beats"),
-        control: Some(Control::Number(C::MorphBeats, Some(4.0))),
+        control: Some(("morph_beats", Control::Number(C::MorphBeats, Some(4.0)))),
         help: "recall snapshots over this number of beats; 0 recalls them at once",
     }
     /// Writes the scene's snapshots as a show file with a cue for each snapshot.
     WriteSnapshots {
-        name: Some("write_snapshots"),
-        control: Some(Control::Press(|| C::WriteSnapshots)),
+        control: Some(("write_snapshots", Control::Press(|| C::WriteSnapshots))),
         for_phones: false,
         help: "write the scene's snapshots as a show file with a cue for each snapshot",
     }
+
+    [Developers]
     /// Shows or hides the line of scene information.
     ToggleSceneLine {
-        group: Some(Group::Developers),
         bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "show or hide scene information")],
     }
+
+    [Stage]
     /// Fades the image to black, or from black back to the image.
     Blackout(Switch) {
-        name: Some("blackout"),
-        control: Some(Control::Switch(C::Blackout)),
-        is_on: Some(|state| state.black),
-        group: Some(Group::Stage),
+        control: Some(("blackout", Control::Switch(C::Blackout, |state| state.black))),
         bindings: &[keys!(Key::Character("x") => C::Blackout(Toggle), "X", "fade to black, or back")],
     }
     /// Freezes or releases the image.
     Freeze(Switch) {
-        name: Some("freeze"),
-        control: Some(Control::Switch(C::Freeze)),
-        is_on: Some(|state| state.frozen),
-        group: Some(Group::Stage),
+        control: Some(("freeze", Control::Switch(C::Freeze, |state| state.frozen))),
         bindings: &[keys!(Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues")],
     }
     /// Sets the brightness of the image, 0..1, without saving it for the next run.
     Brightness(f32) {
-        name: Some("brightness"),
-        control: Some(Control::Level(C::Brightness)),
-        level: Some(|state| Some(state.brightness)),
+        control: Some(("brightness", Control::Level(C::Brightness, |state| Some(state.brightness)))),
         help: "brightness of the image, from 0 to 1",
     }
     /// Hides all text and panels, or shows them again.
     Clean(Switch) {
-        name: Some("clean"),
-        control: Some(Control::Switch(C::Clean)),
-        is_on: Some(|state| state.clean),
-        group: Some(Group::Stage),
+        control: Some(("clean", Control::Switch(C::Clean, |state| state.clean))),
         bindings: &[keys!(Key::Character("w") => C::Clean(Toggle), "W", "hide or show all text and panels")],
     }
     /// Moves a corner of the image.
     MoveCorner(MovedCorner) {}
     /// Moves all corners of the image back to the corners of the screen.
     ResetCorners {}
+
+    [Playing]
     /// Enters or leaves full screen.
     Fullscreen(Switch) {
-        name: Some("fullscreen"),
-        control: Some(Control::Switch(C::Fullscreen)),
-        is_on: Some(|state| state.fullscreen),
-        group: Some(Group::Playing),
+        control: Some(("fullscreen", Control::Switch(C::Fullscreen, |state| state.fullscreen))),
         bindings: &[keys!(
             Key::Character("f"), Key::Named(NamedKey::F11) => C::Fullscreen(Toggle),
             "F, F11 or double click", "enter or leave full screen"
@@ -571,17 +500,14 @@ commands! {
     EditMappings(KnobEdit) {}
     /// Closes the open panel; without one, leaves full screen. Never quits.
     Leave {
-        group: Some(Group::Playing),
         bindings: &[keys!(Key::Named(NamedKey::Escape) => C::Leave, "Esc", "close the panel, or leave full screen")],
     }
     /// Shows or hides the list of keys.
     ToggleHelp {
-        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show or hide the keys")],
     }
     /// Ends the program.
     Quit {
-        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("q") => C::Quit, "Q", "quit; this row only closes the table")],
     }
 }

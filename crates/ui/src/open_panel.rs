@@ -42,7 +42,7 @@ impl OpenPanel {
             Self::Settings(panel) => panel.handle_key(key),
             Self::Controllers(panel) => panel.handle_key(key),
             Self::Video(panel) => panel.handle_key(key),
-            Self::Corners(panel) => panel.handle_key(key, held.shift_key()),
+            Self::Corners(panel) => panel.handle_key(key, held.contains(Modifiers::SHIFT)),
         }
     }
 

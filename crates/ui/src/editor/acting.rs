@@ -34,14 +34,15 @@ impl Editor {
             return true;
         }
         if let Some(action) = action {
-            self.act_with(action, held.shift_key());
+            self.act_with(action, held.contains(Modifiers::SHIFT));
             return true;
         }
         if let Some(way) = way_of(&press.key, held, self.texts.documents.rows)
-            && !held.alt_key()
+            && !held.contains(Modifiers::ALT)
         {
             self.proposals.shown = None;
-            return self.with_text(|document| document.editing.move_cursor(way, held.shift_key()));
+            return self
+                .with_text(|document| document.editing.move_cursor(way, held.contains(Modifiers::SHIFT)));
         }
         let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
         if self.handle_editing_key(&press.key, held, plain) {
@@ -79,7 +80,7 @@ impl Editor {
 
     /// Handles keys that edit but type no letter. `plain` is true if no modifier except Shift is held.
     fn handle_editing_key(&mut self, key: &Key, held: Modifiers, plain: bool) -> bool {
-        let (select, word) = (held.shift_key(), held.control_key());
+        let (select, word) = (held.contains(Modifiers::SHIFT), held.contains(Modifiers::CONTROL));
         match key {
             Key::Named(NamedKey::Enter) if plain => self.edit(|editing| editing.insert_line()),
             Key::Named(NamedKey::Backspace) => {

@@ -42,7 +42,7 @@ impl Finding {
     pub(super) fn handle_key(&mut self, key: &Key, held: Modifiers) -> QueryKey {
         let Some(find) = self.line.as_mut().filter(|find| find.typing) else { return QueryKey::Other };
         match key {
-            Key::Named(NamedKey::Enter) => QueryKey::Next { forward: !held.shift_key() },
+            Key::Named(NamedKey::Enter) => QueryKey::Next { forward: !held.contains(Modifiers::SHIFT) },
             Key::Named(NamedKey::Backspace) => {
                 find.query.pop();
                 QueryKey::Changed

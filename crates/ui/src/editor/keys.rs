@@ -151,7 +151,7 @@ pub fn written_rows() -> impl Iterator<Item = &'static Row> {
 /// Returns the action of `key` with the modifiers `held`. On non-Latin keyboards the key's position decides: `latin` is
 /// the letter of this key on a Latin keyboard.
 pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
-    let shift = held.shift_key();
+    let shift = held.contains(Modifiers::SHIFT);
     let mut held = held - Modifiers::SHIFT;
     // On a Mac, Command replaces Ctrl.
     if held == Modifiers::SUPER && cfg!(target_os = "macos") {
@@ -179,7 +179,7 @@ pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Opti
 }
 
 pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
-    let (Key::Named(named), word) = (key, held.control_key()) else { return None };
+    let (Key::Named(named), word) = (key, held.contains(Modifiers::CONTROL)) else { return None };
     Some(match named {
         NamedKey::ArrowLeft if word => Move::WordLeft,
         NamedKey::ArrowRight if word => Move::WordRight,

@@ -141,11 +141,11 @@ impl PendingInput {
 fn modifiers(held: input::Modifiers) -> Modifiers {
     let is_mac = cfg!(target_os = "macos");
     Modifiers {
-        alt: held.alt_key(),
-        ctrl: held.control_key(),
-        shift: held.shift_key(),
-        mac_cmd: is_mac && held.super_key(),
-        command: if is_mac { held.super_key() } else { held.control_key() },
+        alt: held.contains(input::Modifiers::ALT),
+        ctrl: held.contains(input::Modifiers::CONTROL),
+        shift: held.contains(input::Modifiers::SHIFT),
+        mac_cmd: is_mac && held.contains(input::Modifiers::SUPER),
+        command: held.contains(if is_mac { input::Modifiers::SUPER } else { input::Modifiers::CONTROL }),
     }
 }
 
