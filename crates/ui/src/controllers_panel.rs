@@ -107,6 +107,15 @@ impl MappingField {
         }
     }
 
+    /// What the part does, as the end of its description.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::From | Self::To => " · a click sets this end to the parameter's present value",
+            Self::PickUp => " · picks up: acts once the knob reaches the value · jumps: acts at once",
+            _ => "",
+        }
+    }
+
     /// The command for a click or Enter on the part. `From` and `To` get `stands`, the parameter's position.
     pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();

@@ -126,9 +126,8 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let full = ui.available_width();
     let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
     let painter = ui.painter();
-    let scene = style::line(painter, bar.scene, style::SMALL_SIZE, style::DIM, 0.4 * full);
-    let left = scene.size().x;
-    painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
+    let (right, size) = (line.right_center(), style::SMALL_SIZE);
+    let end = style::put_right(painter, right, bar.scene, size, style::DIM, 0.4 * full) - 16.0;
     assisted::text(ui.ctx(), "scene", bar.scene, false);
     let mut text = isolated(&bar.now.title).into_owned();
     if let Some(artist) = &bar.now.artist {
@@ -138,7 +137,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
         text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
     }
     assisted::text(ui.ctx(), "track", &text, false);
-    style::put(painter, line.left_center(), &text, style::TEXT_SIZE, style::TEXT, full - left - 16.0);
+    style::put(painter, line.left_center(), &text, style::TEXT_SIZE, style::TEXT, end - line.left());
 }
 
 fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, acts: &mut Acts) {

@@ -124,7 +124,7 @@ fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<Soun
         };
         caption(ui, end, &rail.value_text());
         let before = rail.value;
-        ui.push_id(end, |ui| params::rail(ui, &mut rail));
+        ui.push_id(end, |ui| params::rail(ui, &mut rail, params::STEP, false));
         if rail.value.to_bits() != before.to_bits() {
             let mut new = binding.clone();
             *(if end == "low" { &mut new.low } else { &mut new.high }) = rail.value;

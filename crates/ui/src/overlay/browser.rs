@@ -13,7 +13,7 @@ use super::acts::{Acts, PanelAct, Pass, on};
 use super::chips::{self, Chip};
 use super::icons::{self, Icon};
 use super::picture::pixels;
-use super::{assisted, style};
+use super::{assisted, style, words};
 use image::RgbaImage;
 
 use crate::scene_browser::{ENERGIES, SceneBrowser, SceneFilter, Tile, TilePicture};
@@ -63,33 +63,18 @@ pub(super) fn show(
 }
 
 fn heading(ui: &mut Ui, browser: &SceneBrowser, acts: &mut Acts) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "close the list of scenes") {
-        acts.commands.push(Command::TogglePanel(Panel::Scenes));
-    }
-    let painter = ui.painter();
     let found = match browser.found() {
         all if all == browser.count() => format!("{all} scenes"),
         some => format!("{some} of {} scenes", browser.count()),
     };
-    let count = style::line(painter, &found, style::SMALL_SIZE, style::DIM, place.width());
-    let right = cross.left() - count.size().x - 8.0;
-    painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
-    let (words, color, size) = match browser.query() {
-        "" => (
-            "type to search (B closes, a space and B search) · Enter or a click shows a scene · Tab or the star marks it · \
-             Ctrl+M mood · Ctrl+E energy",
-            style::DIM,
-            style::SMALL_SIZE,
-        ),
-        query => (query, style::TEXT, style::HEADING_SIZE),
+    let keys = "type to search (B closes, a space and B search) · Enter or a click shows a scene · Tab or the star marks \
+                it · Ctrl+M mood · Ctrl+E energy";
+    let (title, hint) = match browser.query() {
+        "" => (found.as_str(), keys),
+        query => (query, found.as_str()),
     };
-    let galley = style::line(painter, words, size, color, right - place.left() - 12.0);
-    let end = place.left() + galley.size().x + 2.0;
-    painter.galley(place.min, galley, color);
-    if !browser.query().is_empty() {
-        style::caret(painter, pos2(end, place.top()));
+    if words::heading(ui, LINE, title, hint, !browser.query().is_empty(), "close the list of scenes") {
+        acts.commands.push(Command::TogglePanel(Panel::Scenes));
     }
 }
 

@@ -1,8 +1,9 @@
 //! Draws the controllers panel.
 
-use egui::{Color32, Order, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Order, Pos2, Rect, Response, Sense, Shape, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
+use super::chips::{self, Chip};
 use super::{assisted, pairing_address, style, words};
 use crate::controllers_panel::{ControllerRow, ControllersPanel, MappingField};
 use mariana_commands::{Command, Panel};
@@ -23,7 +24,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, s
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let mut ask = |command| acts.commands.push(command);
         let hint = "click a row, then move a knob · saved automatically";
-        if words::heading(ui, LINE, "Controllers", hint, "", "close the controllers") {
+        if words::heading(ui, LINE, "Controllers", hint, false, "close the controllers") {
             ask(Command::TogglePanel(Panel::Controllers));
         }
         let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
@@ -101,46 +102,27 @@ fn draw_knob(
     selected: Option<MappingField>,
     ask: &mut impl FnMut(Command),
 ) -> Response {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * LINE), Sense::hover());
-    style::light(ui.painter(), rect, selected.is_some());
-    let line = Rect::from_min_size(rect.min, vec2(rect.width(), LINE));
-    let left = rect.left() + 6.0 + INDENT;
-    put(ui, pos2(left, line.center().y), words, style::BUTTON, rect.right() - left);
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
-    let mut at = pos2(left, rect.top() + LINE);
-    for field in MappingField::ALL {
-        let text = field.words(mapping);
-        let galley = style::line(ui.painter(), &text, style::SMALL_SIZE, style::TEXT, f32::MAX);
-        let place = Rect::from_min_size(at, vec2(galley.size().x + 14.0, LINE)).shrink2(vec2(1.0, 2.0));
-        if place.right() > rect.right() {
-            break;
-        }
-        at.x = place.right() + 3.0;
-        let request = field.request(mapping, stands);
-        let button = ui.interact(place, ui.scope_id().with(text.as_str()), Sense::click());
-        let (is_selected, is_pointed) = (selected == Some(field), button.hovered() && request.is_some());
-        let color = style::value_ground(ui.painter(), place, is_selected, is_pointed);
-        let color = if request.is_none() && !is_selected { style::DIM } else { color };
-        let top = place.center().y - 0.5 * galley.size().y;
-        ui.painter().galley_with_override_text_color(pos2(place.left() + 6.0, top), galley, color);
-        button.widget_info(|| {
-            WidgetInfo::labeled(egui::Role::Button, request.is_some(), format!("{text}, {words}"))
+    let ground = ui.painter().add(Shape::Noop);
+    let drawn = ui.horizontal(|ui| {
+        ui.add_space(6.0 + INDENT);
+        ui.vertical(|ui| {
+            let (line, label) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+            put(ui, line.left_center(), words, style::BUTTON, line.width());
+            label.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
+            let clicked = chips::choose(ui, "fields", &MappingField::ALL, |field| {
+                let text = field.words(mapping);
+                let name = format!("{text}, {words}{}", field.hint());
+                let is_dim = field.request(mapping, stands).is_none();
+                Chip { is_dim, ..Chip::new(text, name, selected == Some(field)) }
+            });
+            if let Some(request) = clicked.and_then(|field| field.request(mapping, stands)) {
+                ask(request);
+            }
+            ui.add_space(3.0);
         });
-        if let Some(request) = request.filter(|_| button.clicked()) {
-            ask(request);
-        }
-        let button = match field {
-            MappingField::From | MappingField::To if stands.is_some() => {
-                button.on_hover_text("click to set this end to the parameter's present value")
-            }
-            MappingField::PickUp => {
-                button.on_hover_text("picks up: acts once the knob reaches the value · jumps: acts at once")
-            }
-            _ => button,
-        };
-        drop(button);
-    }
-    response
+    });
+    style::light_behind(ui, ground, drawn.response.rect, selected.is_some());
+    drawn.response
 }
 
 fn put(ui: &Ui, left: Pos2, text: &str, color: Color32, width: f32) {

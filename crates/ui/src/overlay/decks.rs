@@ -44,7 +44,7 @@ fn faders(ui: &mut Ui, strip: &DeckStrip, acts: &mut Acts) {
                 changed_by: ChangedBy::Text,
                 bound: None,
             };
-            params::rail(ui, &mut slider);
+            params::rail(ui, &mut slider, params::STEP, false);
             if slider.value != strip.crossfade {
                 acts.commands.push(Command::Crossfade(slider.value));
             }

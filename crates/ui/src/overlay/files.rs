@@ -249,9 +249,8 @@ fn draw_entry(painter: &Painter, rect: Rect, entry: &FileEntry, tags: Option<&Tr
     };
     let end = right - LENGTH;
     if let Some(seconds) = tags.duration {
-        let length = style::line(painter, &clock_time(seconds), style::SMALL_SIZE, style::DIM, LENGTH);
-        let at = pos2(right - 6.0 - length.size().x, rect.center().y - 0.5 * length.size().y);
-        painter.galley(at, length, style::DIM);
+        let at = pos2(right - 6.0, rect.center().y);
+        style::put_right(painter, at, &clock_time(seconds), style::SMALL_SIZE, style::DIM, LENGTH);
     }
     match (in_one_line(tags), end - left >= BOTH_MIN) {
         (Some(words), true) => {

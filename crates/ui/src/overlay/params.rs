@@ -1,6 +1,6 @@
 //! The sliders of the scene's parameters. egui's sliders would take the keyboard focus from the show.
 
-use egui::{Align2, Id, Order, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Id, Order, Painter, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::{Acts, Pass};
 use super::binding::{self, OpenBinding};
@@ -11,13 +11,13 @@ use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
-pub(super) const RAIL_HEIGHT: f32 = 3.0;
+const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
 /// Height of a slider's clickable area, in points. It is larger than the drawn slider.
-const HOLD_HEIGHT: f32 = 18.0;
+pub(super) const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
-/// Step for keys and screen readers, as a fraction of the range.
-const STEP: f64 = 0.05;
+/// The usual step of a slider for keys and screen readers, as a fraction of the range.
+pub(super) const STEP: f64 = 0.05;
 
 /// The scene's sliders, the parameter for which a control is being learned, and the snapshots.
 pub(super) struct Shown<'a> {
@@ -125,42 +125,43 @@ fn row(ui: &mut Ui, mut slider: Slider, is_learning: bool, open: &mut OpenBindin
         }
     }
 
-    rail(ui, &mut slider);
+    rail(ui, &mut slider, STEP, false);
     ui.add_space(2.0);
     slider.value
 }
 
 const RESET_SIGN: &str = "↺";
 
-/// Draws a slider without its name, and changes its value.
-pub(super) fn rail(ui: &mut Ui, slider: &mut Slider) {
+/// Draws a slider without its name, and changes its value. Keys and screen readers move it by `step`, a fraction of the
+/// range. The value is set while the pointer holds the slider and, with `settles`, once more when it is released.
+pub(super) fn rail(ui: &mut Ui, slider: &mut Slider, step: f64, settles: bool) -> Response {
     let full = ui.available_width();
     let (hold, response) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::click_and_drag());
     let rail = Rect::from_center_size(hold.center(), vec2(full - 2.0 * KNOB_RADIUS, RAIL_HEIGHT));
+    let is_held = response.is_pointer_button_down_on();
+    let is_set = is_held || settles && (response.clicked() || response.drag_stopped());
     if response.double_clicked() {
         slider.value = slider.default;
-    } else if let Some(pointer) =
-        response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
-    {
+    } else if let Some(pointer) = response.interact_pointer_pos().filter(|_| is_set) {
         slider.value = slider.param().value_at((pointer.x - rail.left()) / rail.width());
     }
     let (range, step) =
-        (f64::from(slider.min)..=f64::from(slider.max), STEP * f64::from(slider.max - slider.min));
+        (f64::from(slider.min)..=f64::from(slider.max), step * f64::from(slider.max - slider.min));
     if let Some(wanted) = assisted::rail(ui, &response, &slider.name, slider.value.into(), range, step) {
         slider.value = slider.param().clamped(wanted as f32);
     }
     let x_of = |value: f32| rail.left() + slider.param().fraction_of(value) * rail.width();
-    let held = response.hovered() || response.is_pointer_button_down_on();
-    draw_rail(ui.painter(), rail, rail.left(), x_of(slider.default), x_of(slider.value), held);
+    draw_rail(ui.painter(), rail, x_of(slider.default), x_of(slider.value), response.hovered() || is_held);
+    response
 }
 
-/// Draws a rail that is filled from `base` to its `knob`, with a `mark` at the usual value.
-pub(super) fn draw_rail(painter: &Painter, rail: Rect, base: f32, mark: f32, knob: f32, held: bool) {
+/// Draws a rail that is filled up to its `knob`, with a `mark` at the usual value.
+fn draw_rail(painter: &Painter, rail: Rect, mark: f32, knob: f32, held: bool) {
     let radius = RAIL_HEIGHT / 2.0;
     painter.rect_filled(rail, radius, style::RAIL);
     let mark = Rect::from_center_size(pos2(mark, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
     painter.rect_filled(mark, 0.0, style::RAIL);
-    let filled = Rect::from_x_y_ranges(base.min(knob)..=base.max(knob), rail.y_range());
+    let filled = Rect::from_x_y_ranges(rail.left()..=knob, rail.y_range());
     painter.rect_filled(filled, radius, style::ACCENT);
     let (knob_radius, color) =
         if held { (KNOB_RADIUS + 0.5, style::TEXT) } else { (KNOB_RADIUS, style::ACCENT) };

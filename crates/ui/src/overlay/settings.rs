@@ -3,14 +3,16 @@
 
 use std::time::Duration;
 
-use egui::{Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Layout, Order, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::acts::{On, PanelAct, Pass};
+use super::chips::{self, Chip};
 use super::{assisted, params, style, words};
 use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_commands::{Command, Panel};
-use mariana_settings::{Setting, SettingRow, Values};
+use mariana_control::{ChangedBy, Slider};
+use mariana_settings::{SettingRow, Values};
 
 const WIDTH_MAX: f32 = 640.0;
 const ROW: f32 = 26.0;
@@ -22,8 +24,8 @@ const LINGERS: Duration = Duration::from_millis(1_200);
 const FADED: (f32, f32) = (0.2, 0.35);
 /// Maximum width of a row's name: first in points, then as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
-/// Largest delay that the slider can set, in milliseconds in each direction. Keys can set larger delays.
-const RAIL_MS: f64 = 500.0;
+/// The delays that the slider can set, and its default, in milliseconds. Keys can set larger delays.
+const RAIL_MS: [f32; 3] = [-500.0, 500.0, 0.0];
 pub(super) struct Seen {
     selected: usize,
     /// Height of the panel's list.
@@ -52,7 +54,7 @@ pub(super) fn show(
         ui.scope(|ui| {
             fade(ui, gives_way);
             let hint = "change with the arrows and Enter, or a click · saved automatically";
-            if words::heading(ui, ROW, "Settings", hint, "", "close the settings") {
+            if words::heading(ui, ROW, "Settings", hint, false, "close the settings") {
                 acts.commands.push(Command::TogglePanel(Panel::Settings));
             }
         });
@@ -81,17 +83,6 @@ fn fade(ui: &mut Ui, gives_way: bool) {
     }
 }
 
-/// Height of the heading above a row: 0 if the row before is in the same group.
-fn heading_above(rows: &[SettingRow], place: usize) -> f32 {
-    let group_of = |row: &SettingRow| row.group;
-    let before = place.checked_sub(1).and_then(|before| rows.get(before)).map(group_of);
-    let begins = rows.get(place).is_some_and(|row| {
-        // The fold is the heading of its group.
-        before != Some(row.group) && !matches!(row.values, Values::Fold { .. })
-    });
-    if begins { HEADING } else { 0.0 }
-}
-
 fn draw_group(ui: &mut Ui, words: &str) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), Sense::hover());
     let galley = style::line(ui.painter(), words, style::SMALL_SIZE, style::DIM, place.width());
@@ -114,23 +105,26 @@ fn rows(
     let moved = before.is_some_and(|seen| seen.selected != settings.selected || seen.height != height);
     let mut held = false;
     let pointed = style::scrolled(ui, height, before.is_none(), |ui| {
-        let mut pointed = None;
+        let (mut pointed, mut group) = (None, None);
         for (place, row) in rows.iter().enumerate() {
+            // A fold is the heading of its group.
+            let has_heading =
+                group.replace(row.group) != Some(row.group) && !matches!(row.values, Values::Fold { .. });
             let is_selected = place == settings.selected;
             let drawn = ui.push_id(place, |ui| {
-                if heading_above(rows, place) > 0.0 {
+                if has_heading {
                     ui.scope(|ui| {
                         fade(ui, gives_way);
                         draw_group(ui, row.group.name());
                     });
                 }
                 fade(ui, gives_way && !is_selected);
+                let ground = ui.painter().add(egui::Shape::Noop);
+                let drawn = draw_row(ui, row, place, is_selected, &mut held, ask);
                 if gives_way && is_selected {
-                    let size =
-                        vec2(ui.available_width(), ROW * lines_of(ui, row, ui.available_width()) as f32);
-                    style::ground(ui.painter(), Rect::from_min_size(ui.cursor().min, size));
+                    ui.painter().set(ground, style::ground_of(drawn.rect));
                 }
-                draw_row(ui, row, place, is_selected, &mut held, ask)
+                drawn
             });
             if drawn.inner.contains_pointer() {
                 pointed = Some(place);
@@ -154,50 +148,47 @@ fn draw_row(
     ask: &mut impl FnMut(On<SettingsPanel>),
 ) -> Response {
     let width = ui.available_width();
-    let start = start_of_values(width);
-    let height = ROW * lines_of(ui, row, width) as f32;
-    // Rows that are alternatives to each other are buttons. In all other rows, only the values can be clicked.
-    let is_button = matches!(row.values, Values::OneOfRows { .. } | Values::Fold { .. });
-    let sense = if is_button { Sense::click() } else { Sense::hover() };
-    let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
-    style::light(ui.painter(), rect, is_selected || response.hovered() && is_button);
-    let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
     let pick = |value: usize| -> On<SettingsPanel> {
         Box::new(move |panel| Vec::from_iter(panel.pick(place, value)))
     };
-    let name_width = if is_button { width } else { start } - 12.0;
-    draw_name(ui, row, rect, name_width, is_selected);
-    match &row.values {
-        Values::OneOfRows { chosen, .. } => {
-            response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, *chosen, &row.name));
-            if response.clicked() {
-                ask(pick(0));
-            }
+    // Rows that are alternatives to each other are buttons. In all other rows, only the values can be clicked.
+    if let Values::OneOfRows { chosen: is_on, .. } | Values::Fold { open: is_on } = row.values {
+        let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click());
+        style::light(ui.painter(), rect, is_selected || response.hovered());
+        draw_name(ui, row, rect, is_selected);
+        let is_fold = matches!(row.values, Values::Fold { .. });
+        let role = if is_fold { egui::Role::Button } else { egui::Role::RadioButton };
+        assisted::selected(&response, role, is_on, &row.name);
+        if response.clicked() {
+            ask(pick(0));
         }
-        Values::Fold { open } => {
-            response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, *open, &row.name));
-            if response.clicked() {
-                ask(pick(0));
-            }
-        }
-        Values::Names { options, chosen } => {
-            if let Some(value) = draw_names(ui, values, row, options, *chosen) {
-                ask(pick(value));
-            }
-        }
-        Values::Delay(number) | Values::Brightness(number) => {
-            let scale = if matches!(row.values, Values::Delay(_)) { &SHIFT } else { &PERCENT };
-            if let Some((number, settled)) = draw_number(ui, values, &row.name, *number, scale, held) {
-                ask(Box::new(move |panel| Vec::from_iter(panel.change_number(place, number, settled))));
-            }
-        }
+        return response;
     }
-    response
+    let name = vec2((NAME.1 * width).min(NAME.0), ROW);
+    let drawn = words::named_row(
+        ui,
+        name,
+        is_selected,
+        |ui, rect| draw_name(ui, row, rect, is_selected),
+        |ui| {
+            if let Values::Names { options, chosen } = &row.values {
+                let chip = |(at, (name, _)): (usize, &(&'static str, _))| {
+                    Chip::new(*name, format!("{}: {name}", row.name), at == *chosen)
+                };
+                let chips: Vec<Chip<'_>> = options.iter().enumerate().map(chip).collect();
+                return chips::row(ui, "values", &chips).map(pick);
+            }
+            let (number, settled) = draw_number(ui, row, held)?;
+            Some(Box::new(move |panel| Vec::from_iter(panel.change_number(place, number, settled))))
+        },
+    );
+    drawn.inner.into_iter().for_each(ask);
+    drawn.response
 }
 
 /// Draws the name at the left. Marks a row that is an alternative to other rows, and a value from the command line.
-fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
-    let painter = ui.painter();
+fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, is_selected: bool) {
+    let (painter, width) = (ui.painter(), rect.width() - 12.0);
     let (mark, color) = match (&row.values, is_selected) {
         (Values::OneOfRows { chosen: true, .. }, _) => ("> ", style::ACCENT),
         (Values::OneOfRows { chosen: false, .. }, false) => ("· ", style::TEXT),
@@ -218,135 +209,32 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
 
 const THIS_RUN: &str = "this run";
 
-fn name_width(ui: &Ui, name: &str) -> f32 {
-    style::line(ui.painter(), name, style::TEXT_SIZE, style::TEXT, f32::MAX).size().x + 18.0
-}
-
-fn start_of_values(width: f32) -> f32 {
-    (NAME.1 * width).min(NAME.0)
-}
-
-fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
-    let Values::Names { options, .. } = &row.values else { return 1 };
-    let width = width - start_of_values(width);
-    let mut lines = 1;
-    let mut left = 0.0;
-    for (name, _) in options {
-        let next = name_width(ui, name);
-        if left > 0.0 && left + next > width {
-            (lines, left) = (lines + 1, 0.0);
-        }
-        left += next;
-    }
-    lines
-}
-
-/// Draws values side by side, in as many lines as needed. Returns the index of the clicked value.
-fn draw_names(
-    ui: &Ui,
-    rect: Rect,
-    row: &SettingRow,
-    options: &[(&str, Setting)],
-    chosen: usize,
-) -> Option<usize> {
-    let mut clicked = None;
-    let mut at = rect.min;
-    for (place, (name, _)) in options.iter().enumerate() {
-        let width = name_width(ui, name);
-        if at.x > rect.left() && at.x + width > rect.right() + 0.5 {
-            at = pos2(rect.left(), at.y + ROW);
-        }
-        let ground = Rect::from_min_size(at, vec2(width, ROW)).shrink2(vec2(2.0, 3.0));
-        at.x += width;
-        let response = ui.interact(ground, ui.scope_id().with(("value", place)), Sense::click());
-        let painter = ui.painter();
-        let color = style::value_ground(painter, ground, place == chosen, response.hovered());
-        let galley = style::line(painter, name, style::TEXT_SIZE, color, width);
-        painter.galley_with_override_text_color(ground.center() - 0.5 * galley.size(), galley, color);
-        assisted::selected(
-            &response,
-            egui::Role::RadioButton,
-            place == chosen,
-            format_args!("{}: {name}", row.name),
-        );
-        if response.clicked() {
-            clicked = Some(place);
-        }
-    }
-    clicked
-}
-
-struct Scale {
-    from: f64,
-    to: f64,
-    /// The value that a double click sets.
-    usual: f64,
-    words: fn(f64) -> String,
-    rounded: fn(f64) -> f64,
-    unit: &'static str,
-    step: f64,
-}
-
-const SHIFT: Scale = Scale {
-    from: -RAIL_MS,
-    to: RAIL_MS,
-    usual: 0.0,
-    words: |shift| if shift == 0.0 { "0 ms".to_owned() } else { format!("{shift:+.0} ms") },
-    rounded: whole_steps,
-    unit: "milliseconds",
-    step: 10.0,
-};
-
-const PERCENT: Scale = Scale {
-    from: 0.0,
-    to: 100.0,
-    usual: 100.0,
-    words: |percent| format!("{percent:.0} %"),
-    rounded: f64::round,
-    unit: "percent",
-    step: 5.0,
-};
-
 /// Draws a slider for a number. Returns the value that the user sets, and true once the user releases the slider.
-fn draw_number(
-    ui: &Ui,
-    rect: Rect,
-    name: &str,
-    shift: f64,
-    scale: &Scale,
-    is_held: &mut bool,
-) -> Option<(f64, bool)> {
-    let painter = ui.painter();
-    let words = (scale.words)(shift);
-    let number = style::line(painter, &words, style::TEXT_SIZE, style::TEXT, 80.0);
-    let place = pos2(rect.right() - 8.0 - number.size().x, rect.center().y - 0.5 * number.size().y);
-    painter.galley(place, number, style::TEXT);
-    let hold =
-        Rect::from_min_max(rect.min, pos2((rect.right() - 84.0).max(rect.left() + 1.0), rect.bottom()));
-    let rail =
-        Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), params::RAIL_HEIGHT));
-    let x_of = |shift: f64| {
-        let fraction = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
-        rail.left() + fraction as f32 * rail.width()
-    };
-    let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
+fn draw_number(ui: &mut Ui, row: &SettingRow, is_held: &mut bool) -> Option<(f64, bool)> {
+    let (number, words, unit, [min, max, default], step, rounded): (_, _, _, _, _, fn(f64) -> f64) =
+        match row.values {
+            Values::Delay(0.0) => (0.0, "0 ms".to_owned(), "milliseconds", RAIL_MS, 0.01, whole_steps),
+            Values::Delay(shift) => {
+                (shift, format!("{shift:+.0} ms"), "milliseconds", RAIL_MS, 0.01, whole_steps)
+            }
+            Values::Brightness(number) => {
+                (number, format!("{number:.0} %"), "percent", [0.0, 100.0, 100.0], 0.05, f64::round)
+            }
+            _ => return None,
+        };
+    let (name, value) = (format!("{} in {unit}", row.name), number as f32);
+    let mut slider = Slider { name, value, min, max, default, changed_by: ChangedBy::Text, bound: None };
+    let response = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let (place, _) = ui.allocate_exact_size(vec2(84.0, params::HOLD_HEIGHT), Sense::hover());
+        let right = place.right_center() - vec2(8.0, 0.0);
+        style::put_right(ui.painter(), right, &words, style::TEXT_SIZE, style::TEXT, 80.0);
+        params::rail(ui, &mut slider, step, true)
+    });
+    let response = response.inner;
     *is_held |= response.is_pointer_button_down_on();
-    let held = response.hovered() || response.is_pointer_button_down_on();
-    let base = if scale.from < 0.0 { 0.0 } else { scale.from };
-    params::draw_rail(painter, rail, x_of(base), x_of(base), x_of(shift), held);
-    let name = format!("{name} in {}", scale.unit);
-    if let Some(wanted) = assisted::rail(ui, &response, &name, shift, scale.from..=scale.to, scale.step) {
-        return Some(((scale.rounded)(wanted), true));
-    }
-    if response.double_clicked() {
-        return Some((scale.usual, true));
-    }
-    let settled = response.drag_stopped() || response.clicked();
-    let pointer =
-        response.interact_pointer_pos().filter(|_| settled || response.is_pointer_button_down_on())?;
-    let fraction = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
-    let wanted = (scale.rounded)(scale.from + fraction * (scale.to - scale.from));
-    (settled || wanted != shift).then_some((wanted, settled))
+    let wanted = if slider.value == value { number } else { rounded(slider.value.into()) };
+    let is_released = response.drag_stopped() || response.clicked();
+    (is_released || wanted != number).then_some((wanted, !response.is_pointer_button_down_on()))
 }
 
 fn footing(ui: &mut Ui, words: &str, height: f32) {

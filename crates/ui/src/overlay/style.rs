@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use egui::epaint::RectShape;
+use egui::layers::ShapeIdx;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Color32, CornerRadius, FontId, Galley, Id, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2,
@@ -95,7 +97,11 @@ fn wrapped(text: &str, size: f32, color: Color32, width: f32, rows: usize) -> La
 }
 
 pub(super) fn ground(painter: &Painter, rect: Rect) {
-    painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
+    painter.add(ground_of(rect));
+}
+
+pub(super) fn ground_of(rect: Rect) -> RectShape {
+    RectShape::new(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside)
 }
 
 /// A panel area that egui lays out, with a fixed position and without a fade.
@@ -176,6 +182,29 @@ pub(super) fn put(painter: &Painter, left: Pos2, text: &str, size: f32, color: C
     end
 }
 
+/// Draws a line of text up to the middle of its right edge. Returns the x of its left edge.
+pub(super) fn put_right(
+    painter: &Painter,
+    right: Pos2,
+    text: &str,
+    size: f32,
+    color: Color32,
+    width: f32,
+) -> f32 {
+    let galley = line(painter, text, size, color, width);
+    let left = right.x - galley.size().x;
+    painter.galley(right - vec2(galley.size().x, 0.5 * galley.size().y), galley, color);
+    left
+}
+
+/// Lights the row that was drawn above the shape `ground`, up to the right edge.
+pub(super) fn light_behind(ui: &Ui, ground: ShapeIdx, row: Rect, is_lit: bool) {
+    if is_lit {
+        let row = row.with_max_x(ui.max_rect().right());
+        ui.painter().set(ground, RectShape::filled(row, 4.0, RAIL));
+    }
+}
+
 /// Lights the ground of a selected or pointed row.
 pub(super) fn light(painter: &Painter, rect: Rect, is_lit: bool) {
     if is_lit {
@@ -190,17 +219,6 @@ pub(super) fn lit(is_on: bool, is_pointed: bool, plain: Color32) -> Color32 {
         (false, true) => TEXT,
         (false, false) => plain,
     }
-}
-
-/// Fills the ground of a value that can be chosen. Returns the colour of its text.
-pub(super) fn value_ground(painter: &Painter, rect: Rect, is_chosen: bool, is_pointed: bool) -> Color32 {
-    let (fill, color) = match (is_chosen, is_pointed) {
-        (true, _) => (ACCENT, ON_ACCENT),
-        (false, true) => (RAIL, TEXT),
-        (false, false) => return BUTTON,
-    };
-    painter.rect_filled(rect, 4.0, fill);
-    color
 }
 
 /// Draws a rail that is filled up to a fraction, 0..1.

@@ -40,19 +40,14 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &TrackPanel, last: &
 }
 
 fn heading(ui: &mut Ui, panel: &TrackPanel, acts: &mut Acts) {
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
-    if icons::closing_cross(ui, cross, "close the list of tracks") {
+    let (title, hint) = match panel.query() {
+        None => (panel.totals(clock_time), String::new()),
+        Some(query) => (format!("search: {query}"), format!("{} tracks", panel.rows())),
+    };
+    if words::heading(ui, ROW, &title, &hint, panel.is_searching(), "close the list of tracks") {
         acts.commands.push(Command::TogglePanel(mariana_commands::Panel::Tracks));
     }
-    let (words, color) = match panel.query() {
-        None => (panel.totals(clock_time), style::TEXT),
-        Some(query) => (format!("search: {query}| {} tracks", panel.rows()), style::ACCENT),
-    };
-    let galley =
-        style::line(ui.painter(), &words, style::TEXT_SIZE, color, cross.left() - place.left() - 8.0);
-    ui.painter().galley(place.left_top(), galley, color);
-    assisted::text(ui.ctx(), "length of the list", &words, panel.is_searching());
+    assisted::text(ui.ctx(), "length of the list", &format!("{title} {hint}"), panel.is_searching());
 }
 
 fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, last: &mut Option<usize>, acts: &mut Acts) {
@@ -220,9 +215,8 @@ impl Words {
         } else {
             put(&self.number, place.left() + 2.0, indent, style::SMALL_SIZE, style::DIM);
         }
-        let length = style::line(painter, &self.length, style::SMALL_SIZE, style::DIM, LENGTH);
-        let at = pos2(end - 4.0 - length.size().x, place.center().y - 0.5 * length.size().y);
-        painter.galley(at, length, style::DIM);
+        let at = pos2(end - 4.0, place.center().y);
+        style::put_right(painter, at, &self.length, style::SMALL_SIZE, style::DIM, LENGTH);
         let left = place.left() + indent;
         let room = end - LENGTH - 4.0 - left;
         let color = if is_present { style::ACCENT } else { style::TEXT };

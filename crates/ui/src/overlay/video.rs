@@ -31,7 +31,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         let mut ask = |command| acts.commands.push(command);
         let hint = "Enter makes it · choose with the arrows or a click";
-        if words::heading(ui, LINE, "Make a video", hint, "", "close the videos") {
+        if words::heading(ui, LINE, "Make a video", hint, false, "close the videos") {
             ask(Command::TogglePanel(Panel::Video));
         }
         let foot = Foot::new(ui, panel);
@@ -68,12 +68,12 @@ fn draw_choice(
     ask: &mut impl FnMut(Command),
 ) -> Response {
     let VideoRow::Choice { what, name, options, chosen } = row else { return ui.response() };
-    let ground = ui.painter().add(egui::Shape::Noop);
-    let drawn = ui.horizontal(|ui| {
+    let put_name = |ui: &Ui, place: Rect| {
         let color = if selected.is_some() { style::ACCENT } else { style::TEXT };
-        let (place, _) = ui.allocate_exact_size(vec2(NAME, LINE), Sense::hover());
         let left = place.left_center() + vec2(INDENT, 0.0);
         style::put(ui.painter(), left, name, style::TEXT_SIZE, color, NAME - INDENT);
+    };
+    let drawn = words::named_row(ui, vec2(NAME, LINE), selected.is_some(), put_name, |ui| {
         let chips: Vec<Chip<'_>> = options
             .iter()
             .enumerate()
@@ -82,24 +82,11 @@ fn draw_choice(
                 Chip::new(&option.text, format!("{name}: {}", option.text), is_lit)
             })
             .collect();
-        ui.vertical(|ui| {
-            ui.add_space(2.0);
-            if let Some(option) = chips::row(ui, name, &chips) {
-                ask(choose(*what, option));
-            }
-            ui.add_space(2.0);
-        });
+        if let Some(option) = chips::row(ui, name, &chips) {
+            ask(choose(*what, option));
+        }
     });
-    light(ui, ground, drawn.response.rect, selected.is_some());
     drawn.response
-}
-
-/// Fills the ground of a selected row, which is drawn before the row.
-fn light(ui: &Ui, ground: egui::layers::ShapeIdx, rect: Rect, is_selected: bool) {
-    if is_selected {
-        let row = Rect::from_min_max(rect.min, pos2(ui.max_rect().right(), rect.bottom()));
-        ui.painter().set(ground, egui::epaint::RectShape::filled(row, 4.0, style::RAIL));
-    }
 }
 
 fn draw_job(
@@ -142,7 +129,7 @@ fn draw_job(
         });
         ui.add_space(5.0);
     });
-    light(ui, ground, drawn.response.rect, selected.is_some());
+    style::light_behind(ui, ground, drawn.response.rect, selected.is_some());
     drawn.response
 }
 

@@ -1,6 +1,6 @@
 //! Buttons that consist of words.
 
-use egui::{Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{InnerResponse, Rect, Response, Sense, Shape, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 use super::{icons, style};
 
@@ -30,24 +30,53 @@ pub(super) fn hint(ui: &Ui, place: Rect, words: &str) {
     style::put(ui.painter(), place.left_center(), words, style::SMALL_SIZE, style::DIM, place.width());
 }
 
-/// The top of a panel: its title with a hint, or the text of a search, and a close button with the accessible name
-/// `closing`. Returns true if the button was clicked.
-pub(super) fn heading(ui: &mut Ui, height: f32, title: &str, hint: &str, query: &str, closing: &str) -> bool {
+/// A row that consists of a name of this size and of values right of it.
+pub(super) fn named_row<R>(
+    ui: &mut Ui,
+    size: Vec2,
+    is_selected: bool,
+    name: impl FnOnce(&Ui, Rect),
+    values: impl FnOnce(&mut Ui) -> R,
+) -> InnerResponse<R> {
+    let ground = ui.painter().add(Shape::Noop);
+    let drawn = ui.horizontal(|ui| {
+        let (place, _) = ui.allocate_exact_size(size, Sense::hover());
+        name(ui, place);
+        let values = ui.vertical(|ui| {
+            ui.add_space(2.0);
+            let values = values(ui);
+            ui.add_space(2.0);
+            values
+        });
+        values.inner
+    });
+    style::light_behind(ui, ground, drawn.response.rect, is_selected);
+    drawn
+}
+
+/// The top of a panel: its title, which is the text of a search if `is_search`, a hint, and a close button with the
+/// accessible name `closing`. Returns true if the button was clicked.
+pub(super) fn heading(
+    ui: &mut Ui,
+    height: f32,
+    title: &str,
+    hint: &str,
+    is_search: bool,
+    closing: &str,
+) -> bool {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * height, 3.0), vec2(height, height));
     let is_closed = icons::closing_cross(ui, cross, closing);
     let painter = ui.painter();
-    let words = if query.is_empty() { title } else { query };
-    let words =
-        style::line(painter, words, style::HEADING_SIZE, style::TEXT, cross.left() - place.left() - 8.0);
-    let end = place.left() + words.size().x;
-    if query.is_empty() {
-        let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, cross.left() - end - 22.0);
-        let top = place.top() + words.size().y - hint.size().y - 1.0;
-        painter.galley(pos2(end + 14.0, top), hint, style::DIM);
-    } else {
+    let room = cross.left() - place.left() - 8.0;
+    let title = style::line(painter, title, style::HEADING_SIZE, style::TEXT, room);
+    let end = place.left() + title.size().x;
+    if is_search {
         style::caret(painter, pos2(end + 2.0, place.top()));
     }
-    painter.galley(place.min, words, style::TEXT);
+    let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, cross.left() - end - 22.0);
+    let top = place.top() + title.size().y - hint.size().y - 1.0;
+    painter.galley(pos2(end + 14.0, top), hint, style::DIM);
+    painter.galley(place.min, title, style::TEXT);
     is_closed
 }
