@@ -11,9 +11,10 @@ mod text;
 
 pub(super) use light::on_screen;
 
-use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Layout, Order, Rect, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
 use super::acts::{Acts, Pass};
+use super::chips::{self, Chip};
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
@@ -68,13 +69,12 @@ pub(super) fn show(pass: &mut Pass<'_>, rooms: &Rooms, editor: &Editor) -> Vec<R
     parts
 }
 
-fn header(ui: &Ui, space: Rect, editor: &Editor, document: &Document, acts: &mut Acts) -> f32 {
+fn header(ui: &mut Ui, space: Rect, editor: &Editor, document: &Document, acts: &mut Acts) -> f32 {
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the editor (Esc)") {
         acts.on_editor(|editor| editor.act(EditAction::Leave));
     }
-    let mut right = cross.left() - 6.0;
     let save = match (document.file(), document.is_dirty()) {
         (None, _) => Some("copy to my folder"),
         (_, true) => Some("save"),
@@ -87,15 +87,14 @@ fn header(ui: &Ui, space: Rect, editor: &Editor, document: &Document, acts: &mut
         ("profile", EditAction::Profile, profiles),
         ("highlight", EditAction::Light, lights),
     ];
+    let buttons = UiBuilder::new().max_rect(line.with_max_x(cross.left() - 6.0));
+    let mut buttons = ui.new_child(buttons.layout(Layout::right_to_left(Align::Center)));
     for (words, command, is_on) in save.into_iter().chain(others) {
-        let key = written_key(command);
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
-        right = rect.left() - 6.0;
-        if clicked {
+        if word(&mut buttons, words, command, is_on) {
             acts.on_editor(move |editor| editor.act(command));
         }
     }
-    let mut left = line.left();
+    let (mut left, right) = (line.left(), buttons.min_rect().left() - 6.0);
     for (number, tab) in editor.texts.tabs().into_iter().enumerate() {
         let sign = if tab.dirty { " •" } else { "" };
         let color = match (tab.wrong, tab.shows) {
@@ -126,7 +125,7 @@ fn header(ui: &Ui, space: Rect, editor: &Editor, document: &Document, acts: &mut
     line.bottom() + 4.0
 }
 
-fn question(ui: &Ui, space: Rect, document: &Document, acts: &mut Acts) -> f32 {
+fn question(ui: &mut Ui, space: Rect, document: &Document, acts: &mut Acts) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
         Some(Question::Kept(_)) => ("There is unsaved text from last time.", "restore it", "discard it"),
@@ -141,55 +140,29 @@ fn question(ui: &Ui, space: Rect, document: &Document, acts: &mut Acts) -> f32 {
     let font = style::proportional(style::SMALL_SIZE);
     let job = egui::text::LayoutJob::simple(words.to_owned(), font, style::ERROR, space.width().max(1.0));
     let galley = ui.painter().layout_job(job);
-    let buttons: f32 = [first, second].map(|words| word_size(ui, words).x + 6.0).iter().sum();
     // In a narrow editor the sentence has lines of its own above the buttons.
-    let is_above = galley.size().x + buttons + 8.0 > space.width();
-    let mut line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
-    if is_above {
-        line = line.translate(vec2(0.0, galley.size().y + 2.0));
-    }
-    let top = if is_above { space.top() } else { line.center().y - 0.5 * galley.size().y };
-    ui.painter().galley(pos2(line.left(), top), galley, style::ERROR);
-    let mut right = line.right();
-    for (words, is_first) in [(second, false), (first, true)] {
-        let key = written_key(EditAction::Answer { first: is_first });
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
-        right = rect.left() - 6.0;
-        if clicked {
+    let layout = Layout::left_to_right(Align::Center).with_main_wrap(true);
+    let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
+    let mut row = ui.new_child(UiBuilder::new().max_rect(line).layout(layout));
+    let (place, _) = row.allocate_exact_size(galley.size().max(vec2(0.0, LINE)), Sense::hover());
+    let top = place.center().y - 0.5 * galley.size().y;
+    row.painter().galley(pos2(place.left(), top), galley, style::ERROR);
+    for (words, is_first) in [(first, true), (second, false)] {
+        if word(&mut row, words, EditAction::Answer { first: is_first }, false) {
             acts.on_editor(move |editor| editor.apply_answer(is_first));
         }
     }
-    line.bottom() + 4.0
+    row.min_rect().bottom() + 4.0
 }
 
 fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
-fn word_size(ui: &Ui, words: &str) -> egui::Vec2 {
-    let galley = style::line(ui.painter(), words, style::SMALL_SIZE, style::ACCENT, f32::MAX);
-    vec2(galley.size().x + 14.0, LINE - 4.0)
-}
-
-/// A right-aligned text button with its key. Returns the button's area, and true if the user clicked the button.
-/// `is_on` marks a switch that is on.
-fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
-    let color = style::ACCENT;
-    let galley = style::line(ui.painter(), words, style::SMALL_SIZE, color, f32::MAX);
-    let size = word_size(ui, words);
-    let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
-    let response = ui.interact(rect, Id::unique(("editor word", words)), Sense::click());
-    let color = match (is_on, response.hovered()) {
-        (true, _) => style::ON_ACCENT,
-        (false, true) => style::TEXT,
-        (false, false) => color,
-    };
-    ui.painter().rect_filled(rect, 4.0, if is_on { style::ACCENT } else { style::RAIL });
-    ui.painter().galley_with_override_text_color(rect.center() - 0.5 * galley.size(), galley, color);
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
-    let clicked = response.clicked();
-    response.on_hover_text(format!("{words} ({key})"));
-    (rect, clicked)
+/// A button with words. Returns true if the user clicked it. `is_on` marks a switch that is on.
+fn word(ui: &mut Ui, words: &str, action: EditAction, is_on: bool) -> bool {
+    let name = format!("{words} ({})", written_key(action));
+    chips::single(ui, &Chip::new(words, name, is_on), f32::INFINITY)
 }
 
 /// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the footer's top.
