@@ -1,6 +1,8 @@
 //! The subcommand `lsp`: connects the language server to standard input and standard output.
 
-use std::io::{IsTerminal, Read, Write};
+mod framing;
+
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
@@ -10,7 +12,8 @@ use clap::Args;
 use serde_json::Value;
 
 use crate::scenes::included_text;
-use mariana_language_server::{Check, Checked, Ending, Framing, Server, framed};
+use framing::{framed, read_message};
+use mariana_language_server::{Check, Checked, Ending, Server};
 use mariana_work::{Worker, in_order};
 
 #[derive(Args)]
@@ -21,16 +24,13 @@ pub(super) struct LspArguments {
 }
 
 enum Event {
-    /// Messages that arrived together.
-    Messages(Vec<Result<Value, String>>),
+    /// A message, or the explanation why it cannot be read.
+    Message(Result<Value, String>),
     /// The other thread has checked a text.
     Checked,
     /// Standard input has ended or cannot be read.
     Closed,
 }
-
-/// Bytes that are read at once.
-const CHUNK: usize = 1 << 16;
 
 pub(super) fn run(_: &LspArguments) -> anyhow::Result<()> {
     if std::io::stdin().is_terminal() {
@@ -50,19 +50,16 @@ pub(super) fn run(_: &LspArguments) -> anyhow::Result<()> {
 
 fn read_input(events: &Sender<Event>) {
     let mut input = std::io::stdin().lock();
-    let mut framing = Framing::default();
-    let mut chunk = vec![0; CHUNK];
     loop {
-        let length = input.read(&mut chunk).unwrap_or(0);
-        framing.push(chunk.get(..length).unwrap_or_default());
-        let messages: Vec<_> = std::iter::from_fn(|| framing.message()).collect();
-        let is_sent = messages.is_empty() || events.send(Event::Messages(messages)).is_ok();
-        if length == 0 || framing.is_broken() || !is_sent {
-            // The receiver may be gone already.
-            let _ = events.send(Event::Closed);
-            return;
+        let read = read_message(&mut input);
+        let is_last = read.is_err();
+        let Some(message) = read.unwrap_or_else(|error| Some(Err(error.to_string()))) else { break };
+        if events.send(Event::Message(message)).is_err() || is_last {
+            break;
         }
     }
+    // The receiver may be gone already.
+    let _ = events.send(Event::Closed);
 }
 
 /// Answers messages until the client ends the server; `None` if standard input ends before.
@@ -76,7 +73,7 @@ fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow:
         // Messages that are waiting are taken together, so that the newest text is compiled.
         for event in std::iter::once(first).chain(arrived.try_iter()) {
             match event {
-                Event::Messages(new) => messages.extend(new),
+                Event::Message(message) => messages.push(message),
                 Event::Checked => {
                     answers.extend(checker.poll().into_iter().flat_map(|checked| server.checked(checked)));
                 }

@@ -4,12 +4,11 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 
 use crate::support::program::{Outcome, Workplace};
-use mariana_language_server::{Framing, framed};
 use mariana_testing::process::{Process, WAIT_LIMIT, wait_until};
 use serde_json::{Value, json};
 
@@ -47,6 +46,21 @@ fn files_are_formatted_in_place() {
     place.run(&["format"]).refused_arguments("required arguments were not provided", &[]);
 }
 
+fn framed(message: &Value) -> Vec<u8> {
+    let body = message.to_string();
+    format!("Content-Length: {}\r\n\r\n{body}", body.len()).into_bytes()
+}
+
+/// Reads a message; `None` at the end of the output.
+fn read_message(output: &mut impl BufRead) -> Option<Value> {
+    let mut header = String::new();
+    output.read_line(&mut header).unwrap();
+    let length: usize = header.strip_prefix("Content-Length: ")?.trim_end().parse().unwrap();
+    let mut body = vec![0; length + 2];
+    output.read_exact(&mut body).unwrap();
+    Some(serde_json::from_slice(&body[2..]).unwrap())
+}
+
 /// A language server with its answers.
 struct Running {
     process: Process,
@@ -58,15 +72,12 @@ impl Running {
         let mut command = place.command(&["lsp", "--stdio"]);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut process = Process::start(&mut command, "mariana");
-        let mut output = process.stdout();
+        let output = process.stdout();
         let (sender, messages) = channel();
         std::thread::spawn(move || {
-            let (mut framing, mut chunk) = (Framing::default(), [0; 4096]);
-            while let Some(length) = output.read(&mut chunk).ok().filter(|length| *length > 0) {
-                framing.push(&chunk[..length]);
-                while let Some(message) = framing.message() {
-                    sender.send(message.unwrap()).unwrap();
-                }
+            let mut output = BufReader::new(output);
+            while let Some(message) = read_message(&mut output) {
+                sender.send(message).unwrap();
             }
         });
         Self { process, messages }

@@ -1,9 +1,9 @@
 //! A language server for scenes (Language Server Protocol 3.17), without input and output.
 //!
 //! ```text
-//! bytes ─ framing ─► messages ─ Server::receive ─► answers
-//!                                  │ Server::next_check ─► Check::run, on another thread
-//!                                  ◄──── Server::checked ◄────┘ diagnostics
+//! messages ─ Server::receive ─► answers
+//!                 │ Server::next_check ─► Check::run, on another thread
+//!                 ◄──── Server::checked ◄────┘ diagnostics
 //! ```
 //!
 //! [`Server`] answers requests from the tokens and names of a text, which takes milliseconds. A [`Check`] compiles a
@@ -17,7 +17,6 @@ mod check;
 mod color;
 mod completion;
 mod documents;
-mod framing;
 pub mod grammars;
 mod hover;
 pub mod limits;
@@ -33,5 +32,4 @@ mod uri;
 
 pub use check::{Check, Checked};
 pub use documents::ReadInclude;
-pub use framing::{Framing, framed};
 pub use server::{Ending, Server};

@@ -1,9 +1,5 @@
 //! The limits of this crate.
 
-/// Maximum number of bytes of a message. A larger message is skipped and reported.
-pub const MESSAGE_BYTES_MAX: usize = 16 << 20;
-/// Maximum number of bytes of a message's header.
-pub const HEADER_BYTES_MAX: usize = 4_096;
 /// Maximum number of open documents. Further documents get a message instead of diagnostics.
 pub const DOCUMENTS_MAX: usize = 256;
 /// Maximum number of lines above a call's argument in which the call's name is searched.
