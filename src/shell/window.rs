@@ -132,7 +132,7 @@ impl OpenWindow {
         };
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
         let gl = Gl::load(|name| display.get_proc_address(name), *log_debug)?;
-        tracing::info!("window context by {}", config_kind(config));
+        tracing::info!("window context by {}", config.display().version_string());
         let bound = GlWindowContext { gl, context, surface, open: self };
         bound.wait_for_monitor(true);
         Ok(bound)
@@ -252,18 +252,6 @@ fn can_be_grasped(
         common(place.0, i64::from(size.0), x, width) >= GRASP.0
             && common(place.1, 2 * GRASP.1, y, height) >= GRASP.1
     })
-}
-
-fn config_kind(config: &glutin::config::Config) -> &'static str {
-    match config {
-        #[cfg(any(unix, windows))]
-        #[cfg(not(target_os = "macos"))]
-        glutin::config::Config::Egl(_) => "EGL",
-        #[cfg(all(unix, not(target_os = "macos")))]
-        glutin::config::Config::Glx(_) => "GLX",
-        #[allow(unreachable_patterns, reason = "some systems have only one kind")]
-        _ => "the system's own interface",
-    }
 }
 
 #[cfg(test)]

@@ -350,13 +350,8 @@ fn winit_cursor(cursor: CursorIcon) -> Option<winit::window::CursorIcon> {
         CursorIcon::Grab => Winit::Grab,
         CursorIcon::Grabbing => Winit::Grabbing,
         CursorIcon::Move => Winit::Move,
-        CursorIcon::Crosshair => Winit::Crosshair,
         CursorIcon::ResizeHorizontal => Winit::EwResize,
         CursorIcon::ResizeVertical => Winit::NsResize,
-        CursorIcon::NotAllowed => Winit::NotAllowed,
-        CursorIcon::NoDrop => Winit::NoDrop,
-        CursorIcon::Wait => Winit::Wait,
-        CursorIcon::Progress => Winit::Progress,
         _ => Winit::Default,
     })
 }
