@@ -12,73 +12,97 @@ const DROP_SECONDS: f64 = 4.0;
 /// The number of the letter Z. Letters after Z have the same number.
 const LETTERS: u8 = 26;
 
-macro_rules! song_moment {
-    ($($(#[$attribute:meta])+ $name:ident = $unknown:expr;)+) => {
-        /// The position of a moment in its song. Every number is finite. Unknown numbers are 0, and times until events
-        /// that are unknown or do not follow are 1000.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-        pub struct SongMoment {
-            $($(#[$attribute])+ pub $name: f32,)+
-            /// Strength of each pitch class, C first, relative to the strongest in the beat. Values are interpolated
-            /// linearly between the middles of beats.
-            pub chroma: [f32; PITCH_CLASSES.len()],
-        }
-
-        impl SongMoment {
-            /// The moment of an unknown song.
-            pub const UNKNOWN: Self = Self { $($name: $unknown,)+ chroma: [0.0; PITCH_CLASSES.len()] };
-
-            /// Returns the value called `name` in scenes, such as `bar`.
-            pub fn number(&self, name: &str) -> Option<f32> {
-                match name {
-                    $(stringify!($name) => Some(self.$name),)+
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-
-// Each number has a description and its value in an unknown song.
-song_moment! {
+/// The position of a moment in its song. Every number is finite. Unknown numbers are 0, and times until events that are
+/// unknown or do not follow are 1000.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SongMoment {
     /// Position in the bar, 0 up to 1. Bars continue at their tempo before the first beat and after the last.
-    bar = 0.0;
+    pub bar: f32,
     /// The number of the beat in its bar, from 1; 0 without a steady beat.
-    beat_in_bar = 0.0;
+    pub beat_in_bar: f32,
     /// The section's letter: 1 for A, 26 for Z and for all later letters; 0 without sections.
-    section = 0.0;
+    pub section: f32,
     /// Position in the section, 0..1.
-    section_phase = 0.0;
+    pub section_phase: f32,
     /// Loudness over about a second: 1 in the song's loudest second, 0 at 36 dB or more below the loudest second.
-    energy = 0.0;
+    pub energy: f32,
     /// Position in a build, 0..1; 0 outside builds.
-    build = 0.0;
+    pub build: f32,
     /// 1 at the start of a drop, falling to 0 over two bars.
-    drop = 0.0;
+    pub drop: f32,
     /// Root of the song's key, from 0 for C to 11 for B; 0 if no key fits.
-    key = 0.0;
+    pub key: f32,
     /// 1 if the key is minor.
-    minor = 0.0;
+    pub minor: f32,
     /// Position in the song, 0..1.
-    progress = 0.0;
+    pub progress: f32,
     /// Seconds until the next beat, 0..1000. Beats continue at their tempo before the first beat and after the last.
-    to_beat = NEVER;
+    pub to_beat: f32,
     /// Seconds until the next bar, 0..1000.
-    to_bar = NEVER;
+    pub to_bar: f32,
     /// Seconds until the next section, 0..1000; 1000 in the last section.
-    to_section = NEVER;
+    pub to_section: f32,
     /// Seconds until the next drop, 0..1000; 1000 if none follows.
-    to_drop = NEVER;
+    pub to_drop: f32,
     /// The number of the line of lyrics that is sung, from 1; 0 if none is sung. The structure does not contain the
     /// lyrics, so this and the next two numbers are 0 until their owner writes them.
-    line = 0.0;
+    pub line: f32,
     /// The number of the word in its line, from 1; 0 if no line is sung.
-    word = 0.0;
+    pub word: f32,
     /// Position in the line of lyrics, 0..1.
-    line_phase = 0.0;
+    pub line_phase: f32,
+    /// Strength of each pitch class, C first, relative to the strongest in the beat. Values are interpolated linearly
+    /// between the middles of beats.
+    pub chroma: [f32; PITCH_CLASSES.len()],
 }
 
 impl SongMoment {
+    /// The moment of an unknown song.
+    pub const UNKNOWN: Self = Self {
+        bar: 0.0,
+        beat_in_bar: 0.0,
+        section: 0.0,
+        section_phase: 0.0,
+        energy: 0.0,
+        build: 0.0,
+        drop: 0.0,
+        key: 0.0,
+        minor: 0.0,
+        progress: 0.0,
+        to_beat: NEVER,
+        to_bar: NEVER,
+        to_section: NEVER,
+        to_drop: NEVER,
+        line: 0.0,
+        word: 0.0,
+        line_phase: 0.0,
+        chroma: [0.0; PITCH_CLASSES.len()],
+    };
+
+    /// Returns the value called `name` in scenes, such as `bar`.
+    pub fn number(&self, name: &str) -> Option<f32> {
+        Some(match name {
+            "bar" => self.bar,
+            "beat_in_bar" => self.beat_in_bar,
+            "section" => self.section,
+            "section_phase" => self.section_phase,
+            "energy" => self.energy,
+            "build" => self.build,
+            "drop" => self.drop,
+            "key" => self.key,
+            "minor" => self.minor,
+            "progress" => self.progress,
+            "to_beat" => self.to_beat,
+            "to_bar" => self.to_bar,
+            "to_section" => self.to_section,
+            "to_drop" => self.to_drop,
+            "line" => self.line,
+            "word" => self.word,
+            "line_phase" => self.line_phase,
+            _ => return None,
+        })
+    }
+
     /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, its position in
     /// the bar while the position is certain, and the [`LiveSong`](crate::LiveSong).
     pub fn of_live(energy: f32, features: &Features) -> Self {
