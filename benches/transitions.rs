@@ -22,7 +22,7 @@ use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
 use mariana::gpu::scene_resources::SceneResources;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
-use mariana_field::world::{Alignment, BlendKind, blended_params};
+use mariana_field::world::{Alignment, BlendKind};
 use mariana_music::Sound;
 
 const SIZE: (u32, u32) = (320, 180);
@@ -110,7 +110,8 @@ fn main() {
             };
             let mut times = [const { Vec::new() }; 3];
             for (number, (time, fraction, sound)) in moments.iter().enumerate() {
-                let params = blended_params(&a.world.scene, &[], &b.world.scene, &[], *fraction);
+                let both = [&a, &b].into_iter().flat_map(|ready| &ready.world.scene.params);
+                let params: Vec<f32> = both.map(|param| param.default).chain([*fraction]).collect();
                 let models = [(&pure[0], &[][..]), (&pure[1], &[]), (&blended, &params)];
                 for ((model, params), times) in models.into_iter().zip(&mut times) {
                     // Draw the first moment twice: a driver does one-time work during the first draw.

@@ -18,6 +18,10 @@ pub const PARTS_OF_VIDEO_MAX: u16 = 10_000;
 pub const EXPOSURES_MAX: u16 = 256;
 /// Largest number of paths of light of a pixel, which the shaders count in 32-bit floats.
 pub const PATH_SAMPLES_MAX: u16 = u16::MAX;
+/// Maximum size of a message from an editor, in bytes. A larger message is skipped and reported.
+pub const EDITOR_MESSAGE_BYTES_MAX: u64 = 16 << 20;
+/// Maximum size of the header of a message from an editor, in bytes.
+pub const EDITOR_HEADER_BYTES_MAX: u64 = 4_096;
 /// Largest number of paths of light of a pixel of a refined moment in the window.
 pub const REFINED_PATHS_MAX: u16 = 256;
 /// Maximum number of pixels of a refined moment (4 Mi: their paths take 1 GiB). Larger windows enlarge the image.

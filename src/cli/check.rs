@@ -225,14 +225,14 @@ fn cost(scene: &Scene) -> String {
         .iter()
         .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
         .count();
-    Ok(format!(
+    format!(
         "{}, {}, {} for the distance; {}; listens to {}",
         counted(tape.clauses().len(), "clause"),
         counted(constants, "constant"),
         counted(tape.registers(), "register"),
         parts(scene),
         inputs(scene, &scene.graph, &expressions(scene))
-    ))
+    )
 }
 
 /// All expressions of a scene.

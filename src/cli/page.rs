@@ -11,7 +11,7 @@ use super::common::{CommonArguments, OneScene, end_by_signals};
 use super::files::Files;
 use super::show::{WantedShow, or_shipped, parse_show};
 use crate::atomic_file::AtomicFile;
-use crate::export::output::refuse_to_replace;
+use crate::export::output::{refuse_to_replace, same_file};
 use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::structure::structure_of;
@@ -64,7 +64,13 @@ pub(super) fn run(arguments: PageArguments) -> anyhow::Result<()> {
     end_by_signals();
     let (song, file) = Files::of(arguments.files)?.song_and_scene()?;
     refuse_to_replace(&arguments.output, Some(BEGINNING))?;
-    let template = read_template(arguments.template)?;
+    let template_file = template_file(arguments.template)?;
+    if same_file(&template_file, &arguments.output) {
+        bail!("{} would replace the page without a song: choose another output", arguments.output.display());
+    }
+    let template = std::fs::read_to_string(&template_file).with_context(|| {
+        format!("{} cannot be read: give the page.html that scripts/site builds", template_file.display())
+    })?;
     if let (Some(Some(_)), Some(file)) = (&arguments.show, &file) {
         bail!("a show and the scene {} were given: give one of them", file.display());
     }
@@ -93,21 +99,17 @@ pub(super) fn run(arguments: PageArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{}: a page of {megabytes:.1} MB", arguments.output.display()))?)
 }
 
-/// Reads the page without a song from `file`, or from a folder near the program.
-fn read_template(file: Option<PathBuf>) -> anyhow::Result<String> {
-    let own = std::env::current_exe().unwrap_or_default();
+/// Returns the page without a song: `file`, or one near the program.
+fn template_file(file: Option<PathBuf>) -> anyhow::Result<PathBuf> {
+    // A shell may start the program through a link.
+    let own = std::env::current_exe().and_then(|own| own.canonicalize()).unwrap_or_default();
     let folder = own.parent().unwrap_or(Path::new(""));
     // In the archive for Windows, built by `scripts/site`, installed, or in Mariana.app.
     let mut places = [".", "../site", "../share/mariana", "../Resources"]
         .map(|place| folder.join(place).join("page.html"))
         .into_iter();
-    let Some(file) = file.or_else(|| places.find(|place| place.is_file())) else {
-        bail!("the web page is not built: run scripts/site once, or give its page.html with --template");
-    };
-    let page = std::fs::read_to_string(&file);
-    page.with_context(|| {
-        format!("{} cannot be read: give the page.html that scripts/site builds", file.display())
-    })
+    file.or_else(|| places.find(|place| place.is_file()))
+        .context("the web page is not built: run scripts/site once, or give its page.html with --template")
 }
 
 /// Replaces the content of an element.

@@ -74,7 +74,7 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
     }
 }
 
-pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 

@@ -227,8 +227,8 @@ impl PreparedShow {
         self.scenes.iter().map(|(name, source)| (name.as_str(), source))
     }
 
-    /// Returns the blend that leads from one clip to the next; `None` if the transition is none, or if both clips show the
-    /// same scene.
+    /// Returns the blend that leads from one clip to the next; `None` if the transition mixes no worlds, if both clips
+    /// show the same scene, or if a scene is unknown.
     pub fn blend(&self, from: &Clip, to: &Clip) -> Option<SceneSource> {
         let kind = to.transition.kind.blend().filter(|_| from.scene != to.scene)?;
         let seen = |clip: &Clip| {

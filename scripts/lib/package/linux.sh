@@ -16,6 +16,7 @@ stage_files() {
     if [[ -d $stage ]]; then return; fi
     must_be "program for Linux" 7f454c46
     find_glibc
+    find_page
     DESTDIR=$stage "$root/scripts/install" --prefix /usr --binary "$binary" --page "$page"
     # Package managers have their own lists of installed files.
     rm "$stage/usr/share/mariana/installed.txt"

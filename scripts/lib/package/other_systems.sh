@@ -5,6 +5,7 @@ make_zip() {
     local name=mariana-$version-windows-x86_64 level=-9
     must_be "program for Windows" 4d5a
     if [[ $fast == yes ]]; then level=-1; fi
+    find_page
     make_archive_folder "$name"
     cp "$binary" "$work/$name/mariana.exe"
     cp "$page" "$work/$name/page.html"
@@ -50,6 +51,7 @@ icon_file() {
 fill_app() {
     local contents=$1/Mariana.app/Contents
     must_be "program for macOS" cffaedfe cafebabe
+    find_page
     rm -rf "$1/Mariana.app"
     mkdir -p "$contents/MacOS" "$contents/Resources"
     cp "$binary" "$contents/MacOS/mariana"

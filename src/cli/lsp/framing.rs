@@ -4,17 +4,14 @@ use std::io::{self, BufRead, Read};
 
 use serde_json::Value;
 
-/// Maximum number of bytes of a message. A larger message is skipped and reported.
-const MESSAGE_BYTES_MAX: u64 = 16 << 20;
-/// Maximum number of bytes of a message's header.
-const HEADER_BYTES_MAX: u64 = 4_096;
+use crate::limits::{EDITOR_HEADER_BYTES_MAX, EDITOR_MESSAGE_BYTES_MAX};
 
 /// Reads the next message; `None` at the end of the stream. A message that is no JSON or is too large is an explanation.
 ///
 /// # Errors
 /// Fails if reading fails, and for a header without a length: the start of the next message is unknown then.
 pub(super) fn read_message(input: &mut impl BufRead) -> io::Result<Option<Result<Value, String>>> {
-    let max = HEADER_BYTES_MAX;
+    let max = EDITOR_HEADER_BYTES_MAX;
     let mut header = input.by_ref().take(max);
     let mut length = None;
     loop {
@@ -26,17 +23,17 @@ pub(super) fn read_message(input: &mut impl BufRead) -> io::Result<Option<Result
                 let message = format!("the header of a message is longer than {max} bytes");
                 return Err(io::Error::other(message));
             }
-            _ if !line.ends_with("\r\n") => return Ok(None),
+            _ if !line.ends_with('\n') => return Ok(None),
             Some((name, value)) if name.trim().eq_ignore_ascii_case("content-length") => {
                 length = length.or(value.trim().parse().ok());
             }
-            None if line == "\r\n" => break,
+            None if line.trim().is_empty() => break,
             _ => {}
         }
     }
     let message = "a message has no header `Content-Length`: send its length in bytes";
     let length = length.ok_or_else(|| io::Error::other(message))?;
-    let (mut body, max) = (input.take(length), MESSAGE_BYTES_MAX);
+    let (mut body, max) = (input.take(length), EDITOR_MESSAGE_BYTES_MAX);
     if length > max {
         io::copy(&mut body, &mut io::sink())?;
         return Ok(Some(Err(format!("a message has {length} bytes; the maximum is {max}"))));
@@ -80,7 +77,7 @@ mod tests {
         assert_eq!(read_message(&mut input).unwrap(), Some(Ok(json!([]))));
         assert_eq!(read_message(&mut input).unwrap(), None);
 
-        let large = MESSAGE_BYTES_MAX + 1;
+        let large = EDITOR_MESSAGE_BYTES_MAX + 1;
         let header = format!("Content-Length: {large}\r\n\r\n").into_bytes();
         let mut input = BufReader::new(
             header.chain(io::repeat(b' ').take(large)).chain(&b"Content-Length: 1\r\n\r\n7"[..]),

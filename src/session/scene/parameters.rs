@@ -153,7 +153,7 @@ impl<'a> ParametersInHand<'a> {
 
     fn target_of(&self, slider: &Slider, knob: &Knob) -> Option<f32> {
         let (scene, time) = (self.scene?, self.parameters.song_time);
-        let (clips, _) = self.show.clips(scene, time);
+        let (clips, _) = self.show.clips(&scene.source, time);
         let directed = clips.moves(time).of(knob, &slider.name, scene.split());
         Some(self.parameters.model.target(&knob.scene, &slider.param(), directed))
     }
@@ -200,7 +200,7 @@ impl<'a> TurnedParameters<'a> {
         show: &'a ShowFollower,
         parameters: &'a mut Parameters,
     ) -> Self {
-        let (clips, _) = show.clips(scene, parameters.song_time);
+        let (clips, _) = show.clips(&scene.source, parameters.song_time);
         Self { scene, clips, parameters }
     }
 

@@ -88,7 +88,7 @@ impl SceneChange {
     ) {
         self.orbit = orbit;
         let time = parameters.song_time;
-        let (clips, fraction) = show.clips(scene, time);
+        let (clips, fraction) = show.clips(&scene.source, time);
         if fraction.is_some() || took > LIVE_MAX {
             self.left = None;
             return;

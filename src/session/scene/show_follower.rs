@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use super::active_clips::ActiveClips;
 use super::ahead::WantedAhead;
-use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
@@ -340,22 +339,29 @@ impl ShowFollower {
     }
 
     /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
-    pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
-        let layers = self.layers(time, |blend| *blend == scene.source);
-        let Some(layer) = layers.and_then(|mut layers| layers.pop()) else { return Default::default() };
-        match (&scene.source, layer.leaving) {
-            (source, Some((from, fraction))) if *source == layer.source => {
-                (ActiveClips { first: Some(from), second: Some(layer.clip) }, Some(fraction))
+    pub(super) fn clips(&self, scene: &SceneSource, time: f64) -> (ActiveClips<'_>, Option<f32>) {
+        let Some((show, moment)) = self.course.prepared_show.as_deref().zip(self.moment(time)) else {
+            return Default::default();
+        };
+        let clip_of =
+            |clip, source| Some(clip).filter(|clip: &&Clip| show.source(&clip.scene) == Some(source));
+        let SceneSource::Blend(blend) = scene else {
+            return (ActiveClips { first: clip_of(moment.clip, scene), second: None }, None);
+        };
+        let (from, to) = (&blend.from.source, &blend.to.source);
+        let Some((leaving, fraction)) = moment.leaving else {
+            let fraction = if clip_of(moment.clip, from).is_some() { 0.0 } else { 1.0 };
+            return (ActiveClips::default(), Some(fraction));
+        };
+        // The blend of this transition may still be prepared, as after a scene is loaded into one of two decks.
+        match (clip_of(leaving, from), clip_of(leaving, to)) {
+            (Some(first), _) => {
+                (ActiveClips { first: Some(first), second: clip_of(moment.clip, to) }, Some(fraction))
             }
-            // The transition has not begun, or is over.
-            (SceneSource::Blend(blend), _) => {
-                let fraction = if blend.from.source == layer.source { 0.0 } else { 1.0 };
-                (ActiveClips::default(), Some(fraction))
+            (None, second @ Some(_)) if moment.clip.transition.by_fader => {
+                (ActiveClips { first: None, second }, Some(1.0 - fraction))
             }
-            (source, _) => {
-                let clip = Some(layer.clip).filter(|_| *source == layer.source);
-                (ActiveClips { first: clip, second: None }, None)
-            }
+            _ => (ActiveClips::default(), Some(1.0)),
         }
     }
 }
@@ -415,8 +421,8 @@ fn upcoming(
 mod tests {
     use super::super::ahead::PreparedAhead;
     use super::*;
-    use crate::show::{ShowSource, TimedTransition};
-    use mariana_field::world::BlendKind;
+    use crate::show::{ShowSource, TimedTransition, TransitionKind};
+    use mariana_field::world::{BlendKind, PortalShape};
     use mariana_music::{Section, SongStructure};
 
     const SCENES: [&str; 3] = ["gyroid", "orb", "terrain"];
@@ -465,11 +471,41 @@ mod tests {
     }
 
     #[test]
+    fn a_blend_stays_where_it_is_while_another_is_prepared() {
+        let [orb, city, terrain] = ["orb", "city", "terrain"].map(shipped);
+        let decks = |from: &SceneSource, to: &SceneSource, kind: BlendKind| {
+            PreparedShow::of_decks([from.clone(), to.clone()], TransitionKind::Blend(kind), 0.0)
+        };
+        let melt = decks(&orb, &city, BlendKind::Melt);
+        let [from, to] = melt.clips() else { panic!("{:?}", melt.clips()) };
+        let blend = melt.blend(from, to).unwrap();
+        let ball = BlendKind::Portal(PortalShape::Ball);
+        for (now, fader, wanted) in [
+            (decks(&orb, &city, ball), 0.25, 0.25),
+            (decks(&orb, &terrain, BlendKind::Melt), 0.25, 0.25),
+            (decks(&city, &terrain, BlendKind::Melt), 0.25, 0.75),
+            (decks(&city, &terrain, BlendKind::Melt), 0.0, 1.0),
+            (decks(&orb, &terrain, BlendKind::Melt), 0.0, 0.0),
+        ] {
+            let mut show = ShowFollower::default();
+            show.set_decks(now, fader);
+            assert_eq!(show.clips(&blend, 1.0).1, Some(wanted), "{fader}");
+        }
+        // In the show of a song, the transition to the next scene does not lead back.
+        let (mut show, [(first, _), _]) = follower();
+        show.course.prepared_show = Some(Arc::new(melt));
+        assert_eq!(show.clips(&blend, first).1, Some(0.0));
+    }
+
+    #[test]
     fn a_transition_ends_with_its_show() {
         let (mut show, [(_, one), (second, other)]) = follower();
         let prepared_show = show.course.prepared_show.clone().unwrap();
         let [from, to, ..] = prepared_show.clips() else { panic!("{:?}", prepared_show.clips()) };
-        let melt = Clip { transition: TimedTransition::new(BlendKind::Melt, 1.0), ..to.clone() };
+        let melt = Clip {
+            transition: TimedTransition::new(TransitionKind::Blend(BlendKind::Melt), 1.0),
+            ..to.clone()
+        };
         let blend = prepared_show.blend(from, &melt).unwrap();
         assert!(one != other);
         let mut scenes = PreparedScenes::with(PreparedAhead::with(None));

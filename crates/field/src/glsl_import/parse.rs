@@ -338,21 +338,25 @@ fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (D
                     .hint("a scene keeps the last frame alone: read `backbuffer`")
             } else {
                 let message = format!("there is no function `{}` for these arguments", shortened(name));
-                match nearest(name, program.names().chain(["vec2", "vec3", "vec4"])) {
-                    Some(similar) if similar != name => {
-                        Diagnostic::new(place, message).did_you_mean(Some(similar))
-                    }
-                    _ => Diagnostic::new(place, message).hint("declare it in this file, before its use"),
+                match nearest(name, program.names()).filter(|similar| *similar != name) {
+                    None => Diagnostic::new(place, message).hint("declare it in this file, before its use"),
+                    similar => Diagnostic::new(place, message).did_you_mean(similar),
                 }
             }
         }
-        ErrorKind::InvalidToken(found, expected) => {
-            let mut expected: Vec<String> = expected.iter().map(expected_in_words).collect();
-            let last = expected.pop().unwrap_or_default();
-            let expected =
-                if expected.is_empty() { last } else { format!("{} or {last}", expected.join(", ")) };
-            Diagnostic::new(place, format!("{} does not belong here", in_words(found)))
-                .hint(format!("write {expected} before it"))
+        ErrorKind::InvalidToken(_, expected) => {
+            let found = written.text.get(span.start as usize..span.end as usize).unwrap_or_default();
+            let problem = Diagnostic::new(place, format!("`{}` does not belong here", shortened(found)));
+            let expects = |token: ExpectedToken| expected.contains(&token);
+            if expects(TokenValue::Semicolon.into()) {
+                problem.hint("end the statement before it with `;`")
+            } else if expects(TokenValue::RightParen.into()) {
+                problem.hint("close the bracket before it with `)`")
+            } else if expects(ExpectedToken::Eof) {
+                problem.hint("begin with a type, such as `float`")
+            } else {
+                problem
+            }
         }
         kind => {
             let message: String = kind.to_string().chars().take(200).collect();
@@ -360,54 +364,6 @@ fn problem_of(error: &Error, written: &Written, program: &ShaderItems<'_>) -> (D
         }
     };
     (problem, item)
-}
-
-/// Signs of GLSL with naga's names.
-const SIGNS: [(&str, &str); 20] = [
-    ("Assign", "="),
-    ("Bang", "!"),
-    ("Colon", ":"),
-    ("Comma", ","),
-    ("Dash", "-"),
-    ("Dot", "."),
-    ("Equal", "=="),
-    ("LeftAngle", "<"),
-    ("LeftBrace", "{"),
-    ("LeftBracket", "["),
-    ("LeftParen", "("),
-    ("Plus", "+"),
-    ("Question", "?"),
-    ("RightAngle", ">"),
-    ("RightBrace", "}"),
-    ("RightBracket", "]"),
-    ("RightParen", ")"),
-    ("Semicolon", ";"),
-    ("Slash", "/"),
-    ("Star", "*"),
-];
-
-/// Names a token as a user knows it.
-fn in_words(token: &TokenValue) -> String {
-    match token {
-        TokenValue::Identifier(name) => format!("`{}`", shortened(name)),
-        TokenValue::FloatConstant(_) | TokenValue::IntConstant(_) => "this number".to_owned(),
-        TokenValue::TypeName(_) => "this type".to_owned(),
-        token => {
-            let name = format!("{token:?}");
-            let name = name.split('(').next().unwrap_or_default();
-            let sign = SIGNS.iter().find(|(known, _)| *known == name).map(|(_, sign)| (*sign).to_owned());
-            format!("`{}`", sign.unwrap_or_else(|| name.to_lowercase()))
-        }
-    }
-}
-
-fn expected_in_words(token: &ExpectedToken) -> String {
-    match token {
-        ExpectedToken::Token(token) => in_words(token),
-        ExpectedToken::Identifier => "a name".to_owned(),
-        ExpectedToken::IntLiteral | ExpectedToken::FloatLiteral => "a number".to_owned(),
-        other => other.to_string(),
-    }
 }
 
 fn type_of(module: &Module, of: Handle<Type>) -> Option<GlslType> {

@@ -68,7 +68,7 @@ vec4 glsl_texel(int s, ivec3 p, int l) { return vec4(0.0); }
 ivec2 glsl_texture_size(int s, int l) { return ivec2(256); }
 ";
 
-/// Functions of GLSL that naga lacks, by name.
+/// Functions of GLSL that naga lacks, or has with other operands, by name.
 const MISSING: [(&str, &str); 5] = [
     ("normalize", "float normalize(float a) { return sign(a); }\n"),
     ("dot", "float dot(float a, float b) { return a * b; }\n"),
@@ -260,16 +260,13 @@ impl<'a> ShaderItems<'a> {
         drawing.map_or(Span::default(), Token::place)
     }
 
-    /// The name of the function with this index.
-    /// Returns the names of all functions.
-    pub(super) fn names(&self) -> impl Iterator<Item = &'a str> {
-        let name = |item: &Item<'a>| match item {
-            Item::Function { name, .. } => Some(name.text),
-            _ => None,
-        };
-        self.items.iter().filter_map(name)
+    /// The names of all functions that a function may call.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let name = |index| Some(self.name_of(index)?.text);
+        (0..self.items.len()).filter_map(name).filter(|name| !DRAWING.contains(name))
     }
 
+    /// The name of the function with this index.
     pub(super) fn name_of(&self, index: usize) -> Option<&Token<'a>> {
         match self.items.get(index) {
             Some(Item::Function { name, .. }) => Some(name),

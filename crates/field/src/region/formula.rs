@@ -85,7 +85,7 @@ pub(crate) struct Needs {
     /// `None` if there are too few registers.
     pub(crate) registers: Option<usize>,
     pub(crate) steps: usize,
-    /// An upper bound of the texels of a tape.
+    /// An upper bound of the texels of the tapes.
     pub(crate) texels: usize,
 }
 
@@ -143,12 +143,13 @@ impl Formula {
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let runs = self.tapes.iter().all(|outputs| encoder.encode(&program, outputs).is_some());
         let outputs = self.tapes.iter().map(Vec::len).max().unwrap_or(0);
+        let samples = self.nodes.iter().filter(|(_, node)| matches!(node, Node::Texture { .. })).count();
         Needs {
             operators: program.steps.iter().map(|step| step.op).collect(),
             registers: runs.then_some(encoder.registers.max(outputs)),
             steps: program.steps.len(),
-            // A texel for each step, each output that is a number, and the end.
-            texels: program.steps.len() + outputs + 1,
+            // A texel for each step, each sample, each output that is a number, and the end.
+            texels: program.steps.len() + samples + outputs + 1,
         }
     }
 

@@ -135,6 +135,9 @@ impl fmt::Display for Tape {
             let [a, b] = [(); 2].map(|()| shown.next().unwrap_or_else(|| "-".to_owned()));
             row(&name, &a, &b, &format!("slot {output}"))?;
         }
+        for output in self.outputs.iter().filter(|output| matches!(output, Operand::Immediate(_))) {
+            row("LOAD", &operand(*output), "-", "output")?;
+        }
         Ok(())
     }
 }

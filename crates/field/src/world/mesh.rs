@@ -353,7 +353,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
-    use crate::lang::library;
+    use crate::lang::examples;
 
     fn mesh(text: &str, detail: usize) -> Result<Mesh, MeshError> {
         let world = World::parse("test", text).unwrap();
@@ -403,7 +403,7 @@ mod tests {
     #[test]
     fn the_shapes_of_the_reference_give_closed_meshes() {
         let mut closed = 0;
-        for (name, shape) in library::examples() {
+        for (name, shape) in examples() {
             match mesh(shape, 32) {
                 Ok(mesh) => assert_closed(&mesh, name),
                 Err(error) => panic!("{name}: {error}"),

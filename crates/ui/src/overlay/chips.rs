@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Id, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::style;
 
@@ -20,11 +20,16 @@ pub(super) struct Chip<'a> {
     pub is_chosen: bool,
     /// True for the number of a snapshot that has not been taken.
     pub is_dim: bool,
+    /// False for a part that cannot be clicked now.
+    pub is_enabled: bool,
+    /// What screen readers call a button that is chosen or not; `None` for one that only does something.
+    pub role: Option<Role>,
 }
 
 impl<'a> Chip<'a> {
     pub(super) fn new(text: impl Into<Cow<'a, str>>, name: String, is_chosen: bool) -> Self {
-        Self { text: text.into(), name, is_chosen, is_dim: false }
+        let role = Some(Role::Button);
+        Self { text: text.into(), name, is_chosen, is_dim: false, is_enabled: true, role }
     }
 }
 
@@ -35,7 +40,7 @@ pub(super) fn row(ui: &mut Ui, id: &str, chips: &[Chip<'_>]) -> Option<usize> {
         ui.spacing_mut().item_spacing = vec2(GAP, GAP);
         ui.horizontal_wrapped(|ui| {
             for (place, chip) in chips.iter().enumerate() {
-                if single(ui, chip, ui.max_rect().width()) {
+                if single(ui, chip, ui.max_rect().width(), None) {
                     clicked = Some(place);
                 }
             }
@@ -55,13 +60,16 @@ pub(super) fn choose<'a, T: Copy>(
     row(ui, id, &chips).and_then(|place| values.get(place)).copied()
 }
 
-/// Draws a chip of at most `width` points. Returns true if it was clicked.
-pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
-    let plain = if chip.is_dim { style::DIM } else { style::BUTTON };
+/// Draws a chip of at most `width` points. `id` keeps the focus with it if chips before it come and go. Returns true if it
+/// was clicked.
+pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32, id: Option<Id>) -> bool {
+    let plain = if chip.is_dim || !chip.is_enabled { style::DIM } else { style::BUTTON };
     let galley = style::line(ui.painter(), &chip.text, style::SMALL_SIZE, plain, width - 2.0 * PADDING);
     let size = vec2(galley.size().x + 2.0 * PADDING, HEIGHT);
-    let (rect, response): (Rect, _) = ui.allocate_exact_size(size, Sense::click());
-    let (fill, color) = match (chip.is_chosen, response.hovered()) {
+    let sense = if chip.is_enabled { Sense::click() } else { Sense::hover() };
+    let (rect, own) = ui.allocate_exact_size(size, if id.is_some() { Sense::hover() } else { sense });
+    let response = id.map_or(own, |id| ui.interact(rect, id, sense));
+    let (fill, color) = match (chip.is_chosen, response.hovered() && chip.is_enabled) {
         (true, _) => (style::ACCENT, style::ON_ACCENT),
         (false, true) => (style::AHEAD, style::TEXT),
         (false, false) => (style::RAIL, plain),
@@ -69,7 +77,10 @@ pub(super) fn single(ui: &mut Ui, chip: &Chip<'_>, width: f32) -> bool {
     ui.painter().rect_filled(rect, 4.0, fill);
     let place = rect.center() - 0.5 * galley.size();
     ui.painter().galley_with_override_text_color(place, galley, color);
-    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chip.is_chosen, &chip.name));
+    response.widget_info(|| match chip.role {
+        Some(role) => WidgetInfo::selected(role, chip.is_enabled, chip.is_chosen, &chip.name),
+        None => WidgetInfo::labeled(Role::Button, chip.is_enabled, &chip.name),
+    });
     let clicked = response.clicked();
     if !chip.name.ends_with(&*chip.text) {
         response.on_hover_text(&chip.name);

@@ -111,9 +111,9 @@ fn draw_knob(
             label.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
             let clicked = chips::choose(ui, "fields", &MappingField::ALL, |field| {
                 let text = field.words(mapping);
-                let name = format!("{text}, {words}{}", field.hint());
-                let is_dim = field.request(mapping, stands).is_none();
-                Chip { is_dim, ..Chip::new(text, name, selected == Some(field)) }
+                let is_enabled = field.request(mapping, stands).is_some();
+                let name = format!("{text}, {words}{}", if is_enabled { field.hint() } else { "" });
+                Chip { is_enabled, ..Chip::new(text, name, selected == Some(field)) }
             });
             if let Some(request) = clicked.and_then(|field| field.request(mapping, stands)) {
                 ask(request);

@@ -60,7 +60,7 @@ fn name(ui: &mut Ui, deck: &Deck, number: usize, width: f32, acts: &mut Acts) {
         false => format!("deck {}: {} is being prepared", deck.letter, deck.title),
     };
     let chip = Chip { is_dim: !deck.is_ready, ..Chip::new(&text, words, deck.is_in_hand) };
-    if chips::single(ui, &chip, width) {
+    if chips::single(ui, &chip, width, None) {
         acts.commands.push(Command::TakeDeck(number));
     }
 }

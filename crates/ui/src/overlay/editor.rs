@@ -80,12 +80,12 @@ fn header(ui: &mut Ui, space: Rect, editor: &Editor, document: &Document, acts: 
         (_, true) => Some("save"),
         _ => None,
     };
-    let save = save.map(|words| (words, EditAction::Save, false));
+    let save = save.map(|words| (words, EditAction::Save, None));
     let (lights, profiles) = editor.picture.switches();
     let others = [
-        ("new", EditAction::New, false),
-        ("profile", EditAction::Profile, profiles),
-        ("highlight", EditAction::Light, lights),
+        ("new", EditAction::New, None),
+        ("profile", EditAction::Profile, Some(profiles)),
+        ("highlight", EditAction::Light, Some(lights)),
     ];
     let buttons = UiBuilder::new().max_rect(line.with_max_x(cross.left() - 6.0));
     let mut buttons = ui.new_child(buttons.layout(Layout::right_to_left(Align::Center)));
@@ -148,7 +148,7 @@ fn question(ui: &mut Ui, space: Rect, document: &Document, acts: &mut Acts) -> f
     let top = place.center().y - 0.5 * galley.size().y;
     row.painter().galley(pos2(place.left(), top), galley, style::ERROR);
     for (words, is_first) in [(first, true), (second, false)] {
-        if word(&mut row, words, EditAction::Answer { first: is_first }, false) {
+        if word(&mut row, words, EditAction::Answer { first: is_first }, None) {
             acts.on_editor(move |editor| editor.apply_answer(is_first));
         }
     }
@@ -159,10 +159,12 @@ fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
-/// A button with words. Returns true if the user clicked it. `is_on` marks a switch that is on.
-fn word(ui: &mut Ui, words: &str, action: EditAction, is_on: bool) -> bool {
+/// A button with words. Returns true if the user clicked it. `is_on` is the state of a switch.
+fn word(ui: &mut Ui, words: &str, action: EditAction, is_on: Option<bool>) -> bool {
     let name = format!("{words} ({})", written_key(action));
-    chips::single(ui, &Chip::new(words, name, is_on), f32::INFINITY)
+    let role = is_on.map(|_| egui::Role::Button);
+    let chip = Chip { role, ..Chip::new(words, name, is_on.unwrap_or_default()) };
+    chips::single(ui, &chip, f32::INFINITY, Some(Id::unique(("editor word", words))))
 }
 
 /// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the footer's top.

@@ -31,8 +31,11 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mu
     let panel = style::middle(space, widths.table() + style::LANE + 2.0 * style::PADDING.x);
     style::panel(context, "keys", Order::Foreground, panel, |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-        let hint = "type to search · Enter or a click does it · Esc closes";
-        let (title, is_search) = if help.query().is_empty() { ("Keys", false) } else { (help.query(), true) };
+        let is_search = !help.query().is_empty();
+        let (title, hint) = match help.query() {
+            "" => ("Keys", "type to search · Enter or a click does it · Esc closes"),
+            query => (query, ""),
+        };
         if words::heading(ui, LINE, title, hint, is_search, "close the table of keys") {
             acts.commands.push(Command::ToggleHelp);
         }

@@ -151,17 +151,21 @@ pub(super) fn rail(ui: &mut Ui, slider: &mut Slider, step: f64, settles: bool) -
         slider.value = slider.param().clamped(wanted as f32);
     }
     let x_of = |value: f32| rail.left() + slider.param().fraction_of(value) * rail.width();
-    draw_rail(ui.painter(), rail, x_of(slider.default), x_of(slider.value), response.hovered() || is_held);
+    // A number of the settings that can be negative is drawn from 0.
+    let base = if settles && slider.min < 0.0 { x_of(0.0) } else { rail.left() };
+    let is_lit = response.hovered() || is_held;
+    draw_rail(ui.painter(), rail, base, [slider.default, slider.value].map(x_of), is_lit);
     response
 }
 
-/// Draws a rail that is filled up to its `knob`, with a `mark` at the usual value.
-fn draw_rail(painter: &Painter, rail: Rect, mark: f32, knob: f32, held: bool) {
+/// Draws a rail that is filled from `base` to its knob, with a mark at the usual value.
+fn draw_rail(painter: &Painter, rail: Rect, base: f32, mark_and_knob: [f32; 2], held: bool) {
+    let [mark, knob] = mark_and_knob;
     let radius = RAIL_HEIGHT / 2.0;
     painter.rect_filled(rail, radius, style::RAIL);
     let mark = Rect::from_center_size(pos2(mark, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
     painter.rect_filled(mark, 0.0, style::RAIL);
-    let filled = Rect::from_x_y_ranges(rail.left()..=knob, rail.y_range());
+    let filled = Rect::from_x_y_ranges(base.min(knob)..=base.max(knob), rail.y_range());
     painter.rect_filled(filled, radius, style::ACCENT);
     let (knob_radius, color) =
         if held { (KNOB_RADIUS + 0.5, style::TEXT) } else { (KNOB_RADIUS, style::ACCENT) };

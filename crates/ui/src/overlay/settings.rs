@@ -173,7 +173,8 @@ fn draw_row(
         |ui| {
             if let Values::Names { options, chosen } = &row.values {
                 let chip = |(at, (name, _)): (usize, &(&'static str, _))| {
-                    Chip::new(*name, format!("{}: {name}", row.name), at == *chosen)
+                    let name_of = format!("{}: {name}", row.name);
+                    Chip { role: Some(egui::Role::RadioButton), ..Chip::new(*name, name_of, at == *chosen) }
                 };
                 let chips: Vec<Chip<'_>> = options.iter().enumerate().map(chip).collect();
                 return chips::row(ui, "values", &chips).map(pick);

@@ -43,6 +43,8 @@ pub(super) fn named_row<R>(
         let (place, _) = ui.allocate_exact_size(size, Sense::hover());
         name(ui, place);
         let values = ui.vertical(|ui| {
+            // The row is as wide as the panel, also for the pointer.
+            ui.set_min_width(ui.available_width());
             ui.add_space(2.0);
             let values = values(ui);
             ui.add_space(2.0);
@@ -68,13 +70,13 @@ pub(super) fn heading(
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * height, 3.0), vec2(height, height));
     let is_closed = icons::closing_cross(ui, cross, closing);
     let painter = ui.painter();
-    let room = cross.left() - place.left() - 8.0;
-    let title = style::line(painter, title, style::HEADING_SIZE, style::TEXT, room);
+    let room = cross.left() - place.left() - 22.0;
+    let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, 0.6 * room);
+    let title = style::line(painter, title, style::HEADING_SIZE, style::TEXT, room - hint.size().x);
     let end = place.left() + title.size().x;
     if is_search {
         style::caret(painter, pos2(end + 2.0, place.top()));
     }
-    let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, cross.left() - end - 22.0);
     let top = place.top() + title.size().y - hint.size().y - 1.0;
     painter.galley(pos2(end + 14.0, top), hint, style::DIM);
     painter.galley(place.min, title, style::TEXT);
