@@ -130,7 +130,7 @@ fn typos_are_named_by_their_signs_and_have_suggestions() {
     for (text, message, marked) in [
         ("float f(vec3 p) { float a = p.x\n return a; }", "`return` does not belong here", "return"),
         ("float f(vec3 p) { return p.x }", "`}` does not belong here", "}"),
-        ("float f(vec3 p) { return a && && b; }", "`&&` does not belong here", "&&"),
+        ("float f(vec3 p) { return p.x > 0.0 && && p.y > 0.0; }", "`&&` does not belong here", "&&"),
         (
             "float fold(float a) { return a; }\nfloat f(vec3 p) { return fodl(p.x); }",
             "there is no function `fodl`",
