@@ -184,7 +184,7 @@ fn a_text_in_glsl_is_the_scene_that_an_import_makes_of_it() {
 fn mistakes_in_a_text_in_glsl_are_reported_at_its_lines() {
     for (text, line, wanted) in [
         ("float map(vec3 p) {\n  return lenth(p) - 1.0;\n}", 2, "lenth"),
-        ("float map(vec3 p) {\n  float r = 1.0;\n  return length(p) - r\n}", 4, "Expected Semicolon"),
+        ("float map(vec3 p) {\n  float r = 1.0;\n  return length(p) - r\n}", 4, "`}` does not belong here"),
         ("void mainImage(out vec4 c, in vec2 f) {\n  c = vec4(1);\n  c.x =", 1, "never closed"),
         ("float halved(float a) { return a / 2.0; }", 1, "no function of this file looks like the distance"),
     ] {
