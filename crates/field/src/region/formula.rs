@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::encode::{Encoder, REGISTERS_MAX, Texel};
 use super::program::{Arg, PENUMBRA, Program};
-use super::reuse::ShortLives;
+use super::short_lives::ShortLives;
 use crate::graph::{
     Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData, Uses,
 };

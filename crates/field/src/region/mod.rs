@@ -55,6 +55,7 @@ mod program;
 mod prune;
 mod read;
 mod reuse;
+mod short_lives;
 pub(crate) mod surface;
 mod tree;
 
