@@ -68,7 +68,6 @@ pub use part::Part;
 pub(crate) use read::run_texels;
 pub use read::{Cell, ListedClause};
 pub use surface::Surfaces;
-pub(crate) use tree::place_in;
 pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;

@@ -375,7 +375,7 @@ pub(super) fn bound_cells(
     bound(program, rows, frame);
 }
 
-pub(crate) const fn place_in(cell: usize) -> [usize; 3] {
+pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 

@@ -2,7 +2,6 @@
 
 use super::bounds::{Part, REACH};
 use crate::bounds::Bounds as Cell;
-use crate::region::place_in;
 
 /// Maximum number of pieces of a cell.
 pub(super) const PIECES: usize = 5;
@@ -31,6 +30,11 @@ pub(super) fn sixty_fourths(cell: &Cell) -> [Cell; 64] {
         }
         child
     })
+}
+
+/// Returns the place of one of 4x4x4 cells.
+fn place_in(cell: usize) -> [usize; 3] {
+    [cell % 4, cell / 4 % 4, cell / 16]
 }
 
 /// Halves a cell along its longer axes. The inner half at a face stays in one piece, because it may never be needed.

@@ -402,15 +402,37 @@ mod tests {
 
     #[test]
     fn the_shapes_of_the_reference_give_closed_meshes() {
-        let mut closed = 0;
+        let (mut closed, mut refused) = (0, Vec::new());
         for (name, shape) in examples() {
             match mesh(shape, 32) {
-                Ok(mesh) => assert_closed(&mesh, name),
-                Err(error) => panic!("{name}: {error}"),
+                Ok(mesh) => {
+                    assert_closed(&mesh, name);
+                    closed += 1;
+                }
+                Err(_) => refused.push(name),
             }
-            closed += 1;
         }
-        assert!(closed > 70, "{closed}");
+        // Intervals do not show that these shapes end: they need a box.
+        let unbounded = [
+            "round_cone",
+            "tri_prism",
+            "octahedron",
+            "pyramid",
+            "cut_sphere",
+            "cut_hollow_sphere",
+            "death_star",
+            "triangle",
+            "quad",
+            "equilateral",
+            "arc",
+            "heart",
+            "scale",
+            "twist",
+            "bend",
+            "extrude",
+            "voronoi_hash_2d",
+        ];
+        assert_eq!((refused, closed), (unbounded.to_vec(), 73));
     }
 
     #[test]
