@@ -71,8 +71,11 @@ pub(super) fn heading(
     let is_closed = icons::closing_cross(ui, cross, closing);
     let painter = ui.painter();
     let room = cross.left() - place.left() - 22.0;
-    let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, 0.6 * room);
-    let title = style::line(painter, title, style::HEADING_SIZE, style::TEXT, room - hint.size().x);
+    let titled = |room: f32| style::line(painter, title, style::HEADING_SIZE, style::TEXT, room);
+    // A long title leaves a third of the room to the hint.
+    let hint_room = (room - titled(room).size().x).max(room / 3.0);
+    let hint = style::line(painter, hint, style::SMALL_SIZE, style::DIM, hint_room);
+    let title = titled(room - hint.size().x);
     let end = place.left() + title.size().x;
     if is_search {
         style::caret(painter, pos2(end + 2.0, place.top()));
