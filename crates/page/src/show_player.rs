@@ -12,8 +12,8 @@ use super::shown::{Coming, Shown, ShownLayer};
 
 pub(crate) struct ShowPlayer {
     show: PreparedShow,
-    /// The scenes and blends of the present moment and of the next transition; `None` for those with mistakes, and those
-    /// that the browser cannot compile.
+    /// The scenes and blends of the present moment and of the next transition; `None` for a scene with mistakes, and for
+    /// a scene that the browser cannot compile.
     scenes: Vec<(SceneSource, Option<Shown>)>,
     /// The next one of `scenes`, whose program the browser compiles.
     coming: Option<(SceneSource, Coming)>,
@@ -108,7 +108,7 @@ impl ShowPlayer {
     }
 
     /// The ready scenes of the moment `time`, in seconds, for a picture of `size` pixels, and the brightness of the picture,
-    /// 0..1. An old scene stays while none of them is ready.
+    /// 0..1. Until one of them is ready, an old scene stays.
     pub(crate) fn layers(&self, time: f64, size: (u32, u32)) -> (Vec<ShownLayer<'_>>, f32) {
         let mut layers: Vec<ShownLayer<'_>> = Vec::new();
         let Some(Recipe { layers: planned, brightness }) =

@@ -107,7 +107,7 @@ impl MappingField {
         }
     }
 
-    /// What the part does, as the end of its description.
+    /// The end of the description of the part: the effect of a click.
     pub fn hint(self) -> &'static str {
         match self {
             Self::From | Self::To => " · a click sets this end to the parameter's present value",

@@ -54,7 +54,7 @@ impl Reads {
 pub(super) enum Numbers<'a> {
     /// Numbers count as unknown, so that no decision depends on them.
     Unknown,
-    /// All numbers are replaced by one that allows no simplification, as in most frames.
+    /// Every number is replaced by [`TYPICAL`]: like the numbers of most frames, it allows no simplification.
     Typical,
     Of(&'a FrameInputs),
 }
@@ -78,7 +78,7 @@ pub struct Formula {
     reads: Reads,
 }
 
-/// What an interpreter needs to run the tapes of all frames.
+/// The resources that an interpreter needs to run the tapes of all frames.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Needs {
     pub(crate) operators: BTreeSet<Op>,
@@ -137,8 +137,8 @@ impl Formula {
     }
 
     fn own_needs(&self) -> Needs {
-        // With unknown numbers nothing is folded, so this program has all operators and registers of every frame's
-        // program. Only roots that become numbers may take further registers.
+        // Unknown numbers cannot be folded in, so this program has the operators and registers of the programs of all
+        // frames. Only roots that become numbers may take further registers.
         let program = self.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let runs = self.tapes.iter().all(|outputs| encoder.encode(&program, outputs).is_some());

@@ -108,7 +108,7 @@ fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     }
 }
 
-/// Returns the bounds of a program's root in each cell, given those of its values.
+/// Returns the bounds of a program's root in each cell. `rows` are the bounds of the program's values.
 pub(super) fn bounds_of(program: &Program, root: usize, rows: &[Lanes]) -> Lanes {
     match program.roots[root] {
         Arg::Value(value) => rows[value as usize],
