@@ -12,8 +12,8 @@ use super::shown::{Coming, Shown, ShownLayer};
 
 pub(crate) struct ShowPlayer {
     show: PreparedShow,
-    /// The scenes and blends of the present moment and of the next transition; `None` for a scene with mistakes, and for
-    /// a scene that the browser cannot compile.
+    /// The scenes and blends of the present moment and of the next transition; `None` for a scene with mistakes, and
+    /// for a scene that the browser cannot compile.
     scenes: Vec<(SceneSource, Option<Shown>)>,
     /// The next one of `scenes`, whose program the browser compiles.
     coming: Option<(SceneSource, Coming)>,
