@@ -7,6 +7,10 @@
 //! fast as the few things in a cell. The search runs once per text. It takes 0.5 to 8 ms, or as long as 45 evaluations
 //! of the whole formula in 64 cells. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
+//! Intervals cannot bound some shapes: the sides of an octahedron or a triangle are decided by comparisons of numbers that
+//! depend on each other. If such a value is a distance, the search runs again and also takes the distance from the middle
+//! of each cell.
+//!
 //! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
 //! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
 //! problem, because it has no bounds. An exponential could be dropped without a change if rounding removes it from the
@@ -18,9 +22,11 @@ use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 use super::cells::{NESTED, PIECES, below, nested, pieces, sixty_fourths};
+use super::distance_check::STEEPEST;
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, NodeId};
 use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of};
+use crate::vectors::length;
 
 /// Surfaces farther than about this from the origin leave a scene without bounds.
 pub(super) const REACH: f32 = 1024.0;
@@ -67,16 +73,19 @@ const INNER: u64 = 0x0000_0660_0660_0000;
 
 struct Search<'a> {
     distance: EveryFrame<'a>,
+    /// True if the value at a point is at most the distance to the surfaces.
+    is_distance: bool,
     /// Number of steps that may still be run.
     left: usize,
 }
 
 /// Returns a box around the surfaces of a distance in all frames of `any`; `None` if the surfaces are unbounded or may
-/// be in every cell. The outermost cell at a face is divided until it is thin enough.
-pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Option<Bounds> {
+/// be in every cell. The outermost cell at a face is divided until it is thin enough. If the value `is_distance`, a cell
+/// is also free of surfaces where its middle is far enough from them.
+pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs, is_distance: bool) -> Option<Bounds> {
     let (distance, whole) = EveryFrame::new(graph, distance, any);
     let steps = STEPS_MAX.max(WHOLE_RUNS_MAX * whole.len());
-    let mut search = Search { distance, left: steps };
+    let mut search = Search { distance, is_distance, left: steps };
     let around = search.outermost(&whole)?;
     search.left = steps;
     search.box_around(&whole, around)
@@ -165,7 +174,19 @@ impl Search<'_> {
     /// Returns the cells that may contain a surface or be solid, as a mask.
     fn open(&mut self, program: &BoxProgram, cells: &[Cell; 64]) -> u64 {
         self.left = self.left.saturating_sub(STEPS_BESIDE + program.len());
-        self.distance.open(program, cells)
+        let far = if self.is_distance { self.far(program, cells) } else { 0 };
+        self.distance.open(program, cells) & !far
+    }
+
+    /// Returns the cells whose middles are farther from all surfaces than from the cells' corners, as a mask.
+    fn far(&mut self, program: &BoxProgram, cells: &[Cell; 64]) -> u64 {
+        let middles = cells.map(|cell| Cell::around(cell.middle(), 0.0));
+        self.distance.open(program, &middles);
+        let is_far = |lane: usize| {
+            let sides = [0, 1, 2].map(|axis| cells[lane].side(axis));
+            self.distance.low(lane) > 0.5 * STEEPEST * length(sides)
+        };
+        cells_of(u64::MAX).filter(|lane| is_far(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
 
     /// Returns the cells of a mask, which have just been bounded, with programs for them. `vain` divisions have not
@@ -360,8 +381,12 @@ mod tests {
     use crate::world::testing::{SPEAKERS, world_of};
 
     fn bounds(text: &str) -> Option<Bounds> {
+        bounds_of(text, false)
+    }
+
+    fn bounds_of(text: &str, is_distance: bool) -> Option<Bounds> {
         let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        find(&scene.graph, scene.distance, &crate::world::any_frame(&scene))
+        find(&scene.graph, scene.distance, &crate::world::any_frame(&scene), is_distance)
     }
 
     fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], fraction: f32) {
@@ -393,7 +418,20 @@ mod tests {
         for text in
             ["y + 0.1*sin(x)", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", "length(p.xz) - 1", "p.x - t"]
         {
+            assert_eq!([false, true].map(|is_distance| bounds_of(text, is_distance)), [None; 2], "{text}");
+        }
+        assert_eq!(bounds_of("min(octahedron(p, 1), length(p.xz - vec2(9, 0)) - 0.01)", true), None);
+    }
+
+    #[test]
+    fn distances_bound_shapes_that_intervals_do_not() {
+        for (text, low, high) in [
+            ("octahedron(p - vec3(0, 2, 0), 1)", [-1.0, 1.0, -1.0], [1.0, 3.0, 1.0]),
+            ("pyramid(p, 0.8)", [-0.5, 0.0, -0.5], [0.5, 0.8, 0.5]),
+            ("round_cone(p, 0.6 + 0.2 * bass, 0.25, 1)", [-0.8; 3], [0.8, 1.25, 0.8]),
+        ] {
             assert_eq!(bounds(text), None, "{text}");
+            assert_near(bounds_of(text, true), low, high, 0.04);
         }
     }
 

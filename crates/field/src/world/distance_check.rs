@@ -15,7 +15,7 @@ use crate::tape::{Dual, GradientBatch, Tape};
 use crate::vectors::length;
 
 /// Largest slope of a distance: 1 and an allowance for rounding.
-const STEEPEST: f32 = 1.01;
+pub(super) const STEEPEST: f32 = 1.01;
 /// Up to this fraction of the samples may be steeper. Such samples are at seams of blends, which rays hardly ever meet.
 const NON_LIPSCHITZ_FRACTION: f32 = 0.01;
 /// Allowance for slopes between the samples: they may be steeper by this factor.

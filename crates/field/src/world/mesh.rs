@@ -412,27 +412,9 @@ mod tests {
                 Err(_) => refused.push(name),
             }
         }
-        // Intervals do not show that these shapes end: they need a box.
-        let unbounded = [
-            "round_cone",
-            "tri_prism",
-            "octahedron",
-            "pyramid",
-            "cut_sphere",
-            "cut_hollow_sphere",
-            "death_star",
-            "triangle",
-            "quad",
-            "equilateral",
-            "arc",
-            "heart",
-            "scale",
-            "twist",
-            "bend",
-            "extrude",
-            "voronoi_hash_2d",
-        ];
-        assert_eq!((refused, closed), (unbounded.to_vec(), 73));
+        // It is not known where these end: they are no distances, and intervals are too wide. They need a box.
+        let unbounded = ["twist", "bend", "voronoi_hash_2d"];
+        assert_eq!((refused, closed), (unbounded.to_vec(), 87));
     }
 
     #[test]

@@ -323,7 +323,8 @@ struct Traced {
 
 impl Traced {
     fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Self {
-        let bounds = bounds::find(&scene.graph, distance, &any_frame(scene));
+        let any = any_frame(scene);
+        let bounds = bounds::find(&scene.graph, distance, &any, false);
         let slopes = untrusted(scene, distance).and_then(|checked| {
             let tape = Tape::new(&scene.graph, &[checked]);
             let around = |inputs: &FrameInputs| match bounds {
@@ -336,6 +337,9 @@ impl Traced {
             distance_check::tamed(&tape, frames, bounds.as_ref(), reach)
         });
         let non_lipschitz = slopes.is_some();
+        let found_by_distance =
+            || bounds::find(&scene.graph, distance, &any, true).filter(|_| !non_lipschitz);
+        let bounds = bounds.or_else(found_by_distance);
         Self { bounds, non_lipschitz, slopes: slopes.unwrap_or_default(), ..Self::default() }
     }
 }
