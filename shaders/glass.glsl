@@ -4,6 +4,8 @@
 #ifdef GLASS
 // -1 inside of glass, where rays go to the surface from below; else 1. `trace` multiplies distances by it.
 float ray_side = 1.0;
+// True at a surface where a ray leaves glass: no light is added there.
+bool is_leaving_glass = false;
 // Fraction of light that is lost per unit of length in the glass.
 vec3 glass_absorbs = vec3(0.0);
 
@@ -66,6 +68,7 @@ float glass_reflectance(float ratio, float cosine) {
 }
 #else
 const float ray_side = 1.0;
+const bool is_leaving_glass = false;
 const bool met_in_glass = false;
 
 void begin_in_glass(float t) {}

@@ -25,6 +25,7 @@ bool leaves_glass(Hit hit, bool is_ball) {
     bool is_inside = ray_side < 0.0;
     bool leaves = is_inside && !met_in_glass && hit.plane == NOTHING && !is_ball;
     surface_penumbra = is_inside && !leaves ? WITHOUT_GLASS : 0.0;
+    is_leaving_glass = leaves;
     return leaves;
 }
 

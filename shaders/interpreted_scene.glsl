@@ -157,6 +157,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Surface s;
     s.normal = vec3(0.0, 1.0, 0.0);
     s.object = 0;
+    s.ambient = vec3(0.0);
     s.glow = vec3(0.0);
     if (plane != NOTHING) {
         s.normal = plane_of(plane).xyz;
@@ -171,7 +172,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);
     // Compute ambient light, glow and material with a single call in a loop.
     uvec4 head = uvec4(0u);
-    for (int i = FIRST_ROUND; i < SURFACE_ROUNDS; i += i == 0 ? 2 - GLOW_ROUNDS : 1) {
+    for (int i = is_leaving_glass ? 2 : FIRST_ROUND; i < SURFACE_ROUNDS; i += i == 0 ? 2 - GLOW_ROUNDS : 1) {
         int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + 2 * s.object;
         if (i == 3) place++;
         Place asked = here;

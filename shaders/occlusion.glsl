@@ -10,7 +10,7 @@ bool occluder_near(vec3 p) {
     // Paths find ambient light themselves.
     return false;
 #endif
-    if (bounds_low.w < 0.5) return false;
+    if (bounds_low.w < 0.5 || is_leaving_glass) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }

@@ -16,7 +16,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Surface s;
     s.normal = vec3(0.0);
     s.glow = vec3(0.0);
-    float object = 0.0;
+    float object = SOLE_OBJECT;
     if (plane != NOTHING) {
         s.normal = plane_of(plane).xyz;
         NOTE_PLANE;
@@ -27,7 +27,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
     // Use one loop, so that a driver compiles the scene once for all points. The loop ends early if no occluder is
     // near.
-    for (int i = plane != NOTHING ? FIRST_PROBE : 0; i <= last; i++) {
+    for (int i = plane != NOTHING ? FIRST_PROBE : SOLE_OBJECT < 0.0 ? 0 : FIRST_TAP; i <= last; i++) {
         int at = i < FIRST_PROBE ? i - FIRST_TAP : i - FIRST_PROBE;
         vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(at)));
         vec3 tap = vec3(dot(TAPS_X, place), dot(TAPS_Y, place), dot(TAPS_Z, place));

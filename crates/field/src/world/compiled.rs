@@ -101,6 +101,11 @@ impl World {
              float scene_estimate(vec3 p, out float object) {\n    float d;\n    \
              rest_surface(p, vec3(SURFACE_PENUMBRA, 0.0, 0.0), d, object);\n    return d;\n}\n",
         );
+        let sole = match self.graph.node(self.roots.object) {
+            Node::Constant(number) => number,
+            _ => -1.0,
+        };
+        let _ = writeln!(text, "const float SOLE_OBJECT = {sole:?};");
         let pixel = "vec3(picture_pixel(), 0.0)";
         let steps = ", vec3(frame_screen.z, 0.0, 0.0), vec3(0.0, frame_screen.w, 0.0)";
         for (name, function, place, steps) in
