@@ -124,13 +124,12 @@ impl Studio {
     /// same names stay.
     ///
     /// # Errors
-    /// Fails if the text has mistakes, with all of them.
+    /// Fails if the text has mistakes, with all of them, or if the scene is too large for a page.
     pub fn load(&mut self, name: &str, text: &str, interpreted: bool) -> Result<(), String> {
         let mode = if interpreted { Mode::Interpreted } else { Mode::Compiled };
         let ready =
             SceneSource::Shipped(name.to_owned()).ready_as(text).map_err(|error| error.to_string())?;
-        let coming =
-            Coming::begin(&self.gl, &self.library, ready, mode).map_err(|error| error.to_string())?;
+        let coming = Coming::begin(&self.gl, &self.library, ready, mode)?;
         self.coming = Some((name.to_owned(), coming));
         Ok(())
     }

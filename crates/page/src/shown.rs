@@ -1,16 +1,23 @@
 //! A scene with its program and the values of its sliders.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use mariana_field::world::World;
-use mariana_music::Sound;
+use mariana_music::{Features, Sound};
 use mariana_render::gpu::mode::CellUse;
 use mariana_render::gpu::program::{PendingProgram, Program};
-use mariana_render::gpu::scene_program::{Mode, begin_scene, drawing_variant_of};
+use mariana_render::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Mode, begin_scene, drawing_variant_of};
 use mariana_render::gpu::scene_resources::SceneResources;
 use mariana_render::gpu::shader_source::ShaderLibrary;
 use mariana_render::{Frame, Gl, GpuError, Renderer};
 use mariana_scenes::ReadyScene;
+use web_time::Instant;
 
 use super::hearing::Hearing;
+
+/// The longest that the first tree of a scene may take: the page cannot answer in the meantime.
+const TREE_MAX: Duration = Duration::from_secs(1);
 
 /// A scene on the GPU.
 pub(crate) struct Shown {
@@ -30,19 +37,30 @@ impl Coming {
     /// Uploads a scene, and begins to compile its program.
     ///
     /// # Errors
-    /// Fails with the browser's error.
+    /// Fails with the browser's error, or if the scene is so large that it would keep the page busy.
     pub(crate) fn begin(
         gl: &Gl,
         library: &ShaderLibrary,
         ReadyScene { world, buffers, plan, .. }: ReadyScene,
         mode: Mode,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self, String> {
+        let clauses = buffers.cost.compiled;
+        if mode == Mode::Compiled && clauses > COMPILED_BY_ITSELF_MAX {
+            return Err(format!(
+                "its {clauses} clauses are too many for a browser's compiler: interpret it (C)"
+            ));
+        }
+        let said = |error: GpuError| error.to_string();
         // A tree that is built on the page's only thread costs more than it saves in a compiled scene.
         let cells = if mode == Mode::Compiled { CellUse::Never } else { CellUse::default() };
-        let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info())?;
-        let program = begin_scene(gl, library, &variant)?;
-        let resources = SceneResources::upload(gl, None, world, buffers, plan)?;
+        let variant = drawing_variant_of(&world, &buffers, &plan, mode, cells, gl.info()).map_err(said)?;
+        let resources = SceneResources::upload(gl, None, world, buffers, plan).map_err(said)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
+        if resources.drawn(mode).cells && !has_quick_tree(&resources) {
+            let words = "building its region tree takes too long for every frame: use fewer or simpler parts";
+            return Err(words.to_owned());
+        }
+        let program = begin_scene(gl, library, &variant).map_err(said)?;
         Ok(Self { program, resources })
     }
 
@@ -59,6 +77,19 @@ impl Coming {
         let params = self.resources.world().scene.params.iter().map(|param| param.default).collect();
         Ok(Shown { program, resources: self.resources, params })
     }
+}
+
+/// Builds the first tree of a scene. Returns false if that takes too long.
+fn has_quick_tree(resources: &SceneResources) -> bool {
+    let frame = Frame::new(resources.world(), 0.0, Features::SILENCE, (16, 9));
+    let begun = Instant::now();
+    let is_quick = || begun.elapsed() < TREE_MAX;
+    let built = resources.region_maker().build_while(&frame, resources.region_request(&frame), &is_quick);
+    let is_built = is_quick();
+    if is_built {
+        resources.upload_regions(Arc::new(built));
+    }
+    is_built
 }
 
 /// A frame of a scene in a picture.
