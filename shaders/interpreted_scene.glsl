@@ -77,62 +77,39 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return run_region(cell.tape, p, penumbra);
 }
 
-// Computes the normal, the object and the occluders' distances of a point with one call in a loop, because each call is
-// compiled separately. Each round evaluates the next probe that needs it.
+// Computes the normal and the object of a point with one call in a loop, because each call is compiled separately.
 //
 // Tried: one call of run_region for rays, probes and shadows. On Xe it saves 13 % of the code but no spills. On Vega
 // (ACO) it saves 29 % of the code, but takes 156 registers, so that only one wave fits.
-const int OBJECT_PROBE = 4;
-const int FIRST_OCCLUSION_PROBE = 5;
-const int PROBES_END = 9;
+const int OBJECT_TAP = 4;
 
-void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 occluders) {
+void tap_surface(vec3 p, float cone, inout Surface s) {
     float h = tap_distance(cone);
     vec4 taps = vec4(0.0);
-    occluders = probes;
-    int probe = is_plane ? FIRST_OCCLUSION_PROBE : 0;
-    int end = occluder_near(p) ? PROBES_END : FIRST_OCCLUSION_PROBE;
-    for (int round = 0; round < PROBES_END; round++) {
-        vec3 at = p;
-        int tape = 0;
-        for (; probe < end; probe++) {
-            int i = probe & 3;
-            if (probe == OBJECT_PROBE) {
-                vec3 sum = sum_of_taps(taps);
-                s.normal = normal_of(sum);
-                NOTE_SLOPE(sum, h);
-                at = p;
-            } else if (probe < OBJECT_PROBE) {
-                at = p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
-            } else {
-                at = p + probes[probe - FIRST_OCCLUSION_PROBE] * s.normal;
-            }
-            Cell cell = cell_at(in_root(at));
-            COUNT(count_lookups);
-            tape = cell.tape;
-            if (probe < OBJECT_PROBE) break;
-            if (probe == OBJECT_PROBE) {
-                s.object = cell.object;
-                if (cell.object == SEVERAL) break;
-            } else if (AS_DISTANCE(cell.bound) < probes[probe - FIRST_OCCLUSION_PROBE]) {
-                break;
-            }
+    for (int tap = 0; tap <= OBJECT_TAP; tap++) {
+        bool is_object = tap == OBJECT_TAP;
+        int i = tap & 3;
+        vec3 at = is_object ? p : p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
+        Cell cell = cell_at(in_root(at));
+        COUNT(count_lookups);
+        int tape = cell.tape;
+        if (is_object) {
+            s.object = cell.object;
+            if (cell.object != SEVERAL) break;
+            // The object's tape is stored before the distance's tape.
+            tape = int(TEXEL(regions, tape - 1).x);
         }
-        if (probe >= end) break;
-        // The object's tape is stored before the distance's tape.
-        if (probe == OBJECT_PROBE) tape = int(TEXEL(regions, tape - 1).x);
         vec2 d = run_region(tape, at, SURFACE_PENUMBRA);
-        if (probe < OBJECT_PROBE) {
-            taps[probe] = d.y;
-            COUNT(count_normal);
-        } else if (probe == OBJECT_PROBE) {
+        if (is_object) {
             s.object = int(d.x + 0.5);
         } else {
-            occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
-            COUNT(count_occlusion);
+            taps[i] = d.y;
+            COUNT(count_normal);
         }
-        probe++;
     }
+    vec3 sum = sum_of_taps(taps);
+    s.normal = normal_of(sum);
+    NOTE_SLOPE(sum, h);
 }
 
 // The programs at a surface: ambient light, glow (if objects shine), the material's surface and body (if the scene's
@@ -164,9 +141,8 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         NOTE_PLANE;
         s.object = int(plane_objects[plane] + 0.5);
     }
-    vec4 occluders;
-    probe_surface(p, plane != NOTHING, cone, s, occluders);
-    s.open = openness(p, s.normal, occluders);
+    if (plane == NOTHING) tap_surface(p, cone, s);
+    s.open = UNKNOWN_OPEN;
     Place here = Place(p, s.normal);
     Place right = Place(p + along_surface(dx, s.normal, direction), s.normal);
     Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);

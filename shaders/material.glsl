@@ -8,7 +8,7 @@ struct Surface {
     vec3 normal;
     Material material;
     vec3 ambient;       // light from all directions
-    float open;         // fraction of the ambient light that arrives
+    float open;         // fraction of the ambient light that arrives; UNKNOWN_OPEN before the probes
     vec3 glow;          // light from shining objects that block ambient light
 };
 

@@ -7,35 +7,51 @@ const int SHADOW_STEPS_MAX = 512;
 // Growth of the shortest step with each step, so that rays that graze a surface end.
 const float SHADOW_STEP_GROWTH = 0.002;
 
-// Returns the fraction of a light that is visible from p: 0 or 1.
-float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
-    vec3 origin = shadow_origin(p, normal, cone);
-    if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
-    vec2 span = non_lipschitz_span(origin, to_light);
-    float end = min(span.y, light_t);
-    float t = max(span.x, SHADOW_START);
+// Returns the fraction of a light that is visible along the ray: 0 or 1. For probes, returns the openness of the origin.
+float light_visibility(LightRay ray) {
+    bool probing = IS_PROBING(ray.sharpness);
+    if (!probing && trace_planes(ray.origin, ray.direction, 0.0).t < ray.t) return 0.0;
+    vec2 span = probing ? vec2(probes.x, FAR) : non_lipschitz_span(ray.origin, ray.direction);
+    float end = min(span.y, ray.t);
+    float t = max(span.x, probing ? 0.0 : SHADOW_START);
+    bool is_near = !probing || occluder_near(ray.origin);
+    float open = 1.0;
     if (t >= end) return 1.0;
 #ifdef TRANSLUCENT
     // The fraction that a body leaves, which the ray crosses in equal steps.
     float passed = 1.0;
     const float EVEN_STEP = 0.05;
 #endif
-    Walk walk = walk_of(origin, to_light);
+    Walk walk = walk_of(ray.origin, ray.direction);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         int left = steps_left(SHADOW_STEPS_MAX - i, SHADOW_ROUNDS);
         if (left <= 0) break;
+        bool is_free = !is_near;
         Cell cell;
         vec3 q;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             q = place_on(walk, t);
             cell = cell_at(q);
             COUNT(count_lookups);
+            if (probing) {
+                is_free = is_free || AS_DISTANCE(cell.bound) >= t;
+                break;
+            }
             if (!(cell.bound > 0.0)) break;
             t = max(past(t), exit_of(cell, walk, q, t));
             if (t >= end) break;
         }
         if (t >= end) break;
-        vec2 values = scene_distance(cell, origin + t * to_light, PENUMBRA(t, sharpness));
+        float penumbra = probing ? SURFACE_PENUMBRA : PENUMBRA(t, ray.sharpness);
+        vec2 values = vec2(0.0);
+        if (!is_free) values = scene_distance(cell, ray.origin + t * ray.direction, penumbra);
+        if (probing) {
+            if (!is_free) COUNT(count_occlusion);
+            open -= blocked_at(i, t, ray.origin, ray.direction, is_free ? t : AS_DISTANCE(values.y));
+            if (i == PROBES - 1) return clamp(open, 0.0, 1.0);
+            t = probe_height(i + 1);
+            continue;
+        }
         COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
@@ -51,7 +67,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #endif
         // Treat NaN as inside.
         if (!(values.y > 0.0)) return 0.0;
-        float towards = slope_towards(unpack_slopes(cell.slopes), to_light);
+        float towards = slope_towards(unpack_slopes(cell.slopes), ray.direction);
         float stride = towards > 0.0 ? values.x / towards : FAR;
         if (cell.side > 0.0) stride = min(stride, max(past(t), exit_of(cell, walk, place_on(walk, t), t)) - t);
         stride = max(stride, SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));

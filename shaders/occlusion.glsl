@@ -1,28 +1,32 @@
-// Ambient occlusion from four probes along the normal. It compares the distance at each probe with the probe's height
+// Ambient occlusion from four probes along the normal (shadow.glsl runs them as a ray). It compares the distance at each probe with the probe's height
 // (Quilez 2008; Abt 2022, section 3.5), and affects only ambient light. Nearby shining objects add glow instead.
 
 // PROBE_FRACTIONS and PROBE_WEIGHTS are in crates/field/src/rays.rs.
 #define probes (frame_reach.x * PROBE_FRACTIONS)
+const int PROBES = 4;
+// The openness of a point before its probes have run.
+const float UNKNOWN_OPEN = -1.0;
+
+// Returns the height of a probe.
+float probe_height(int probe) {
+    return dot(probes, vec4(equal(ivec4(0, 1, 2, 3), ivec4(probe))));
+}
 
 // True if surfaces other than planes can affect a probe. A probe at height h is affected only by distances below h.
 bool occluder_near(vec3 p) {
-#ifdef PATHS
-    // Paths find ambient light themselves.
-    return false;
-#endif
-    if (bounds_low.w < 0.5 || is_leaving_glass) return false;
+    if (bounds_low.w < 0.5) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }
 
-// Returns the openness of the point, computed from the scene's distances at the probes; 1 if the point is unoccluded.
-float openness(vec3 p, vec3 normal, vec4 d) {
+// Returns the part of the ambient light at p that a probe at the height t finds blocked. The scene's distance there is d.
+float blocked_at(int probe, float t, vec3 p, vec3 normal, float d) {
     for (int i = 0; i < PLANES; i++) {
-        float height = dot(planes[i].xyz, p) + planes[i].w;
-        vec4 above = height + probes * dot(planes[i].xyz, normal);
+        float above = dot(planes[i].xyz, p + t * normal) + planes[i].w;
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
     }
-    return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((probes - d) / probes, 0.0, 1.0)) / dot(PROBE_WEIGHTS, vec4(1.0)), 0.0, 1.0);
+    vec4 weights = PROBE_WEIGHTS / dot(PROBE_WEIGHTS, vec4(1.0));
+    return dot(weights, vec4(equal(ivec4(0, 1, 2, 3), ivec4(probe)))) * clamp((t - d) / t, 0.0, 1.0);
 }
 
 // Position of the probe for glow, as a fraction of the reach along the normal. At that position, objects in front of

@@ -1,5 +1,13 @@
 // Shadows: the fraction of a light that arrives at a point. Most constants are in crates/field/src/rays.rs.
 
+// A ray to a light, or along the normal for the probes of occlusion.
+struct LightRay {
+    vec3 origin;
+    vec3 direction;
+    float t;            // distance of the light
+    float sharpness;    // of the penumbra; PROBING for probes
+};
+
 vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
     return p + normal * max(0.012, 2.0 * cone);
 }
@@ -11,6 +19,14 @@ float penumbra_growth = 1.0 / SHARPNESS_MAX;
 #define PENUMBRA(t, sharpness) ((t) * penumbra_growth)
 #else
 #define PENUMBRA(t, sharpness) ((t) / (sharpness))
+#endif
+
+// The sharpness for rays of probes along the normal. Paths find ambient light themselves.
+const float PROBING = 0.0;
+#ifdef PATHS
+#define IS_PROBING(sharpness) false
+#else
+#define IS_PROBING(sharpness) (sharpness == PROBING)
 #endif
 
 #ifdef TRANSLUCENT
@@ -45,14 +61,16 @@ vec2 shadow_span(vec3 origin, vec3 direction, float sharpness) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// Returns the fraction of a light that is visible from p: Quilez, "soft shadows in raymarched SDFs" (2010), with the
-// closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
-float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
-    vec3 origin = shadow_origin(p, normal, cone);
-    if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
-    vec2 span = shadow_span(origin, to_light, sharpness);
-    float end = min(span.y, light_t);
-    float t = max(span.x, SHADOW_START);
+// Returns the fraction of a light that is visible along the ray: Quilez, "soft shadows in raymarched SDFs" (2010), with the
+// closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11). For
+// probes, returns the openness of the ray's origin.
+float light_visibility(LightRay ray) {
+    bool probing = IS_PROBING(ray.sharpness);
+    if (!probing && trace_planes(ray.origin, ray.direction, 0.0).t < ray.t) return 0.0;
+    vec2 span = probing ? vec2(probes.x, FAR) : shadow_span(ray.origin, ray.direction, ray.sharpness);
+    float end = min(span.y, ray.t);
+    float t = max(span.x, probing ? 0.0 : SHADOW_START);
+    bool is_near = !probing || occluder_near(ray.origin);
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
@@ -63,10 +81,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #endif
     if (t >= end) return 1.0;
 #ifndef NO_CELLS
-    Walk walk = walk_of(origin, to_light);
+    Walk walk = walk_of(ray.origin, ray.direction);
 #endif
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         if (steps_left(1, SHADOW_ROUNDS) <= 0) break;
+        bool is_free = !is_near;
 #ifdef NO_CELLS
         Cell cell = NO_CELL;
 #else
@@ -77,7 +96,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             cell = cell_at(q);
             COUNT(count_lookups);
             float leaves = max(past(t), exit_of(cell, walk, q, t));
-            if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
+            if (probing) {
+                is_free = is_free || AS_DISTANCE(cell.bound) >= t;
+                break;
+            }
+            if (!(cell.bound > 0.0 && ray.sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
             // After a skip there is no last sphere for the triangulation.
             stride = 1e4;
@@ -86,8 +109,17 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         }
         if (t >= end) break;
 #endif
-        vec2 nearest = scene_distance(cell, origin + t * to_light, PENUMBRA(t, sharpness));
+        float penumbra = probing ? SURFACE_PENUMBRA : PENUMBRA(t, ray.sharpness);
+        vec2 nearest = vec2(t);
+        if (!is_free) nearest = scene_distance(cell, ray.origin + t * ray.direction, penumbra);
         float d = nearest.y;
+        if (probing) {
+            if (!is_free) COUNT(count_occlusion);
+            visible -= blocked_at(i, t, ray.origin, ray.direction, AS_DISTANCE(d));
+            if (i == PROBES - 1) return clamp(visible, 0.0, 1.0);
+            t = probe_height(i + 1);
+            continue;
+        }
         COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
@@ -112,7 +144,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
-        visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
+        visible = min(visible, ray.sharpness * closest / max(t - behind, 1e-3));
         // The condition is not d < 0.002, so that NaN also ends the ray.
         if (!(d >= 0.002) || visible < 0.004) {
             visible = 0.0;
@@ -121,7 +153,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         previous = d;
         // The ball around the point is free of surfaces. Up to `unseen`, it is also wider than the part of the penumbra that
         // would reduce the light further.
-        float narrow = visible / sharpness;
+        float narrow = visible / ray.sharpness;
         float unseen = (nearest.x - narrow * t) / (1.0 + narrow);
         float longest = max(SHADOW_STEP_MAX, max(0.5 * nearest.x, unseen));
         stride = max(min(nearest.x, longest), SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));

@@ -5,10 +5,9 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
-// The points are evaluated in this order: the point itself (for its object), the normal's taps, the occlusion's probes.
+// The points are evaluated in this order: the point itself (for its object), the normal's taps.
 const int FIRST_TAP = 1;
-const int FIRST_PROBE = 5;
-const int LAST_PROBE = 8;
+const int LAST_TAP = 4;
 
 // `plane` is the plane that contains `p`, or NOTHING. `dx` and `dy` lead to the neighbouring pixels' rays
 // at this distance.
@@ -22,36 +21,28 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         NOTE_PLANE;
         object = plane_objects[plane];
     }
-    vec4 d = probes;
     float h = tap_distance(cone);
-    int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
-    // Use one loop, so that a driver compiles the scene once for all points. The loop ends early if no occluder is
-    // near.
-    for (int i = plane != NOTHING ? FIRST_PROBE : SOLE_OBJECT < 0.0 ? 0 : FIRST_TAP; i <= last; i++) {
-        int at = i < FIRST_PROBE ? i - FIRST_TAP : i - FIRST_PROBE;
-        vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(at)));
+    // Use one loop, so that a driver compiles the scene once for all points.
+    for (int i = plane != NOTHING ? LAST_TAP + 1 : SOLE_OBJECT < 0.0 ? 0 : FIRST_TAP; i <= LAST_TAP; i++) {
+        vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(i - FIRST_TAP)));
         vec3 tap = vec3(dot(TAPS_X, place), dot(TAPS_Y, place), dot(TAPS_Z, place));
-        if (i == FIRST_PROBE && plane == NOTHING) {
-            NOTE_SLOPE(s.normal, h);
-            s.normal = normal_of(s.normal);
-        }
         float nearest;
-        float estimate = scene_estimate(p + (i < FIRST_PROBE ? h * tap : dot(probes, place) * s.normal), nearest);
+        float estimate = scene_estimate(p + h * tap, nearest);
         if (i == 0) {
             object = nearest;
-        } else if (i < FIRST_PROBE) {
+        } else {
             s.normal += estimate * tap;
             COUNT(count_normal);
-        } else {
-            d = mix(d, vec4(AS_DISTANCE(estimate)), place);
-            COUNT(count_occlusion);
         }
     }
-    if (plane == NOTHING && last < FIRST_PROBE) s.normal = normal_of(s.normal);
+    if (plane == NOTHING) {
+        NOTE_SLOPE(s.normal, h);
+        s.normal = normal_of(s.normal);
+    }
     s.object = int(object + 0.5);
     s.material = scene_material(s.object, p, s.normal, along_surface(dx, s.normal, direction),
                                 along_surface(dy, s.normal, direction));
-    s.open = openness(p, s.normal, d);
+    s.open = UNKNOWN_OPEN;
 #ifdef PATHS
     s.ambient = vec3(0.0);
 #else

@@ -118,7 +118,7 @@ float shaded_distance(Hit hit, SwarmMet met) {
 }
 
 void add_light(inout EyePath path, Surface s, vec3 p, SwarmMet met, vec3 fraction, bool is_lit) {
-    if (is_lit) path.color += fraction * shade(s, p, path.direction, cone_of(path));
+    if (is_lit) path.color += shade(s, p, path.direction, cone_of(path), fraction, ThinBalls(vec3(0.0), vec3(0.0), 0.0));
 }
 
 float marked_key(float key, vec3 color) {

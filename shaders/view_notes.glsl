@@ -15,6 +15,7 @@ float noted_t = 0.0;
 vec3 noted_p = vec3(0.0);
 vec3 noted_normal = vec3(0.0);
 float noted_open = 1.0;
+bool has_noted_open = false;
 int noted_object = 0;
 // The light of the lamps without shadows, and the light that arrives despite shadows.
 float noted_light = 0.0;
@@ -27,7 +28,6 @@ void note_surface(inout Surface s, float t, vec3 p) {
     noted_t = t;
     noted_p = p;
     noted_normal = s.normal;
-    noted_open = s.open;
     noted_object = s.object;
     if (view_choice.x != VIEW_CLAUSES) {
         s.material.haze = 0.0;
@@ -41,12 +41,25 @@ void note_light(vec3 light, float visible) {
     noted_arrives += amount * visible;
 }
 
+void note_open(float open) {
+    if (!has_noted_open) noted_open = open;
+    has_noted_open = true;
+}
+
 #define NOTE_SURFACE(s, t, p) note_surface(s, t, p)
-#define NOTE_LIGHT(light, visible) note_light(light, visible)
+#define NOTE_OPEN(open) note_open(open)
+#define SHOWS_OPEN true
+#define NOTED_LIGHT vec3 arrived = vec3(0.0);
+#define KEEP_LIGHT(light) arrived = light;
+#define NOTE_LIGHT(visible) note_light(arrived, visible)
 // The step of the central differences for normals.
 #define CHOSEN_TAP(h) (view_choice.x == VIEW_NORMALS && view_choice.y > 0.0 ? view_choice.y : (h))
 #else
 #define NOTE_SURFACE(s, t, p)
-#define NOTE_LIGHT(light, visible)
+#define NOTE_OPEN(open)
+#define SHOWS_OPEN false
+#define NOTED_LIGHT
+#define KEEP_LIGHT(light)
+#define NOTE_LIGHT(visible)
 #define CHOSEN_TAP(h) (h)
 #endif
