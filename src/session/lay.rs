@@ -3,7 +3,8 @@
 use crate::gpu::{GpuError, Renderer};
 use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
-pub(crate) struct Lay {
+/// How a screen shows a frame.
+pub struct Lay {
     pub(crate) placement: Placement,
     /// Width and height of the target screen in pixels.
     pub(crate) screen: (u32, u32),
@@ -23,7 +24,10 @@ pub(crate) struct Panel {
 
 impl Lay {
     /// Copies the frame to the current window of `size` pixels; `area` of the window represents the screen.
-    pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// Fails if the driver reports an error.
+    pub fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
             return renderer.show(size);
@@ -49,12 +53,10 @@ impl Lay {
     }
 
     /// Copies the frame into the part `area` of the current window of `size` pixels, without changing the rest.
-    pub(crate) fn show_small(
-        &self,
-        renderer: &mut Renderer,
-        size: (u32, u32),
-        area: Area,
-    ) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// Fails if the driver reports an error.
+    pub fn show_small(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let map = self.map(renderer, area);
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
@@ -65,7 +67,7 @@ impl Lay {
     }
 
     /// The part of a window of `size` pixels that represents the whole screen.
-    pub(crate) fn area_in(&self, size: (u32, u32)) -> Area {
+    pub fn area_in(&self, size: (u32, u32)) -> Area {
         fitted(self.screen, size)
     }
 }

@@ -1,12 +1,12 @@
 //! The session prepares scenes, listens, composes frames, draws panels over them and carries out commands. It needs
-//! no window, sound card or desktop: its owner passes a [`screen::Screen`] with an OpenGL context and input.
+//! no window, sound card or desktop: its owner passes a [`Screen`] with an OpenGL context and input.
 
 mod browsing;
 mod carrying_out;
 pub mod controllers;
 mod controlling;
 mod cues;
-pub(crate) mod desktop;
+pub mod desktop;
 mod directing;
 mod direction;
 mod drawing;
@@ -24,7 +24,6 @@ mod loading;
 mod master_output;
 mod mastering;
 mod music_lists;
-pub mod offscreen;
 mod opening;
 pub mod pacing;
 mod panels;
@@ -54,12 +53,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cues::Cues;
-pub(crate) use lay::Lay;
-pub(crate) use opening::Opening;
-pub use opening::Prepared;
+pub use lay::Lay;
+pub use opening::{Opening, Prepared};
 use preview::Preview;
-pub(crate) use running::Run;
-pub(crate) use screen::{Event, Paint, Screen};
+pub use running::Run;
+pub use screen::{Event, Paint, Screen};
 use ui_state::UiState;
 pub use waker::Waker;
 

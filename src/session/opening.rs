@@ -64,7 +64,7 @@ pub struct Prepared {
 }
 
 /// A session that begins when there is a window. Its senders and loaders run already.
-pub(crate) struct Opening {
+pub struct Opening {
     pub(crate) prepared: Prepared,
     first: FirstScene,
     drafts: Drafts,
@@ -76,7 +76,7 @@ impl Opening {
     ///
     /// # Errors
     /// Fails if a sender or the scene fails, or the system has no thread left.
-    pub(crate) fn start(prepared: Prepared, waker: &Waker) -> Result<Self, SessionError> {
+    pub fn start(prepared: Prepared, waker: &Waker) -> Result<Self, SessionError> {
         // Start the senders first, so that a failing sender ends the program before a window opens.
         let sends = FrameSenders::start(&prepared.settings)?;
         let drafts = Drafts::default();
@@ -86,7 +86,10 @@ impl Opening {
 
     /// Begins the session. `desktop` creates the desktop's media controls, which query the position in the song.
     /// `started` is the time of the program's start.
-    pub(crate) fn run(
+    ///
+    /// # Errors
+    /// Fails if the scene or the song cannot be shown, or a thread cannot be started.
+    pub fn run(
         self,
         mut screen: Box<dyn Screen>,
         desktop: impl FnOnce(Option<Position>) -> Box<dyn DesktopControls>,

@@ -262,7 +262,17 @@ pub(crate) fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::desktop::NoDesktop;
+    use crate::commands::Command;
+
+    struct NoDesktop;
+
+    impl DesktopControls for NoDesktop {
+        fn poll(&self) -> Option<Command> {
+            None
+        }
+
+        fn show(&self, _: &PlayerStatus, _: bool, _: bool) {}
+    }
 
     fn reports() -> Reports {
         Reports::new(Box::new(NoDesktop), clock::now())

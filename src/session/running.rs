@@ -7,22 +7,25 @@ use super::screen::Event;
 use super::waker::Waker;
 use super::{Session, SessionError};
 use crate::clock;
-use crate::commands::{Command, Sender};
+use crate::commands::{Command, Sender, ShowState};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
 use crate::ui::UiError;
+use crate::ui::overlay::PanelSwitches;
 
 /// If a replaced context is lost within this time, it is not replaced again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 
-pub(crate) struct Run {
+/// A running session.
+pub struct Run {
     pub(super) settings: PlaySettings,
     pub(super) scene: SceneChoice,
     pub(super) waker: Waker,
     /// The time of the program's start.
     pub(super) started: Instant,
-    pub(super) over: bool,
+    /// True once the session has ended.
+    pub over: bool,
     pub(super) renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
@@ -49,8 +52,8 @@ impl Run {
         }
     }
 
-    /// Returns `true` if `error` is a lost context and the last replacement is longer ago than [`RENEWED_AGAIN`].
-    pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
+    /// Returns `true` if `error` is a lost context and the last replacement is longer ago than five seconds.
+    pub fn can_go_on_after(&self, error: &SessionError) -> bool {
         let Some(doing) = doing_at_loss(error) else { return false };
         let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);
         if is_first {
@@ -59,12 +62,17 @@ impl Run {
         is_first
     }
 
-    pub(super) fn renewed(self) -> Result<Self, SessionError> {
+    /// Replaces a lost OpenGL context.
+    ///
+    /// # Errors
+    /// Fails if the driver provides no new context.
+    pub fn renewed(self) -> Result<Self, SessionError> {
         let session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
         Ok(Self { renewed_at: Some(clock::now()), session, ..self })
     }
 
-    pub(super) fn finish(&mut self) {
+    /// Ends the session as a user would, and saves its state.
+    pub fn finish(&mut self) {
         self.session.leave_to_the_next(&self.settings);
     }
 
@@ -76,7 +84,10 @@ impl Run {
     }
 
     /// Handles finished work, waits for the next event or due time, and draws if needed.
-    pub(super) fn step(&mut self) -> Result<(), SessionError> {
+    ///
+    /// # Errors
+    /// Fails if an error ends the session.
+    pub fn step(&mut self) -> Result<(), SessionError> {
         let until = self.update_session()?;
         if self.over {
             return Ok(());
@@ -126,7 +137,8 @@ impl Run {
         Ok(())
     }
 
-    pub(super) fn carry_out(&mut self, command: Command, sender: Sender) {
+    /// Carries out a command at once.
+    pub fn carry_out(&mut self, command: Command, sender: Sender) {
         if command == Command::Quit
             && sender == Sender::Window
             && self.session.video_desk().holds_back_quitting()
@@ -135,6 +147,21 @@ impl Run {
         }
         self.over |= command == Command::Quit;
         self.session.carry_out(command, sender);
+    }
+
+    /// The state of everything that a named command can change.
+    pub fn state(&mut self) -> ShowState {
+        self.session.state()
+    }
+
+    /// The panels that the user has opened.
+    pub fn panels(&self) -> PanelSwitches {
+        self.session.interface.ui_state.panels
+    }
+
+    /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.
+    pub fn is_at_rest(&self) -> bool {
+        self.session.is_at_rest(clock::now())
     }
 
     fn obey_controllers(&mut self) {

@@ -13,23 +13,29 @@ use crate::monitor::Monitor;
 use crate::placement::Area;
 use crate::ui::overlay::Assistance;
 
+/// What a screen reports to its session.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Event {
+pub enum Event {
+    /// Input of the user.
     Input(Input),
+    /// A request of assistive technology.
     Assistance(Assistance),
+    /// The window needs a new frame.
     Redraw,
+    /// The session is to end.
     End,
 }
 
 /// Paints over the frame in the current framebuffer of the given size in pixels.
-pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
+pub type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
 
 /// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes to the
 /// window are only requests: the window system may carry them out later or never, so query the window's state.
-pub(crate) trait Screen {
+pub trait Screen {
     /// Waits for events, at most until the given time. Returns the events in order; several redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
 
+    /// The context in which the session draws.
     fn gl(&self) -> &Gl;
 
     /// Contexts for compiling programs on other threads; fewer than `count` if the driver provides fewer.
@@ -60,17 +66,22 @@ pub(crate) trait Screen {
         None
     }
 
+    /// True if the window fills its monitor.
     fn is_fullscreen(&self) -> bool;
 
+    /// Lets the window fill its monitor, or ends this.
     fn set_fullscreen(&mut self, on: bool);
 
+    /// Sets the window's title.
     fn set_title(&mut self, title: &str);
 
+    /// Brings the window to the front.
     fn raise(&mut self) {}
 
     /// Sets the pointer's shape; [`CursorIcon::None`] hides it.
     fn set_cursor(&mut self, cursor: CursorIcon);
 
+    /// Sets whether the input method may compose text.
     fn allow_composing(&mut self, on: bool);
 
     /// Reports the position of the text cursor, in pixels.
@@ -80,8 +91,10 @@ pub(crate) trait Screen {
     /// quits ends the program at once.
     fn set_keys_are_text(&mut self, _: bool) {}
 
+    /// Passes the controls to screen readers.
     fn show_controls(&mut self, controls: TreeUpdate);
 
+    /// Requests [`Event::Redraw`].
     fn request_redraw(&self);
 
     /// True if the frames may be visible.
@@ -107,6 +120,9 @@ pub(crate) trait Screen {
     /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
     /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time spent before
     /// the frame is handed over to the window system.
+    ///
+    /// # Errors
+    /// Fails if the frame cannot be shown.
     fn show(
         &mut self,
         renderer: &mut Renderer,
@@ -117,8 +133,12 @@ pub(crate) trait Screen {
     ) -> Result<Duration, SessionError>;
 
     /// Shows black, and calls `paint` to draw over it. Does nothing without a visible window.
+    ///
+    /// # Errors
+    /// Fails if the window cannot be drawn.
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
+    /// True if another window or monitor shows the frame.
     fn has_output(&self) -> bool {
         false
     }
@@ -131,18 +151,24 @@ pub(crate) trait Screen {
         Vec::new()
     }
 
+    /// The connected monitors.
     fn monitors(&self) -> Vec<Monitor> {
         Vec::new()
     }
 
+    /// Looks for monitors again.
     fn update_monitors(&mut self) {}
 
     /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
     fn request_output(&mut self, _: Option<String>) {}
 
+    /// Notes that the placement of the frame has changed.
     fn lie_differently(&mut self);
 
     /// Shows the frame on the output, if it is out of date. `is_new` is true if the frame has changed.
+    ///
+    /// # Errors
+    /// Fails if the frame cannot be shown.
     fn show_on_output(
         &mut self,
         renderer: &mut Renderer,

@@ -210,10 +210,9 @@ fn pure_modules_have_no_side_effects() {
     assert_none(&found, "these modules do no I/O, read no clock and start no threads");
 }
 
-/// These files may read the system's clock. The files of the session measure durations in real time even if time is
-/// simulated.
-const MEASURES: &[&str] =
-    &["crates/ui/src/clock.rs", "src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
+/// These files may read the system's clock. The session's builder of regions measures durations in real time even if
+/// time is simulated.
+const MEASURES: &[&str] = &["crates/ui/src/clock.rs", "src/session/scene/region_builder.rs"];
 
 #[test]
 fn a_session_reads_the_time_from_its_clock() {

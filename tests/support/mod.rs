@@ -13,6 +13,7 @@ pub(crate) mod desktop;
 #[path = "../../crates/field/tests/field/expression.rs"]
 pub(crate) mod expression;
 pub(crate) mod glsl;
+pub(crate) mod offscreen;
 pub(crate) mod oracle;
 pub(crate) mod osc;
 #[cfg(target_os = "linux")]

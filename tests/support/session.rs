@@ -12,12 +12,12 @@ use tracing_subscriber::filter::LevelFilter;
 
 use super::apart::is_apart;
 use super::desktop::{PROGRAM, command_in};
+use super::offscreen::Offscreen;
 use mariana::cli::prepare_show;
 use mariana::clock;
 use mariana::commands::{Command, ShowState};
 use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
-use mariana::session::offscreen::Offscreen;
 use mariana::session::{Prepared, SessionError};
 use mariana::ui::overlay::PanelSwitches;
 use mariana_testing::process::{WAIT_LIMIT, output_of};

@@ -1,4 +1,4 @@
-//! A session without a window: it draws into memory. Tests press its keys; a program that embeds a show sends commands.
+//! A session without a window: it draws into memory, and tests press its keys.
 
 use std::cell::{Ref, RefCell};
 use std::collections::VecDeque;
@@ -10,45 +10,43 @@ use egui::CursorIcon;
 use egui::accesskit::TreeUpdate;
 use image::RgbaImage;
 
-use super::desktop::NoDesktop;
-use super::lay::Lay;
-use super::screen::{Event, Paint, Screen};
-use super::waker::Waker;
-use super::{Opening, Prepared, Run, SessionError};
-use crate::clock;
-use crate::commands::{Command, Sender, ShowState};
-use crate::gpu::{Gl, GpuError, Headless, Renderer, Target, WorkerContext};
-use crate::input::Input;
-use crate::placement::Area;
-use crate::ui::overlay::PanelSwitches;
+use mariana::clock;
+use mariana::commands::{Command, Sender, ShowState};
+use mariana::gpu::{Gl, GpuError, Headless, Renderer, Target, WorkerContext};
+use mariana::input::Input;
+use mariana::placement::Area;
+use mariana::session::desktop::DesktopControls;
+use mariana::session::{Event, Lay, Opening, Paint, Prepared, Run, Screen, SessionError, Waker};
+use mariana::ui::overlay::PanelSwitches;
+use mariana_player::PlayerStatus;
 
 const FPS: f64 = 60.0;
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// A session that draws into memory. It stays on the thread that created it.
-pub struct Offscreen {
+pub(crate) struct Offscreen {
     /// `None` after an error.
     run: Option<Run>,
     shared: Rc<RefCell<WindowState>>,
 }
 
 /// What the window shows.
-pub struct WindowState {
+pub(crate) struct WindowState {
     size: (u32, u32),
     events: VecDeque<Event>,
     /// The window's title.
-    pub title: String,
+    pub(crate) title: String,
     fullscreen: bool,
     /// The pointer's shape.
-    pub cursor: CursorIcon,
+    pub(crate) cursor: CursorIcon,
     /// True while text is composed.
-    pub composes: bool,
+    pub(crate) composes: bool,
     controls: Option<TreeUpdate>,
     /// Number of frames so far.
-    pub shown: u64,
+    pub(crate) shown: u64,
     is_due: bool,
     /// The last frame with its panels.
-    pub picture: RgbaImage,
+    pub(crate) picture: RgbaImage,
 }
 
 impl Offscreen {
@@ -56,7 +54,7 @@ impl Offscreen {
     ///
     /// # Errors
     /// Fails if the scene or the song cannot be shown, or there is no OpenGL context.
-    pub fn open(prepared: Prepared) -> Result<Self, SessionError> {
+    pub(crate) fn open(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, false)
     }
 
@@ -64,7 +62,7 @@ impl Offscreen {
     ///
     /// # Errors
     /// Fails for the same reasons as [`Offscreen::open`].
-    pub fn open_with_compiler(prepared: Prepared) -> Result<Self, SessionError> {
+    pub(crate) fn open_with_compiler(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, true)
     }
 
@@ -75,8 +73,9 @@ impl Offscreen {
             // Sending fails after the end of the session.
             let _ = Channel::send(&wakes, ());
         });
+        let size = prepared.settings.size;
         let opening = Opening::start(prepared, &waker)?;
-        let (screen, shared) = OffscreenWindow::new(opening.prepared.settings.size, woken, has_compiler)?;
+        let (screen, shared) = OffscreenWindow::new(size, woken, has_compiler)?;
         let run = opening.run(Box::new(screen), |_| Box::new(NoDesktop), waker, started)?;
         Ok(Self { run: Some(run), shared })
     }
@@ -85,7 +84,7 @@ impl Offscreen {
     ///
     /// # Errors
     /// Fails if an error ends the session.
-    pub fn step(&mut self) -> Result<bool, SessionError> {
+    pub(crate) fn step(&mut self) -> Result<bool, SessionError> {
         let Some(mut run) = self.run.take() else { return Ok(false) };
         match run.step() {
             Err(error) if run.can_go_on_after(&error) => run = run.renewed()?,
@@ -97,45 +96,45 @@ impl Offscreen {
     }
 
     /// Queues input for the next step.
-    pub fn send(&mut self, input: Input) {
+    pub(crate) fn send(&mut self, input: Input) {
         self.shared.borrow_mut().events.push_back(Event::Input(input));
     }
 
     /// Carries out a command at once.
-    pub fn command(&mut self, command: Command) {
+    pub(crate) fn command(&mut self, command: Command) {
         if let Some(run) = &mut self.run {
             run.carry_out(command, Sender::Window);
         }
     }
 
     /// Changes the size of the window, in pixels.
-    pub fn resize(&mut self, size: (u32, u32)) {
+    pub(crate) fn resize(&mut self, size: (u32, u32)) {
         let mut shared = self.shared.borrow_mut();
         (shared.size, shared.is_due) = (size, true);
     }
 
     /// What the window shows now.
-    pub fn window(&self) -> Ref<'_, WindowState> {
+    pub(crate) fn window(&self) -> Ref<'_, WindowState> {
         self.shared.borrow()
     }
 
     /// The state of everything that a named command can change.
-    pub fn state(&mut self) -> ShowState {
-        self.run.as_mut().map(|run| run.session.state()).unwrap_or_default()
+    pub(crate) fn state(&mut self) -> ShowState {
+        self.run.as_mut().map(|run| run.state()).unwrap_or_default()
     }
 
     /// The panels that the user has opened.
-    pub fn panels(&self) -> PanelSwitches {
-        self.run.as_ref().map(|run| run.session.interface.ui_state.panels).unwrap_or_default()
+    pub(crate) fn panels(&self) -> PanelSwitches {
+        self.run.as_ref().map(|run| run.panels()).unwrap_or_default()
     }
 
     /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.
-    pub fn is_at_rest(&self) -> bool {
-        self.run.as_ref().is_none_or(|run| run.session.is_at_rest(clock::now()))
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.run.as_ref().is_none_or(|run| run.is_at_rest())
     }
 
     /// Ends the session as a user would, and saves its state.
-    pub fn finish(mut self) {
+    pub(crate) fn finish(mut self) {
         if let Some(run) = &mut self.run {
             run.finish();
         }
@@ -309,4 +308,14 @@ impl Screen for OffscreenWindow {
     fn show_on_output(&mut self, _: &mut Renderer, _: &Lay, _: bool) -> Result<(), SessionError> {
         Ok(())
     }
+}
+
+struct NoDesktop;
+
+impl DesktopControls for NoDesktop {
+    fn poll(&self) -> Option<Command> {
+        None
+    }
+
+    fn show(&self, _: &PlayerStatus, _: bool, _: bool) {}
 }
