@@ -28,16 +28,15 @@ pub struct Scenery {
     pub frame: Frame,
     /// Builds the frame's region tree.
     pub maker: RegionMaker,
-    /// The view for which the tree is built.
-    pub request: RegionRequest,
+    /// How the tree is built.
+    pub options: RegionOptions,
 }
 
 impl Scenery {
     /// Wraps a frame of a scene whose region tree is built from scratch.
     pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
         let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
-        let request = RegionRequest::of(&maker.plan, &maker.buffers, &frame, RegionOptions::default());
-        Self { source, world: scene.world, frame, maker, request }
+        Self { source, world: scene.world, frame, maker, options: RegionOptions::default() }
     }
 }
 
@@ -222,8 +221,9 @@ fn with_ray_probe<T>(
     is_wanted: &(dyn Fn() -> bool + Sync),
     run: impl FnOnce(&RayProbe<'_>) -> T,
 ) -> Option<T> {
-    let Scenery { world, frame, maker, request, .. } = scenery;
-    let built = maker.build_while(frame, request.clone(), is_wanted);
+    let Scenery { world, frame, maker, options, .. } = scenery;
+    let request = RegionRequest::of(&maker.plan, &maker.buffers, frame, *options);
+    let built = maker.build_while(frame, request, is_wanted);
     is_wanted().then(|| run(&RayProbe::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
 }
 

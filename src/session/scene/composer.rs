@@ -16,7 +16,7 @@ use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
 use super::regions::{DrawOptions, SceneRegions, Shown};
 use super::scene_change::SceneChange;
-use super::scenery::{Pictured, SeenPictures};
+use super::scenery::{SeenPictures, scenery_of};
 use super::show_follower::{Outgoing, ShowFollower};
 use super::views::Views;
 use crate::clock;
@@ -278,7 +278,7 @@ impl SceneComposer {
                 Some(Making { legend, ..making(program) })
             }
         };
-        self.pictures.begin(Pictured::of(scene, frame));
+        self.pictures.begin(scenery_of(scene, frame));
         Ok(begun)
     }
 

@@ -1,40 +1,25 @@
 //! The contents of the shown frame, for queries by the editor.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::prepared_scene::PreparedScene;
 use crate::frame::Frame;
 use crate::frame::camera::Camera;
-use crate::gpu::scene_resources::{RegionMaker, RegionRequest};
 use crate::probing::Scenery;
-use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
-use mariana_field::world::World;
 
-/// The inputs of a frame, independent of its drawing mode. They may be kept longer than the scene.
-pub(super) struct Pictured {
-    source: SceneSource,
-    world: Arc<World>,
-    frame: Frame,
-    maker: RegionMaker,
-    options: RegionOptions,
-}
-
-impl Pictured {
-    pub(super) fn of(scene: &PreparedScene, frame: Frame) -> Self {
-        let resources = &scene.resources;
-        let options = RegionOptions { cells: true, ..resources.region_options(&frame) };
-        let (source, world, maker) =
-            (scene.source.clone(), resources.world().clone(), resources.region_maker());
-        Self { source, world, frame, maker, options }
-    }
+/// The contents of a frame, independent of its drawing mode. They may be kept longer than the scene.
+pub(super) fn scenery_of(scene: &PreparedScene, frame: Frame) -> Scenery {
+    let resources = &scene.resources;
+    let options = RegionOptions { cells: true, ..resources.region_options(&frame) };
+    let (world, maker) = (resources.world().clone(), resources.region_maker());
+    Scenery { source: scene.source.clone(), world, frame, maker, options }
 }
 
 #[derive(Default)]
 pub(crate) struct SeenPictures {
-    begun: Option<Pictured>,
-    seen: Option<Pictured>,
+    begun: Option<Scenery>,
+    seen: Option<Scenery>,
     pub(crate) count: u64,
     pub(super) scene: Option<u64>,
     /// Times of the last two frames, the newest first.
@@ -47,18 +32,11 @@ impl SeenPictures {
     /// # Errors
     /// Fails if no frame is shown, or if the frame shows two scenes.
     pub(crate) fn scenery(&self) -> Result<Scenery, &'static str> {
-        let Pictured { source, world, frame, maker, options } =
-            self.seen.as_ref().ok_or("no frame has been drawn yet")?;
-        if world.blended.is_some() {
+        let seen = self.seen.as_ref().ok_or("no frame has been drawn yet")?;
+        if seen.world.blended.is_some() {
             return Err("two scenes are fading: try again after the fade");
         }
-        Ok(Scenery {
-            source: source.clone(),
-            world: world.clone(),
-            frame: frame.clone(),
-            maker: maker.clone(),
-            request: RegionRequest::of(&maker.plan, &maker.buffers, frame, *options),
-        })
+        Ok(seen.clone())
     }
 
     pub(crate) fn camera(&self) -> Option<Camera> {
@@ -72,7 +50,7 @@ impl SeenPictures {
         self.seen.as_ref().map(|picture| &picture.frame)
     }
 
-    pub(super) fn begin(&mut self, picture: Pictured) {
+    pub(super) fn begin(&mut self, picture: Scenery) {
         self.begun = Some(picture);
     }
 
