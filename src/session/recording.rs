@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use crate::config::PerformanceFiles;
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
-use crate::session::scene::{OtherPerformed, Performed};
-use crate::show::{Finish, OnStage, OtherDeck, Performance, TimedTransition, TransitionKind, name_of, print};
+use crate::session::scene::{Performed, named};
+use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, print};
 use mariana_field::lang::TransitionStyle;
 use mariana_player::Moment;
 
@@ -186,15 +186,7 @@ impl Take {
             Some(shown) => shown.scene,
             None => named(seen.source),
         };
-        let Performed { source, camera, params, moves, orbit, picture, other, .. } = seen;
-        let turns = orbit.turns();
-        let other_scene = other.as_ref().map(|other| named(other.source)).unwrap_or_default();
-        let other = other.map(|OtherPerformed { params, orbit, fader, .. }| OtherDeck {
-            scene: &other_scene,
-            params,
-            turns: orbit.turns(),
-            fader,
-        });
+        let Performed { source, camera, params, moves, turns, picture, other, .. } = seen;
         let is_on_decks = other.is_some();
         let on_stage =
             OnStage { scene: &scene, camera, transition, start, params, moves, turns, picture, other };
@@ -216,17 +208,6 @@ impl Showing {
         let fades =
             self.transition.kind == TransitionKind::Fade && time < self.start + self.transition.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
-    }
-}
-
-/// The name of a scene in shows, independent of the current folder.
-pub(super) fn named(source: &SceneSource) -> String {
-    match source {
-        SceneSource::File(path) => {
-            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
-            name_of(&SceneSource::File(path))
-        }
-        source => name_of(source),
     }
 }
 
@@ -266,7 +247,7 @@ mod tests {
             fades: false,
             params: Vec::new(),
             moves: &[],
-            orbit: OrbitControls::OFF,
+            turns: OrbitControls::OFF.turns(),
             picture: Finish::NOTHING,
             other: None,
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::Playback;
 use crate::commands::{Bind, SnapshotKeys};
 use crate::config::{Folders, PerformanceFiles, Snapshot};
-use crate::session::recording::named;
+use crate::session::scene::named;
 use crate::show::{print, snapshot_cues};
 use crate::ui::overlay::{SNAPSHOTS, SnapshotRow};
 

@@ -14,7 +14,7 @@ use crate::export::video::VideoPlace;
 use crate::file_names::plain_name;
 use crate::session::direction::Playing;
 use crate::session::frame_senders::even;
-use crate::session::recording::named;
+use crate::session::scene::named;
 use crate::show::ShowSource;
 use crate::ui::open_panel::OpenPanel;
 use crate::ui::overlay::near_border;

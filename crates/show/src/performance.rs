@@ -49,7 +49,7 @@ pub struct OnStage<'a> {
 #[derive(Debug, Clone)]
 pub struct OtherDeck<'a> {
     /// Name of the scene in shows.
-    pub scene: &'a str,
+    pub scene: String,
     /// The scene's parameters; empty while the scene is not shown.
     pub params: Vec<Turned<'a>>,
     /// Camera changes by the user: the values of [`CAMERA_TURNS`].
@@ -206,7 +206,7 @@ impl Performance {
                     return;
                 }
                 self.scenes.push(Played {
-                    scene: other.scene.to_owned(),
+                    scene: other.scene.clone(),
                     camera: None,
                     transition: TimedTransition::CUT,
                     begun: time,

@@ -55,7 +55,7 @@ mod views;
 pub(crate) use composer::{Drawn, WantedPicture};
 pub(crate) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 pub(crate) use library::SceneLoader;
-pub(crate) use performed::{OtherPerformed, Performed};
+pub(crate) use performed::{Performed, named};
 pub(crate) use prepared_scene::DrawingChoice;
 pub(crate) use regions::Shown;
 pub(crate) use session::SceneSession;

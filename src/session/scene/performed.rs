@@ -7,7 +7,7 @@ use super::prepared_scenes::PreparedScenes;
 use super::session::SceneSession;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Finish, Move, TimedTransition, Turned};
+use crate::show::{Finish, Move, OtherDeck, TimedTransition, Turned, name_of};
 use mariana_control::ChangedBy;
 
 pub(crate) struct Performed<'a> {
@@ -21,20 +21,11 @@ pub(crate) struct Performed<'a> {
     pub fades: bool,
     pub params: Vec<Turned<'a>>,
     pub moves: &'a [Move],
-    pub orbit: OrbitControls,
+    /// Camera changes by the user, as [`OrbitControls::turns`] returns them.
+    pub turns: [f32; 3],
     pub picture: Finish,
     /// The deck at the beginning of the fader; `None` without decks.
-    pub other: Option<OtherPerformed<'a>>,
-}
-
-/// The deck at the beginning of the fader, in the form in which it is recorded.
-pub(crate) struct OtherPerformed<'a> {
-    pub source: &'a SceneSource,
-    /// Empty while the scene is not shown.
-    pub params: Vec<Turned<'a>>,
-    pub orbit: OrbitControls,
-    /// Position of the fader, in 0..1.
-    pub fader: f32,
+    pub other: Option<OtherDeck<'a>>,
 }
 
 impl<'a> Performed<'a> {
@@ -73,7 +64,7 @@ impl<'a> Performed<'a> {
             fades: faded.is_some() || (!fading.goes_on() && show.outgoing(time, scenes, sdf).is_some()),
             params: params.collect(),
             moves: clip.map_or(&[], |clip| &clip.moves),
-            orbit: composer.camera.at(&clips, time),
+            turns: composer.camera.at(&clips, time).turns(),
             picture: Finish::NOTHING,
             other: None,
         })
@@ -84,12 +75,13 @@ impl<'a> Performed<'a> {
         let [from, to] = decks.pair();
         let fader = session.show.fader().unwrap_or_default();
         let of = |source: &SceneSource| turned_of(source, &session.scenes, &session.parameters);
-        let orbit_if = |is_its: bool| if is_its { session.composer.camera.orbit } else { OrbitControls::OFF };
+        let orbit = session.composer.camera.orbit;
+        let turns_if = |is_its: bool| if is_its { orbit.turns() } else { OrbitControls::OFF.turns() };
         let (of_from, of_to) = (fader < 1.0, fader > 0.0);
-        let other = OtherPerformed {
-            source: from,
+        let other = OtherDeck {
+            scene: named(from),
             params: if of_from { of(from) } else { Vec::new() },
-            orbit: orbit_if(!of_to),
+            turns: turns_if(!of_to),
             fader,
         };
         Self {
@@ -100,10 +92,21 @@ impl<'a> Performed<'a> {
             fades: false,
             params: if of_to { of(to) } else { Vec::new() },
             moves: &[],
-            orbit: orbit_if(of_to),
+            turns: turns_if(of_to),
             other: Some(other),
             ..self
         }
+    }
+}
+
+/// The name of a scene in shows, independent of the current folder.
+pub(crate) fn named(source: &SceneSource) -> String {
+    match source {
+        SceneSource::File(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            name_of(&SceneSource::File(path))
+        }
+        source => name_of(source),
     }
 }
 

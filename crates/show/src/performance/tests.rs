@@ -362,7 +362,7 @@ fn note_decks(performance: &mut Performance, time: f64, start: f64, (scenes, fad
             turns: UNTURNED,
             picture: Finish::NOTHING,
             other: Some(OtherDeck {
-                scene: from,
+                scene: from.to_owned(),
                 params: shown(fader < 1.0, values[0]),
                 turns: UNTURNED,
                 fader,
