@@ -110,7 +110,7 @@ impl PreparedAhead {
         self.leave_where(|scene| match task {
             Task::Compiled { id, .. } => *id == scene.id,
             Task::Interpreter(variant) => scene.programs.lack(variant),
-            Task::Universal { .. } | Task::Views(_) | Task::Paths(_) => false,
+            Task::Views(_) | Task::Paths(_) => false,
         });
     }
 

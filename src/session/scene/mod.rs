@@ -48,7 +48,6 @@ mod show_follower;
 mod testing;
 #[cfg(test)]
 mod tests;
-mod universal;
 mod versions;
 mod views;
 

@@ -18,7 +18,7 @@ use super::library::SceneLibrary;
 use super::messages::Messages;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
-use super::program_library::ProgramLibrary;
+use super::program_library::{NO_UNIVERSAL, ProgramLibrary};
 use super::program_task::{ProgramOf, Task};
 use super::refusal::{Refusal, TREE_TOO_LONG, too_expensive};
 use super::region_builder::RegionBuilder;
@@ -214,22 +214,14 @@ impl ScenePreparation {
         messages: &mut Messages,
     ) -> Result<Vec<Refusal>, GpuError> {
         match (task, program) {
-            (Task::Universal { non_lipschitz }, program) => {
-                if let Some(sentence) = self.programs.receive_universal(*non_lipschitz, program) {
-                    messages.set_remark(sentence.to_owned(), None);
-                    let waits = |scene: &&PreparedScene| {
-                        let needed = scene.programs.interpreter.as_ref();
-                        needed.is_some_and(|needed| needed.is_non_lipschitz() == *non_lipschitz)
-                            && scene.programs.interpreted.is_none()
-                    };
-                    for scene in scenes.present().filter(waits) {
-                        self.programs.request_interpreter(scene);
-                    }
-                }
-            }
             (Task::Interpreter(interpreter), Ok(program)) => {
-                tracing::info!("an interpreter is ready");
-                self.programs.interpreters.add(ProgramOf::Interpreted(interpreter.clone()), program);
+                self.programs.receive_interpreter(interpreter, program);
+            }
+            (Task::Interpreter(rejected), Err(error)) if self.programs.reject_universal(rejected, &error) => {
+                messages.set_remark(NO_UNIVERSAL.to_owned(), None);
+                for scene in scenes.present().filter(|scene| scene.programs.lack(rejected)) {
+                    self.programs.request_interpreter(scene);
+                }
             }
             (Task::Compiled { id, has_cells }, Ok(program)) => {
                 if let Some(scene) = scenes.get_mut(*id) {
@@ -512,7 +504,7 @@ impl ScenePreparation {
                 }
                 Task::Views(ProgramOf::Interpreted(_)) => Some("the interpreter's views".to_owned()),
                 Task::Paths(_) => Some("paths of light".to_owned()),
-                Task::Interpreter(_) | Task::Universal { .. } => Some("an interpreter".to_owned()),
+                Task::Interpreter(_) => Some("an interpreter".to_owned()),
             };
             let Some(what) = what else { continue };
             let meanwhile = match scenes.shown {
@@ -536,7 +528,7 @@ impl ScenePreparation {
             Task::Compiled { id, .. } => {
                 self.asked_mode == Some(Mode::Compiled) || coming.is_some_and(|scene| scene.id == *id)
             }
-            Task::Interpreter(_) | Task::Universal { .. } => {
+            Task::Interpreter(_) => {
                 let lacks_interpreter = |scene: &PreparedScene| scene.program(Mode::Interpreted).is_none();
                 self.asked_mode == Some(Mode::Interpreted) || coming.is_some_and(lacks_interpreter)
             }

@@ -10,7 +10,6 @@ use std::rc::Rc;
 use super::kept::KeptPrograms;
 use super::prepared_scene::PreparedScene;
 use super::program_task::{ProgramOf, Task};
-use super::universal::UniversalInterpreters;
 use crate::frame::Frame;
 use crate::frame::projection::Projection;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, ProgramProduct};
@@ -21,13 +20,18 @@ use crate::gpu::stand_ins::SceneShape;
 use crate::gpu::{Counting, Gl, GpuError, Interpreter, Mode, Program, Sources, Variant, WorkerContext};
 use mariana_field::region::Regions;
 
+pub(super) const NO_UNIVERSAL: &str =
+    "this driver cannot compile the universal interpreter: each scene gets an interpreter";
+
 pub(super) struct ProgramLibrary {
     gl: Gl,
     /// The projection that all programs draw.
     projection: Projection,
-    pub(crate) universal: UniversalInterpreters,
-    /// Interpreters made for particular scenes.
-    pub(crate) interpreters: KeptPrograms,
+    /// The universal interpreters, which draw nearly every scene: one for distances and one for other formulas. A GPU
+    /// compiles them before the first edit, so that no edit waits for a compiler. A software renderer has none: it
+    /// evaluates every branch, so it only uses interpreters made for particular scenes.
+    universal: Vec<Interpreter>,
+    interpreters: KeptPrograms,
     tasks: HashMap<u64, Task>,
     next_task: u64,
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
@@ -46,11 +50,16 @@ impl ProgramLibrary {
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Self {
         let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
+        // Without threads, the universal interpreter would be compiled between frames and delay them.
+        let has_universal = !gl.info().software && compiler.has_threads();
         Self {
             gl: gl.clone(),
             projection,
-            // Without threads, the universal interpreter would be compiled between frames and delay them.
-            universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
+            universal: if has_universal {
+                [false, true].map(Interpreter::universal).into()
+            } else {
+                Vec::new()
+            },
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_task: 0,
@@ -78,38 +87,33 @@ impl ProgramLibrary {
         self.tasks.get(&id)
     }
 
-    /// Takes a universal interpreter or its error. After an error, returns a message; each scene then gets its own
-    /// interpreter.
-    pub(super) fn receive_universal(
-        &mut self,
-        non_lipschitz: bool,
-        program: Result<Program, GpuError>,
-    ) -> Option<&'static str> {
-        match program {
-            Ok(program) => {
-                self.universal.put(non_lipschitz, program);
-                tracing::info!("the universal interpreter is ready{}", of_kind(non_lipschitz));
-                None
-            }
-            Err(error) => {
-                self.universal.give_up(non_lipschitz);
-                let sentence =
-                    "this driver cannot compile the universal interpreter: each scene gets an interpreter";
-                match &error {
-                    GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
-                    _ => {
-                        tracing::warn!("{sentence}");
-                        tracing::info!("{error}");
-                    }
+    pub(super) fn receive_interpreter(&mut self, interpreter: &Interpreter, program: Program) {
+        match self.universal.contains(interpreter) {
+            true => tracing::info!("the universal interpreter is ready{}", of_kind(interpreter)),
+            false => tracing::info!("an interpreter is ready"),
+        }
+        self.interpreters.add(ProgramOf::Interpreted(interpreter.clone()), program);
+    }
+
+    /// Gives up a universal interpreter that the driver has rejected: each scene then gets its own interpreter. Returns
+    /// `false` for another interpreter.
+    pub(super) fn reject_universal(&mut self, interpreter: &Interpreter, error: &GpuError) -> bool {
+        let is_universal = self.universal.contains(interpreter);
+        if is_universal {
+            self.universal.retain(|one| one != interpreter);
+            match error {
+                GpuError::GivenUp { .. } => tracing::warn!("{NO_UNIVERSAL}; {error}"),
+                _ => {
+                    tracing::warn!("{NO_UNIVERSAL}");
+                    tracing::info!("{error}");
                 }
-                Some(sentence)
             }
         }
+        is_universal
     }
 
     pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
-        let wanted = || ProgramOf::Interpreted(needed.clone());
-        self.universal.find(needed).or_else(|| self.interpreters.covering(&wanted()))
+        self.interpreters.covering(&ProgramOf::Interpreted(needed.clone()))
     }
 
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
@@ -118,9 +122,6 @@ impl ProgramLibrary {
             Task::Compiled { id, .. } => mode == Mode::Compiled && *id == scene.id,
             Task::Interpreter(asked) => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
-            }
-            Task::Universal { .. } => {
-                mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
             }
             Task::Views(_) | Task::Paths(_) => false,
         })
@@ -139,7 +140,7 @@ impl ProgramLibrary {
         self.tasks.retain(|_, task| match task {
             Task::Compiled { id, .. } => kept.contains(id),
             Task::Views(of) | Task::Paths(of) => of.may_serve(kept),
-            Task::Interpreter(_) | Task::Universal { .. } => true,
+            Task::Interpreter(_) => true,
         });
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
@@ -153,36 +154,42 @@ impl ProgramLibrary {
         self.submit(job, Task::Compiled { id: scene.id, has_cells });
     }
 
-    /// Requests the interpreter that a scene needs, unless it exists or was requested.
+    /// Requests an interpreter for a scene, unless one exists or was requested.
     pub(super) fn request_interpreter(&mut self, scene: &PreparedScene) {
-        let Some(needed) = scene.programs.interpreter.clone() else { return };
+        let Some(needed) = &scene.programs.interpreter else { return };
+        if self.interpreters.cover(&ProgramOf::Interpreted(needed.clone())) {
+            return;
+        }
         let can_wait = self.has_shown || self.is_making(scene, Mode::Compiled);
-        if self.universal.find(&needed).is_some() {
-            return;
-        }
-        if self.universal.serve(&needed) && can_wait {
-            return self.request_universal(needed.is_non_lipschitz(), scene);
-        }
-        let mut asked = self.tasks.values().filter_map(|task| match task {
-            Task::Interpreter(asked) => Some(asked),
-            _ => None,
-        });
-        let wanted = ProgramOf::Interpreted(needed.clone());
-        if self.interpreters.cover(&wanted) || asked.any(|asked| asked.covers(&needed)) {
-            return;
-        }
-        let variant = needed.clone();
-        let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
-        job.can_be_given_up = true;
-        tracing::info!("{} is requested, interpreted", scene.title());
-        self.submit(job, Task::Interpreter(needed));
+        let universal = self.universal.iter().find(|one| can_wait && one.covers(needed));
+        let wanted = universal.unwrap_or(needed).clone();
+        self.request_variant(scene, wanted);
     }
 
     /// Requests a universal interpreter that no scene has needed yet. Its first frame draws `scene`.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
-        if let Some(non_lipschitz) = self.universal.unasked() {
-            self.request_universal(non_lipschitz, scene);
+        let is_missing =
+            |one: &&Interpreter| !self.interpreters.cover(&ProgramOf::Interpreted((*one).clone()));
+        if let Some(universal) = self.universal.iter().find(is_missing).cloned() {
+            self.request_variant(scene, universal);
         }
+    }
+
+    fn request_variant(&mut self, scene: &PreparedScene, wanted: Interpreter) {
+        let is_universal = self.universal.contains(&wanted);
+        let is_alike =
+            |asked: &Interpreter| asked.covers(&wanted) && self.universal.contains(asked) == is_universal;
+        if self.tasks.values().any(|task| matches!(task, Task::Interpreter(asked) if is_alike(asked))) {
+            return;
+        }
+        let variant = wanted.clone();
+        let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
+        job.can_be_given_up = true;
+        match is_universal {
+            true => tracing::info!("the universal interpreter is requested{}", of_kind(&wanted)),
+            false => tracing::info!("{} is requested, interpreted", scene.title()),
+        }
+        self.submit(job, Task::Interpreter(wanted));
     }
 
     /// Requests a program for views or paths, unless an equivalent program is being made.
@@ -209,14 +216,6 @@ impl ProgramLibrary {
         job.product = product;
         tracing::info!("a program for {product:?} of {} is requested", scene.title());
         self.submit(job, wanted);
-    }
-
-    fn request_universal(&mut self, non_lipschitz: bool, scene: &PreparedScene) {
-        let Some(variant) = self.universal.request(non_lipschitz) else { return };
-        let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
-        job.can_be_given_up = true;
-        tracing::info!("the universal interpreter is requested{}", of_kind(non_lipschitz));
-        self.submit(job, Task::Universal { non_lipschitz });
     }
 
     fn job(
@@ -246,8 +245,8 @@ impl ProgramLibrary {
     }
 }
 
-fn of_kind(non_lipschitz: bool) -> &'static str {
-    if non_lipschitz { ", for formulas that are not distances" } else { "" }
+fn of_kind(interpreter: &Interpreter) -> &'static str {
+    if interpreter.is_non_lipschitz() { ", for formulas that are not distances" } else { "" }
 }
 
 #[cfg(test)]
@@ -304,8 +303,36 @@ mod tests {
         assert!(programs.is_making(&second, Mode::Interpreted));
         let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
         assert!(programs.is_idle(), "both scenes share one interpreter");
-        programs.interpreters.add(ProgramOf::Interpreted(variant), program);
+        programs.receive_interpreter(&variant, program);
         let needed = second.programs.interpreter.as_ref().unwrap();
         assert!(programs.interpreter_for(needed).is_some());
+    }
+
+    #[test]
+    fn each_universal_interpreter_is_requested_once_and_serves_until_the_driver_rejects_it() {
+        let context = Headless::new(false).unwrap();
+        let mut programs = library(context.gl());
+        assert!(programs.universal.is_empty(), "without threads there is none");
+        let [distances, others] = [false, true].map(Interpreter::universal);
+        programs.universal = vec![distances.clone(), others.clone()];
+        programs.has_shown = true;
+        let mut scene = uploaded(context.gl(), 0, &text("sphere(p, 1)"));
+        scene.programs.interpreter = Some(others.clone());
+        let asked = |programs: &ProgramLibrary, wanted: &Interpreter| {
+            let is_it = |task: &&Task| matches!(task, Task::Interpreter(asked) if asked == wanted);
+            programs.tasks.values().filter(is_it).count()
+        };
+        for _ in 0..2 {
+            programs.request_interpreter(&scene);
+            assert_eq!((asked(&programs, &others), asked(&programs, &distances)), (1, 0));
+        }
+        assert!(programs.is_making(&scene, Mode::Interpreted));
+        for _ in 0..2 {
+            programs.request_unneeded(&scene);
+            assert_eq!((asked(&programs, &others), asked(&programs, &distances)), (1, 1), "distances first");
+        }
+        let error = GpuError::NoWorker("none".to_owned());
+        assert!(programs.reject_universal(&others, &error) && !programs.reject_universal(&others, &error));
+        assert_eq!(programs.universal, [distances]);
     }
 }

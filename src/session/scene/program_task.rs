@@ -9,10 +9,6 @@ pub(super) enum Task {
     },
     /// Draws every scene that this interpreter covers.
     Interpreter(Interpreter),
-    Universal {
-        /// True for formulas that are not distances.
-        non_lipschitz: bool,
-    },
     Views(ProgramOf),
     /// Draws by paths of light.
     Paths(ProgramOf),
