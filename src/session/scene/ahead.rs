@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::library::SceneLoader;
 use super::prepared_scene::{FirstTree, PreparedScene};
-use super::program_task::Task;
+use super::program_task::ProgramOf;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::gpu::{BuiltRegions, Mode, Renderer};
@@ -105,12 +105,11 @@ impl PreparedAhead {
         })
     }
 
-    /// Abandons the scenes that need the result of `task`: one scene for a program, maybe several for an interpreter.
-    pub(super) fn leave(&mut self, task: &Task) {
-        self.leave_where(|scene| match task {
-            Task::Compiled { id, .. } => *id == scene.id,
-            Task::Interpreter(variant) => scene.programs.lack(variant),
-            Task::Views(_) | Task::Paths(_) => false,
+    /// Abandons the scenes that need a program: one scene for a compiled one, maybe several for an interpreter.
+    pub(super) fn leave(&mut self, program: &ProgramOf) {
+        self.leave_where(|scene| match program {
+            ProgramOf::Compiled(id) => *id == scene.id,
+            ProgramOf::Interpreted(variant) => scene.programs.lack(variant),
         });
     }
 

@@ -25,6 +25,7 @@ use super::region_builder::RegionBuilder;
 use super::versions::{last_version, only_settles};
 use crate::clock;
 use crate::config::SdfChoice;
+use crate::gpu::background::ProgramProduct;
 use crate::gpu::{BuiltRegions, Gl, GpuError, Mode, Program};
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 
@@ -213,24 +214,25 @@ impl ScenePreparation {
         scenes: &mut PreparedScenes,
         messages: &mut Messages,
     ) -> Result<Vec<Refusal>, GpuError> {
-        match (task, program) {
-            (Task::Interpreter(interpreter), Ok(program)) => {
+        match (&task.of, program) {
+            (ProgramOf::Interpreted(interpreter), Ok(program)) => {
                 self.programs.receive_interpreter(interpreter, program);
             }
-            (Task::Interpreter(rejected), Err(error)) if self.programs.reject_universal(rejected, &error) => {
+            (ProgramOf::Interpreted(rejected), Err(error))
+                if self.programs.reject_universal(rejected, &error) =>
+            {
                 messages.set_remark(NO_UNIVERSAL.to_owned(), None);
                 for scene in scenes.present().filter(|scene| scene.programs.lack(rejected)) {
                     self.programs.request_interpreter(scene);
                 }
             }
-            (Task::Compiled { id, has_cells }, Ok(program)) => {
+            (ProgramOf::Compiled(id), Ok(program)) => {
                 if let Some(scene) = scenes.get_mut(*id) {
                     scene.programs.compiled = Some(Rc::new(program));
-                    scene.programs.has_cells = *has_cells;
+                    scene.programs.has_cells = task.has_cells;
                 }
             }
-            (_, Ok(_)) => {}
-            (task, Err(error)) => return self.handle_failure(task, error, scenes, messages),
+            (of, Err(error)) => return self.handle_failure(of, error, scenes, messages),
         }
         Ok(Vec::new())
     }
@@ -238,24 +240,24 @@ impl ScenePreparation {
     /// Handles a compile error. The affected scenes are drawn in the other mode, if there is one.
     fn handle_failure(
         &mut self,
-        task: &Task,
+        of: &ProgramOf,
         error: GpuError,
         scenes: &mut PreparedScenes,
         messages: &mut Messages,
     ) -> Result<Vec<Refusal>, GpuError> {
         tracing::warn!("{error}");
-        scenes.ahead.leave(task);
+        scenes.ahead.leave(of);
         let mut affected = Vec::new();
         for scene in scenes.present_mut() {
-            match task {
-                Task::Compiled { id, .. } if *id == scene.id => {
+            match of {
+                ProgramOf::Compiled(id) if *id == scene.id => {
                     scene.programs.compilable = false;
                     if scene.programs.compiled.is_some() {
                         // The scene already has a program, which continues to draw it.
                         continue;
                     }
                 }
-                Task::Interpreter(variant) if scene.programs.lack(variant) => {
+                ProgramOf::Interpreted(variant) if scene.programs.lack(variant) => {
                     scene.programs.interpreter = None;
                 }
                 _ => continue,
@@ -492,19 +494,22 @@ impl ScenePreparation {
         for id in self.programs.compiler.slow() {
             let Some(task) = self.programs.task(id) else { continue };
             // Skip scenes prepared ahead: nobody waits for them.
-            let is_theirs =
-                |scene: &PreparedScene| matches!(task, Task::Compiled { id, .. } if *id == scene.id);
-            if scenes.ahead.scenes().any(is_theirs) {
+            let is_theirs = |scene: &PreparedScene| task.of == ProgramOf::Compiled(scene.id);
+            if task.product == ProgramProduct::Frames && scenes.ahead.scenes().any(is_theirs) {
                 continue;
             }
-            let what = match task {
-                Task::Compiled { id: of, .. } => scenes.get(*of).map(PreparedScene::title),
-                Task::Views(ProgramOf::Compiled(of)) => {
+            let what = match (task.product, &task.of) {
+                (ProgramProduct::Frames, ProgramOf::Compiled(of)) => {
+                    scenes.get(*of).map(PreparedScene::title)
+                }
+                (ProgramProduct::Frames, ProgramOf::Interpreted(_)) => Some("an interpreter".to_owned()),
+                (ProgramProduct::Views, ProgramOf::Compiled(of)) => {
                     scenes.get(*of).map(|scene| format!("the views of {}", scene.title()))
                 }
-                Task::Views(ProgramOf::Interpreted(_)) => Some("the interpreter's views".to_owned()),
-                Task::Paths(_) => Some("paths of light".to_owned()),
-                Task::Interpreter(_) => Some("an interpreter".to_owned()),
+                (ProgramProduct::Views, ProgramOf::Interpreted(_)) => {
+                    Some("the interpreter's views".to_owned())
+                }
+                (ProgramProduct::Paths, _) => Some("paths of light".to_owned()),
             };
             let Some(what) = what else { continue };
             let meanwhile = match scenes.shown {
@@ -523,12 +528,12 @@ impl ScenePreparation {
     /// True if the user is waiting for the result of `task`, or if the window is still empty.
     fn user_waits_for(&self, task: &Task, scenes: &PreparedScenes, is_scene_awaited: bool) -> bool {
         let coming = scenes.coming.as_ref().filter(|_| is_scene_awaited);
-        let waits = match task {
-            Task::Views(_) | Task::Paths(_) => true,
-            Task::Compiled { id, .. } => {
+        let waits = match &task.of {
+            _ if task.product != ProgramProduct::Frames => true,
+            ProgramOf::Compiled(id) => {
                 self.asked_mode == Some(Mode::Compiled) || coming.is_some_and(|scene| scene.id == *id)
             }
-            Task::Interpreter(_) => {
+            ProgramOf::Interpreted(_) => {
                 let lacks_interpreter = |scene: &PreparedScene| scene.program(Mode::Interpreted).is_none();
                 self.asked_mode == Some(Mode::Interpreted) || coming.is_some_and(lacks_interpreter)
             }

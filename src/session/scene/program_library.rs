@@ -117,31 +117,27 @@ impl ProgramLibrary {
     }
 
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
-        let needed = scene.programs.interpreter.as_ref();
-        self.tasks.values().any(|task| match task {
-            Task::Compiled { id, .. } => mode == Mode::Compiled && *id == scene.id,
-            Task::Interpreter(asked) => {
-                mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
-            }
-            Task::Views(_) | Task::Paths(_) => false,
-        })
+        scene.program_of(mode).is_some_and(|wanted| self.is_asked(ProgramProduct::Frames, &wanted))
+    }
+
+    fn is_asked(&self, product: ProgramProduct, wanted: &ProgramOf) -> bool {
+        self.tasks.values().any(|task| task.product == product && task.of.covers(wanted))
     }
 
     /// Gives the pending program of a scene in `alike` to the scene `id`, which needs the same program.
     pub(super) fn make_for(&mut self, alike: &[u64], id: u64) {
-        let is_theirs = |task: &&mut Task| matches!(task, Task::Compiled { id, .. } if alike.contains(id));
-        if let Some(Task::Compiled { id: of, .. }) = self.tasks.values_mut().find(is_theirs) {
-            *of = id;
+        let is_theirs = |task: &&mut Task| {
+            let is_one = matches!(task.of, ProgramOf::Compiled(id) if alike.contains(&id));
+            is_one && task.product == ProgramProduct::Frames
+        };
+        if let Some(task) = self.tasks.values_mut().find(is_theirs) {
+            task.of = ProgramOf::Compiled(id);
         }
     }
 
     /// Drops requests for all other scenes. A program already being compiled is dropped when it is finished.
     pub(super) fn forget_all_but(&mut self, kept: &[u64]) {
-        self.tasks.retain(|_, task| match task {
-            Task::Compiled { id, .. } => kept.contains(id),
-            Task::Views(of) | Task::Paths(of) => of.may_serve(kept),
-            Task::Interpreter(_) => true,
-        });
+        self.tasks.retain(|_, task| task.of.may_serve(kept));
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
 
@@ -151,7 +147,7 @@ impl ProgramLibrary {
         let job = self.job(scene, move || compiled_drawing_variant(&world, has_cells));
         let how = if has_cells { ", with cells" } else { "" };
         tracing::info!("{} is requested, compiled{how}", scene.title());
-        self.submit(job, Task::Compiled { id: scene.id, has_cells });
+        self.submit(job, ProgramOf::Compiled(scene.id), has_cells);
     }
 
     /// Requests an interpreter for a scene, unless one exists or was requested.
@@ -177,9 +173,13 @@ impl ProgramLibrary {
 
     fn request_variant(&mut self, scene: &PreparedScene, wanted: Interpreter) {
         let is_universal = self.universal.contains(&wanted);
-        let is_alike =
-            |asked: &Interpreter| asked.covers(&wanted) && self.universal.contains(asked) == is_universal;
-        if self.tasks.values().any(|task| matches!(task, Task::Interpreter(asked) if is_alike(asked))) {
+        let is_alike = |task: &Task| match &task.of {
+            ProgramOf::Interpreted(asked) => {
+                asked.covers(&wanted) && self.universal.contains(asked) == is_universal
+            }
+            ProgramOf::Compiled(_) => false,
+        };
+        if self.tasks.values().any(|task| task.product == ProgramProduct::Frames && is_alike(task)) {
             return;
         }
         let variant = wanted.clone();
@@ -189,24 +189,20 @@ impl ProgramLibrary {
             true => tracing::info!("the universal interpreter is requested{}", of_kind(&wanted)),
             false => tracing::info!("{} is requested, interpreted", scene.title()),
         }
-        self.submit(job, Task::Interpreter(wanted));
+        self.submit(job, ProgramOf::Interpreted(wanted), false);
     }
 
     /// Requests a program for views or paths, unless an equivalent program is being made.
-    pub(super) fn request_special(&mut self, scene: &PreparedScene, wanted: Task) {
-        let (of, product) = match &wanted {
-            Task::Views(of) => (of.clone(), ProgramProduct::Views),
-            Task::Paths(of) => (of.clone(), ProgramProduct::Paths),
-            _ => return,
-        };
-        if self.tasks.values().any(|task| task.covers(&wanted)) {
+    pub(super) fn request_special(&mut self, scene: &PreparedScene, product: ProgramProduct, of: ProgramOf) {
+        if self.is_asked(product, &of) {
             return;
         }
+        let functions = of.clone();
         let (world, has_cells) = (scene.resources.world().clone(), scene.programs.has_cells);
         let mut job = self.job(scene, move || {
             let draws_views = product == ProgramProduct::Views;
             let counting = if draws_views { Counting::On } else { Counting::Off };
-            let variant = match of {
+            let variant = match functions {
                 ProgramOf::Compiled(_) if draws_views => compiled_variant_of(&world, counting)?,
                 ProgramOf::Compiled(_) => compiled_drawing_variant(&world, has_cells)?,
                 ProgramOf::Interpreted(interpreter) => interpreter.variant(counting),
@@ -215,7 +211,7 @@ impl ProgramLibrary {
         });
         job.product = product;
         tracing::info!("a program for {product:?} of {} is requested", scene.title());
-        self.submit(job, wanted);
+        self.submit(job, of, has_cells);
     }
 
     fn job(
@@ -238,9 +234,9 @@ impl ProgramLibrary {
         }
     }
 
-    fn submit(&mut self, job: ProgramJob, task: Task) {
+    fn submit(&mut self, job: ProgramJob, of: ProgramOf, has_cells: bool) {
         self.next_task += 1;
-        self.tasks.insert(job.id, task);
+        self.tasks.insert(job.id, Task { product: job.product, of, has_cells });
         self.compiler.submit(job);
     }
 }
@@ -288,7 +284,8 @@ mod tests {
         // Another version of the second scene has the same program.
         programs.make_for(&[4], 9);
         let (task, program) = made(&mut programs);
-        assert!(matches!(task, Task::Compiled { id: 9, has_cells: false }) && program.is_ok());
+        assert_eq!((task.product, task.of), (ProgramProduct::Frames, ProgramOf::Compiled(9)));
+        assert!(!task.has_cells && program.is_ok());
         assert!(programs.is_idle() && programs.poll().is_none());
     }
 
@@ -301,9 +298,10 @@ mod tests {
         programs.request_interpreter(&first);
         programs.request_interpreter(&second);
         assert!(programs.is_making(&second, Mode::Interpreted));
-        let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
+        let (task, program) = made(&mut programs);
+        let ProgramOf::Interpreted(variant) = task.of else { panic!("no interpreter") };
         assert!(programs.is_idle(), "both scenes share one interpreter");
-        programs.receive_interpreter(&variant, program);
+        programs.receive_interpreter(&variant, program.unwrap());
         let needed = second.programs.interpreter.as_ref().unwrap();
         assert!(programs.interpreter_for(needed).is_some());
     }
@@ -319,7 +317,7 @@ mod tests {
         let mut scene = uploaded(context.gl(), 0, &text("sphere(p, 1)"));
         scene.programs.interpreter = Some(others.clone());
         let asked = |programs: &ProgramLibrary, wanted: &Interpreter| {
-            let is_it = |task: &&Task| matches!(task, Task::Interpreter(asked) if asked == wanted);
+            let is_it = |task: &&Task| task.of == ProgramOf::Interpreted(wanted.clone());
             programs.tasks.values().filter(is_it).count()
         };
         for _ in 0..2 {

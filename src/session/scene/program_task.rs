@@ -1,32 +1,16 @@
 //! The purposes of programs that are being compiled.
 
+use crate::gpu::background::ProgramProduct;
 use crate::gpu::scene_program::Interpreter;
 
-pub(super) enum Task {
-    Compiled {
-        id: u64,
-        has_cells: bool,
-    },
-    /// Draws every scene that this interpreter covers.
-    Interpreter(Interpreter),
-    Views(ProgramOf),
-    /// Draws by paths of light.
-    Paths(ProgramOf),
+pub(super) struct Task {
+    pub product: ProgramProduct,
+    pub of: ProgramOf,
+    /// True if a scene's own functions look up the cells of a tree.
+    pub has_cells: bool,
 }
 
-impl Task {
-    /// True if a program for views or paths also serves the task `wanted`.
-    pub(super) fn covers(&self, wanted: &Self) -> bool {
-        match (self, wanted) {
-            (Self::Views(known), Self::Views(wanted)) | (Self::Paths(known), Self::Paths(wanted)) => {
-                known.covers(wanted)
-            }
-            _ => false,
-        }
-    }
-}
-
-/// The functions of a program for views or paths: a scene's own functions, or an interpreter.
+/// The functions of a program: a scene's own functions, or an interpreter, which draws every scene that it covers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ProgramOf {
     Compiled(u64),

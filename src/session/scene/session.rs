@@ -22,6 +22,7 @@ use super::regions::SceneRegions;
 use super::show_follower::{Circumstances, ShowFollower, Step};
 use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
+use crate::gpu::background::ProgramProduct;
 use crate::gpu::{CellUse, Gl, GpuError, Mode, PictureReader, Renderer, Sketch, Sources, WorkerContext};
 use crate::moving_textures::LiveTextures;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
@@ -167,7 +168,10 @@ impl SceneSession {
             self.receive_loaded(loaded)?;
         }
         while let Some((task, program)) = self.preparation.programs.poll() {
-            let Some((task, program)) = self.receive_special(task, program) else { continue };
+            if task.product != ProgramProduct::Frames {
+                self.receive_special(task, program);
+                continue;
+            }
             let (scenes, messages) = (&mut self.scenes, &mut self.messages);
             let refused = self.preparation.receive_program(&task, program, scenes, messages)?;
             refused.into_iter().for_each(|refusal| self.refuse(refusal));

@@ -19,6 +19,7 @@ use super::{
 };
 use crate::config::SdfChoice;
 use crate::frame::projection::Projection;
+use crate::gpu::background::ProgramProduct;
 use crate::gpu::{CellUse, Counting, EdgeSamples, GpuError, Headless, Renderer, ShaderLibrary, Sources};
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
@@ -290,8 +291,8 @@ fn a_driver_that_rejects_paths_ends_the_refinement_with_a_message() {
         "the program is still to come"
     );
     let rejected = GpuError::Compile { name: "path.frag".to_owned(), log: "no paths".to_owned() };
-    let task = Task::Paths(ProgramOf::Compiled(0));
-    assert!(staged.session.receive_special(task, Err(rejected)).is_none());
+    let task = Task { product: ProgramProduct::Paths, of: ProgramOf::Compiled(0), has_cells: false };
+    staged.session.receive_special(task, Err(rejected));
     let words = staged.words();
     assert!(words.iter().any(|words| words == "this driver cannot draw paths of light"), "{words:?}");
     wait_until("the program that was requested", || {

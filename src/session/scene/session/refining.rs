@@ -1,6 +1,7 @@
 //! Refines the shown frame of a paused moment ([`super::super::refinement`]), and takes the programs of views and paths.
 
 use super::{PreparedScene, PreparedScenes, SceneComposer, SceneSession};
+use crate::gpu::background::ProgramProduct;
 use crate::gpu::{GpuError, Mode, Program, Renderer};
 use crate::session::scene::composer::Drawn;
 use crate::session::scene::program_task::Task;
@@ -76,7 +77,7 @@ impl SceneSession {
     pub(super) fn request_view(&mut self) {
         let Some((scene, mode)) = self.scenes.drawn(self.preparation.choice.sdf) else { return };
         if let Some(wanted) = self.composer.views.missing(scene, mode) {
-            self.preparation.programs.request_special(scene, Task::Views(wanted));
+            self.preparation.programs.request_special(scene, ProgramProduct::Views, wanted);
         }
     }
 
@@ -96,38 +97,31 @@ impl SceneSession {
             return;
         }
         if let Some(wanted) = self.refinement.programs.missing(scene, mode) {
-            self.preparation.programs.request_special(scene, Task::Paths(wanted));
+            self.preparation.programs.request_special(scene, ProgramProduct::Paths, wanted);
         }
     }
 
-    /// Takes a program of views or of paths. Returns any other program.
+    /// Takes a program of views or of paths, or its compile error.
     pub(in crate::session::scene) fn receive_special(
         &mut self,
         task: Task,
         program: Result<Program, GpuError>,
-    ) -> Option<(Task, Result<Program, GpuError>)> {
-        let (failed, error) = match (task, program) {
-            (Task::Views(of), Ok(program)) => {
-                self.composer.views.add(of, program);
-                return None;
-            }
-            (Task::Views(_), Err(error)) => {
-                self.composer.show_view(None);
-                ("show views", error)
-            }
-            (Task::Paths(of), Ok(program)) => {
-                self.refinement.programs.add(of, program);
-                return None;
-            }
-            (Task::Paths(_), Err(error)) => {
-                self.refinement.end();
-                ("draw paths of light", error)
-            }
-            other => return Some(other),
+    ) {
+        let draws_views = task.product == ProgramProduct::Views;
+        let error = match program {
+            Ok(program) if draws_views => return self.composer.views.add(task.of, program),
+            Ok(program) => return self.refinement.programs.add(task.of, program),
+            Err(error) => error,
         };
         tracing::warn!("{error}");
+        let failed = if draws_views {
+            self.composer.show_view(None);
+            "show views"
+        } else {
+            self.refinement.end();
+            "draw paths of light"
+        };
         self.messages.set_problem(format!("this driver cannot {failed}"), error.to_string());
-        None
     }
 }
 
