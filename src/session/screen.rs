@@ -54,17 +54,13 @@ pub trait Screen {
     fn size(&self) -> Option<(u32, u32)>;
 
     /// Pixels per point of the window.
-    fn scale(&self) -> f32 {
-        1.0
-    }
+    fn scale(&self) -> f32;
 
     /// Size in pixels of the surface for frames: the output, otherwise the wallpaper, otherwise the window.
     fn picture_size(&self) -> Option<(u32, u32)>;
 
     /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.
-    fn place(&self) -> Option<(i32, i32)> {
-        None
-    }
+    fn place(&self) -> Option<(i32, i32)>;
 
     /// True if the window fills its monitor.
     fn is_fullscreen(&self) -> bool;
@@ -76,7 +72,7 @@ pub trait Screen {
     fn set_title(&mut self, title: &str);
 
     /// Brings the window to the front.
-    fn raise(&mut self) {}
+    fn raise(&mut self);
 
     /// Sets the pointer's shape; [`CursorIcon::None`] hides it.
     fn set_cursor(&mut self, cursor: CursorIcon);
@@ -85,11 +81,11 @@ pub trait Screen {
     fn allow_composing(&mut self, on: bool);
 
     /// Reports the position of the text cursor, in pixels.
-    fn set_place_of_letters(&mut self, _: Rect) {}
+    fn set_place_of_letters(&mut self, place: Rect);
 
     /// Sets whether letter keys belong to the session, such as keys that are typed into a text. Otherwise the key that
     /// quits ends the program at once.
-    fn set_keys_are_text(&mut self, _: bool) {}
+    fn set_keys_are_text(&mut self, on: bool);
 
     /// Passes the controls to screen readers.
     fn show_controls(&mut self, controls: TreeUpdate);
@@ -98,24 +94,16 @@ pub trait Screen {
     fn request_redraw(&self);
 
     /// True if the frames may be visible.
-    fn is_seen(&self) -> bool {
-        true
-    }
+    fn is_seen(&self) -> bool;
 
     /// True if texts over the frame would be visible.
-    fn shows_words(&self) -> bool {
-        true
-    }
+    fn shows_words(&self) -> bool;
 
     /// True if a user may be waiting for the first frame: then the song starts before it.
-    fn is_awaited(&self) -> bool {
-        false
-    }
+    fn is_awaited(&self) -> bool;
 
     /// True if something other than the window must be redrawn, even with an unchanged frame.
-    fn is_stale(&self) -> bool {
-        false
-    }
+    fn is_stale(&self) -> bool;
 
     /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
     /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time spent before
@@ -139,28 +127,22 @@ pub trait Screen {
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
     /// True if another window or monitor shows the frame.
-    fn has_output(&self) -> bool {
-        false
-    }
+    fn has_output(&self) -> bool;
 
     /// Sets whether the screen must neither lock nor go dark.
-    fn keep_awake(&mut self, _: bool) {}
+    fn keep_awake(&mut self, on: bool);
 
     /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
-    fn update(&mut self) -> Vec<String> {
-        Vec::new()
-    }
+    fn update(&mut self) -> Vec<String>;
 
     /// The connected monitors.
-    fn monitors(&self) -> Vec<Monitor> {
-        Vec::new()
-    }
+    fn monitors(&self) -> Vec<Monitor>;
 
     /// Looks for monitors again.
-    fn update_monitors(&mut self) {}
+    fn update_monitors(&mut self);
 
     /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
-    fn request_output(&mut self, _: Option<String>) {}
+    fn request_output(&mut self, monitor: Option<String>);
 
     /// Notes that the placement of the frame has changed.
     fn lie_differently(&mut self);

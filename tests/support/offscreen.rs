@@ -6,14 +6,15 @@ use std::rc::Rc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender as Channel, channel};
 use std::time::{Duration, Instant};
 
-use egui::CursorIcon;
 use egui::accesskit::TreeUpdate;
+use egui::{CursorIcon, Rect};
 use image::RgbaImage;
 
 use mariana::clock;
 use mariana::commands::{Command, Sender, ShowState};
 use mariana::gpu::{Gl, GpuError, Headless, Renderer, Target, WorkerContext};
 use mariana::input::Input;
+use mariana::monitor::Monitor;
 use mariana::placement::Area;
 use mariana::session::desktop::DesktopControls;
 use mariana::session::{Event, Lay, Opening, Paint, Prepared, Run, Screen, SessionError, Waker};
@@ -300,6 +301,54 @@ impl Screen for OffscreenWindow {
         self.present();
         Ok(())
     }
+
+    fn scale(&self) -> f32 {
+        1.0
+    }
+
+    fn place(&self) -> Option<(i32, i32)> {
+        None
+    }
+
+    fn raise(&mut self) {}
+
+    fn set_place_of_letters(&mut self, _: Rect) {}
+
+    fn set_keys_are_text(&mut self, _: bool) {}
+
+    fn is_seen(&self) -> bool {
+        true
+    }
+
+    fn shows_words(&self) -> bool {
+        true
+    }
+
+    fn is_awaited(&self) -> bool {
+        false
+    }
+
+    fn is_stale(&self) -> bool {
+        false
+    }
+
+    fn has_output(&self) -> bool {
+        false
+    }
+
+    fn keep_awake(&mut self, _: bool) {}
+
+    fn update(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn monitors(&self) -> Vec<Monitor> {
+        Vec::new()
+    }
+
+    fn update_monitors(&mut self) {}
+
+    fn request_output(&mut self, _: Option<String>) {}
 
     fn lie_differently(&mut self) {
         self.request_redraw();
