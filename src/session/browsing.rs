@@ -68,7 +68,7 @@ impl Interface {
 
     pub(super) fn file_browser(&self, playback: &mut Playback) -> FileBrowser {
         let folder = self.lists.last_folder.clone().or_else(|| playback.folder_of_track());
-        let settings = playback.listening.sound.settings();
+        let settings = playback.listening.sound.kept.settings();
         let remembered = RememberedFolders {
             favourites: settings.favourite_folders.clone(),
             recent: settings.recent_folders.clone(),
@@ -92,7 +92,7 @@ impl Interface {
         }
         if !music.is_empty() {
             if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {
-                playback.listening.sound.remember(move |settings| settings.add_recent_folder(&folder));
+                playback.listening.sound.kept.change(move |settings| settings.add_recent_folder(&folder));
             }
             playback.reports.answer_any(playback.listening.play_files(music, append));
         }

@@ -61,7 +61,7 @@ impl Session {
             }
             Command::ClearTracks => self.playback.with_song(|player| player.edit(Edit::Clear)),
             Command::UndoTracks => self.undo_tracks(),
-            Command::MarkFolders(folders) => self.playback.listening.sound.remember(move |settings| {
+            Command::MarkFolders(folders) => self.playback.listening.sound.kept.change(move |settings| {
                 settings.favourite_folders.clone_from(&folders);
             }),
             Command::Open(files) => self.interface.open_files(&mut self.playback, files),
@@ -87,10 +87,8 @@ impl Session {
             Command::Surprise(number) => self.surprise(number),
             Command::SurpriseBack => self.surprise_back(),
             Command::KeepSurprise => self.keep_surprise(),
-            Command::TurnNumbers(turned) => {
-                self.playback.scene.parameters.turn_numbers(&turned.file, turned.values)
-            }
-            Command::MarkScenes(titles) => self.playback.listening.sound.remember(move |settings| {
+            Command::TurnNumbers(turned) => self.playback.scene.parameters.turn_numbers(turned),
+            Command::MarkScenes(titles) => self.playback.listening.sound.kept.change(move |settings| {
                 settings.favourite_scenes.clone_from(&titles);
             }),
             Command::Cut(switch) => {

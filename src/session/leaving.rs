@@ -86,7 +86,7 @@ impl Session {
         }
         self.remember_tracks();
         let left = self.left();
-        let remembered = self.playback.listening.sound.settings();
+        let remembered = self.playback.listening.sound.kept.settings();
         let before = || Left {
             show: remembered.last_show.clone().unwrap_or_default(),
             scene: left.scene.clone(),
@@ -98,7 +98,7 @@ impl Session {
     }
 
     fn left(&mut self) -> Left {
-        let mut show = self.playback.listening.sound.settings().last_show.clone().unwrap_or_default();
+        let mut show = self.playback.listening.sound.kept.settings().last_show.clone().unwrap_or_default();
         show.fullscreen = self.screen.is_fullscreen();
         show.size = self.screen.size().filter(|_| !show.fullscreen).or(show.size);
         show.place = self.screen.place().or(show.place);
@@ -128,14 +128,14 @@ impl Session {
         let Some(list) = self.playback.listening.with_song(|player| player.playlist()) else { return };
         let list = Some(list).filter(|_| self.choices.last_tracks);
         if self.legacy.takes_tracks(list.as_ref().map(|list| list.revision)) {
-            self.playback.listening.sound.keep_tracks(list.and_then(|list| files_of(&list)));
+            self.playback.listening.sound.kept.keep_tracks(list.and_then(|list| files_of(&list)));
         }
     }
 }
 
 impl Playback {
     fn write_left(&mut self, Left { show, scene, moved }: Left) {
-        self.listening.sound.remember(move |settings| {
+        self.listening.sound.kept.change(move |settings| {
             settings.last_show = Some(show.clone());
             settings.sliders.insert(scene.clone(), moved.sliders.clone());
             settings.sliders.retain(|_, sliders| !sliders.is_empty());

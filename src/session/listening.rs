@@ -19,7 +19,7 @@ use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
-use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, Tables, TapTempo};
+use mariana_music::{Features, LiveEnergy, Recent, SongMoment, SongStructure, TapTempo};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{Edit, LoudnessShape, Moment, Player, PlayerStatus};
 
@@ -203,7 +203,7 @@ impl Listening {
         let outputs = self.sound.outputs();
         Facts {
             choices,
-            remembered: &self.sound.settings().choices,
+            remembered: &self.sound.kept.settings().choices,
             outputs,
             monitors: Vec::new(),
             output_for_this_run: names_output,
@@ -312,10 +312,6 @@ impl Listening {
             let bar = (number as f32 + phase) / ClockReading::BEATS as f32;
             (now.song.bar, now.song.beat_in_bar) = (bar, (number + 1) as f32);
         }
-    }
-
-    pub(crate) fn curves(&self) -> Tables {
-        self.sound.heard().tables
     }
 
     /// The state of the song, if it is the current source. Requests the analysis of this track and the next.

@@ -122,7 +122,7 @@ impl Playback {
 impl Interface {
     /// Follows the marks of scenes, which change the scenes' numbers.
     pub(super) fn update_marks(&mut self, playback: &mut Playback) {
-        let marks = &playback.listening.sound.settings().favourite_scenes;
+        let marks = &playback.listening.sound.kept.settings().favourite_scenes;
         if playback.scene.preparation.library.marks != *marks {
             playback.scene.preparation.library.marks.clone_from(marks);
             self.ui_state.placed_scene = None;

@@ -125,7 +125,7 @@ impl Interface {
     fn scene_browser(&mut self, playback: &Playback) -> SceneBrowser {
         self.request_thumbnails();
         let scenes = playback.scene.preparation.library.all_sources();
-        let favourites = playback.listening.sound.settings().favourite_scenes.clone();
+        let favourites = playback.listening.sound.kept.settings().favourite_scenes.clone();
         let browser = SceneBrowser::new(scenes, playback.scene.scenes.shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.request_descriptions(thumbnails);

@@ -39,7 +39,7 @@ impl Session {
             Setting::FollowSong(follow) => self.playback.direction.set_follow(*follow),
             Setting::LastTracks(on) => {
                 if !on {
-                    self.playback.listening.sound.keep_tracks(None);
+                    self.playback.listening.sound.kept.keep_tracks(None);
                 }
             }
             Setting::Screen(name) => self.screen.request_output(name.clone()),
@@ -57,7 +57,7 @@ impl Session {
         }
         self.choices.set(&setting);
         if settled {
-            self.playback.listening.sound.remember(move |settings| settings.choices.set(&setting));
+            self.playback.listening.sound.kept.change(move |settings| settings.choices.set(&setting));
         }
         self.update_settings();
     }

@@ -74,7 +74,7 @@ impl Snapshots {
     pub(super) fn write(&mut self, playback: &mut Playback, folders: &Folders) {
         let Some(source) = playback.scene.scenes.shown_source() else { return };
         let (title, scene) = (source.title(), named(source));
-        let Some(snapshots) = playback.listening.sound.settings().snapshots.get(&title) else {
+        let Some(snapshots) = playback.listening.sound.kept.settings().snapshots.get(&title) else {
             let words = "this scene has no snapshots: press Shift+1 to take one";
             return playback.reports.answer(words);
         };
@@ -125,13 +125,13 @@ impl Playback {
     /// The numbers of the shown scene's snapshots, from 1.
     pub(super) fn snapshot_numbers(&self) -> impl Iterator<Item = usize> {
         let title = self.scene.parameters_in_hand().title().unwrap_or_default();
-        let saved = self.listening.sound.settings().snapshots.get(&title);
+        let saved = self.listening.sound.kept.settings().snapshots.get(&title);
         saved.into_iter().flat_map(BTreeMap::keys).filter_map(|number| number.parse().ok())
     }
 
     fn snapshot(&self, number: usize) -> Option<Snapshot> {
         let title = self.scene.parameters_in_hand().title()?;
-        self.listening.sound.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
+        self.listening.sound.kept.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
     }
 
     fn save_snapshot(&mut self, number: usize) {
@@ -142,7 +142,7 @@ impl Playback {
             return self.reports.answer("this scene has no sliders to take a snapshot of");
         };
         let title = self.scene.parameters_in_hand().title().unwrap_or_default();
-        self.listening.sound.remember(move |settings| {
+        self.listening.sound.kept.change(move |settings| {
             let of_scene = settings.snapshots.entry(title.clone()).or_default();
             of_scene.insert(number.to_string(), snapshot.clone());
         });

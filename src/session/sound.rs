@@ -2,7 +2,6 @@
 
 mod reported_problems;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -32,7 +31,7 @@ pub(crate) struct Sound {
     player: Option<Player>,
     live: Option<Live>,
     paused: bool,
-    kept: KeptSettings,
+    pub(super) kept: KeptSettings,
     /// The delay of this run in milliseconds, if set on the command line.
     asked_ms: Option<f64>,
     gain: Gain,
@@ -170,7 +169,7 @@ impl Sound {
         if let Some(device) = self.device.clone().filter(|_| settled) {
             // From now on the saved value applies, so that another device gets its own delay.
             self.asked_ms = None;
-            self.remember(move |settings| {
+            self.kept.change(move |settings| {
                 settings.latency_ms.insert(device.id.clone(), shift);
             });
         }
@@ -363,20 +362,8 @@ impl Sound {
 
     fn remember_choice(&mut self) {
         if let Some(target) = self.unremembered.take() {
-            self.remember(move |settings| record_choice(settings, &target));
+            self.kept.change(move |settings| record_choice(settings, &target));
         }
-    }
-
-    pub(crate) fn settings(&self) -> &Settings {
-        self.kept.settings()
-    }
-
-    pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
-        self.kept.keep_tracks(tracks);
-    }
-
-    pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
-        self.kept.change(change);
     }
 
     /// Reports a problem, once.

@@ -3,7 +3,6 @@
 
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::active_clips::ActiveClips;
@@ -12,6 +11,7 @@ use super::knobs::Knob;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
 use crate::clock;
+use crate::commands::TurnedNumbers;
 use crate::config::Snapshot;
 use crate::frame::sound_inputs;
 use mariana_control::{ChangedBy, Directed, Model, ParamChange, Reading, Slider, SoundBinding, Turn};
@@ -26,16 +26,10 @@ pub(crate) struct Parameters {
     /// The moment of the shown frame, in seconds of the song.
     pub(super) song_time: f64,
     beats: BeatCount,
+    /// New values for numbers in a text. They become inputs: nothing is parsed or compiled.
     turned: Option<TurnedNumbers>,
     /// Counts the changes after which a frame of the same moment would look different.
     pub(super) revision: u64,
-}
-
-/// New values for numbers in a text, by their offsets in it. They become inputs: nothing is parsed or compiled.
-#[derive(Debug, Clone, PartialEq)]
-struct TurnedNumbers {
-    file: PathBuf,
-    values: Vec<(usize, f32)>,
 }
 
 impl Parameters {
@@ -92,8 +86,8 @@ impl Parameters {
     }
 
     /// Sets values for the numbers of a text. Only numbers with a range change.
-    pub(crate) fn turn_numbers(&mut self, file: &Path, values: Vec<(usize, f32)>) {
-        self.turned = Some(TurnedNumbers { file: file.to_owned(), values });
+    pub(crate) fn turn_numbers(&mut self, turned: TurnedNumbers) {
+        self.turned = Some(turned);
         self.revision += 1;
     }
 
