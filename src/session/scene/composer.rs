@@ -9,8 +9,8 @@ use image::RgbaImage;
 use super::camera::SceneCamera;
 use super::context_change::DrawingWays;
 use super::edits::Edits;
-use super::fading::{Begun, Fading};
-use super::feedback::FeedbackPace;
+use super::fading::Fading;
+use super::feedback::{self, FeedbackPace};
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
@@ -261,10 +261,7 @@ impl SceneComposer {
         self.camera.own_pitch = frame.own_pitch();
         match &outgoing {
             Some(outgoing) if outgoing.clip.is_some() => renderer.set_fade(Some(outgoing.fraction)),
-            _ => {
-                let (now, runs, is_live) = (clock::now(), picture.runs, outgoing.is_some());
-                self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
-            }
+            _ => self.fading.begin_picture(renderer, &wanted.moment, picture.runs, outgoing.is_some()),
         }
         // Set the samples only now, because a new number of samples discards the kept light of the last frame.
         renderer.set_edge_samples(shown.edges);
@@ -296,16 +293,21 @@ impl SceneComposer {
         let Some(program) = scene.program(layer.mode).filter(|_| self.views.choice.is_none()) else {
             return Ok(());
         };
-        let mut pace = std::mem::take(&mut self.feedback);
-        let frame_at = |time: f64| self.earlier_frame(of, layer, time, frame, picture);
         let [width, height] = picture.screen.size.map(|side| side as u32);
         let shown = ((width, height), self.projection.stereo);
-        let next = |renderer: &mut Renderer| {
-            renderer.feedback_before(&scene.resources, picture.moment.track, now, shown, true)
-        };
-        let fed = pace.draw(renderer, scene, program, now, &next, &frame_at);
-        self.feedback = pace;
-        fed
+        let (resources, begun) = (&scene.resources, clock::now());
+        for _ in 0..feedback::FRAMES_MAX {
+            let request = renderer.feedback_before(resources, picture.moment.track, now, shown, true);
+            let Some(request) = request else { break };
+            let mut earlier = self.earlier_frame(of, layer, request.time, frame, picture);
+            earlier.size = request.size;
+            renderer.draw_feedback(&request, &earlier, resources, program)?;
+            if clock::since(begun) > feedback::PATIENCE {
+                break;
+            }
+        }
+        self.feedback.record(scene.id, resources, now);
+        renderer.show_feedback(resources, now)
     }
 
     /// Returns the parameters, the number of the camera and the camera's motion of a scene at `time` seconds.

@@ -7,6 +7,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::gpu::{GpuError, Renderer};
 use mariana_player::Moment;
 
@@ -49,15 +50,6 @@ enum State {
     WithSong(f64, (u64, u32)),
     /// A fade whose fraction is set by a show; `true` once the light of the held frame is stored.
     Given(f32, bool),
-}
-
-#[derive(Clone, Copy)]
-pub(super) struct Begun<'a> {
-    pub now: Instant,
-    pub moment: &'a Moment,
-    pub runs: bool,
-    /// True if the outgoing scene was drawn for the same moment.
-    pub is_live: bool,
 }
 
 impl Fading {
@@ -178,8 +170,16 @@ impl Fading {
         }
     }
 
-    pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
-        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
+    /// Begins a frame. `runs` is true if the song is running, `is_live` if the outgoing scene was drawn for the same
+    /// moment.
+    pub(super) fn begin_picture(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        runs: bool,
+        is_live: bool,
+    ) {
+        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !is_live;
         if keeps {
             let kept = renderer.keep_light().unwrap_or_else(|error: GpuError| {
                 tracing::info!("no fade: {error}");
@@ -191,29 +191,27 @@ impl Fading {
                 _ => {}
             }
         }
-        let fraction = self.step(begun);
+        let fraction = self.step(clock::now(), moment, runs);
         renderer.set_fade(fraction);
     }
 
     /// The fraction of the outgoing scene in a frame that begins; `None` without a fade.
-    fn step(&mut self, begun: Begun<'_>) -> Option<f32> {
-        let since = self
-            .begun
-            .replace(begun.now)
-            .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
+    fn step(&mut self, now: Instant, moment: &Moment, runs: bool) -> Option<f32> {
+        let last = self.begun.replace(now);
+        let since = last.map_or(Duration::ZERO, |last| now.saturating_duration_since(last));
         let fraction = match self.state {
             State::None | State::Given(_, false) => return None,
             State::Given(fraction, true) => Some(fraction),
             State::Wanted => {
                 self.announce();
-                let time = begun.moment.song_time;
+                let time = moment.song_time;
                 // Start a millisecond early, so that the first frame is mixed. Round as cue lists do.
                 let start = ((time * 1e3).floor() - 1.0) / 1e3;
-                self.state = match begun.runs && start >= 0.0 {
-                    true => State::WithSong(start, of_what(begun.moment)),
+                self.state = match runs && start >= 0.0 {
+                    true => State::WithSong(start, of_what(moment)),
                     false => State::Going(Duration::ZERO),
                 };
-                if self.follows_song() { self.fraction_in_song(begun.moment) } else { Some(1.0) }
+                if self.follows_song() { self.fraction_in_song(moment) } else { Some(1.0) }
             }
             State::Going(gone) => {
                 let gone = gone + since.min(STEP_MAX);
@@ -221,7 +219,7 @@ impl Fading {
                 let left = 1.0 - gone.as_secs_f64() / self.going.as_secs_f64();
                 (left > 0.0).then_some(left as f32)
             }
-            State::WithSong(..) => self.fraction_in_song(begun.moment),
+            State::WithSong(..) => self.fraction_in_song(moment),
         };
         match fraction {
             Some(fraction) => self.fraction = fraction,
@@ -253,17 +251,13 @@ mod tests {
         Moment { song_time, track: 3, ..Moment::default() }
     }
 
-    fn begun(now: Instant, moment: &Moment, runs: bool) -> Begun<'_> {
-        Begun { now, moment, runs, is_live: true }
-    }
-
     #[test]
     fn a_fade_takes_its_time_and_slow_frames_do_not_cut_it() {
         let start = Instant::now();
         let mut fading = Fading::of(0.5);
         let stands = at(7.0);
         let fraction =
-            |fading: &mut Fading, ms| fading.step(begun(start + Duration::from_millis(ms), &stands, false));
+            |fading: &mut Fading, ms| fading.step(start + Duration::from_millis(ms), &stands, false);
         assert_eq!(fraction(&mut fading, 0), None);
         fading.request();
         assert!(fading.goes_on());
@@ -282,20 +276,20 @@ mod tests {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.request();
-        let fraction = fading.step(begun(now, &at(10.25), true));
+        let fraction = fading.step(now, &at(10.25), true);
         assert_eq!((fraction, fading.of_scene_with_song()), (Some(1.0 - 0.0005), Some((2.0, 10.249))));
         // The song is paused and resumed; the fraction depends only on the moment.
         for (time, wanted) in [(11.249, Some(0.5)), (11.249, Some(0.5)), (10.749, Some(0.75))] {
-            let found = fading.step(begun(now, &at(time), false));
+            let found = fading.step(now, &at(time), false);
             assert_eq!(found.map(|found| (found * 1e4).round() / 1e4), wanted);
             assert!(fading.follows_song() && !matches!(fading.state, State::Wanted | State::Going(_)));
         }
-        assert_eq!(fading.step(begun(now, &at(12.5), true)), None);
+        assert_eq!(fading.step(now, &at(12.5), true), None);
         assert!(!fading.goes_on());
         fading.request();
-        fading.step(begun(now, &at(20.0), true));
+        fading.step(now, &at(20.0), true);
         let another = Moment { track: 4, ..at(20.5) };
-        assert_eq!(fading.step(begun(now, &another, true)), None, "another track plays");
+        assert_eq!(fading.step(now, &another, true), None, "another track plays");
     }
 
     #[test]
@@ -317,12 +311,12 @@ mod tests {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.release(1.0);
-        assert_eq!(fading.step(begun(now, &at(4.0), false)), Some(1.0));
+        assert_eq!(fading.step(now, &at(4.0), false), Some(1.0));
         assert_eq!((fading.fraction_held(), fading.fraction_of_scene(&at(4.0))), (1.0, None));
         fading.cut();
         assert_eq!(fading.fraction_held(), 0.0);
         fading.mix_held(Some(0.25));
-        assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "its light is not kept yet");
+        assert_eq!(fading.step(now, &at(4.0), true), None, "its light is not kept yet");
         fading.state = State::Given(0.25, true);
         fading.hold_anew();
         assert_eq!(fading.state, State::Given(0.25, false), "the light of another frame must be kept");

@@ -3,16 +3,13 @@
 
 use std::time::Duration;
 
-use super::prepared_scene::PreparedScene;
-use crate::clock;
-use crate::frame::Frame;
-use crate::gpu::{FeedbackRequest, GpuError, Program, Renderer};
+use crate::gpu::SceneResources;
 
 /// Maximum number of frames of feedback before an image: those of two histories of ten seconds take less than two
 /// seconds at 60 images a second.
-const FRAMES_MAX: usize = 16;
+pub(super) const FRAMES_MAX: usize = 16;
 /// Time after which an image does not wait for further frames of feedback.
-const PATIENCE: Duration = Duration::from_millis(12);
+pub(super) const PATIENCE: Duration = Duration::from_millis(12);
 /// If more frames are missing than this and drawing does not catch up, the missing frames are left out.
 const MISSING_MAX: u64 = 20;
 
@@ -24,28 +21,8 @@ pub(super) struct FeedbackPace {
 }
 
 impl FeedbackPace {
-    /// Draws frames of feedback for an image of a scene at `time`: those that `next` requests, until it returns
-    /// `None`. `frame_at` returns the frames.
-    pub(super) fn draw(
-        &mut self,
-        renderer: &mut Renderer,
-        scene: &PreparedScene,
-        program: &Program,
-        time: f64,
-        next: &dyn Fn(&mut Renderer) -> Option<FeedbackRequest>,
-        frame_at: &dyn Fn(f64) -> Frame,
-    ) -> Result<(), GpuError> {
-        let (id, scene) = (scene.id, &scene.resources);
-        let begun = clock::now();
-        for _ in 0..FRAMES_MAX {
-            let Some(request) = next(renderer) else { break };
-            let mut frame = frame_at(request.time);
-            frame.size = request.size;
-            renderer.draw_feedback(&request, &frame, scene, program)?;
-            if clock::since(begun) > PATIENCE {
-                break;
-            }
-        }
+    /// Notes how many frames the image of a scene at `time` lacks.
+    pub(super) fn record(&mut self, id: u64, scene: &SceneResources, time: f64) {
         let missing = scene.missing_feedback(time);
         // The first image after a seek may lack many frames.
         let lacked = self.last.filter(|(last, _)| *last == id).map_or(0, |(_, lacked)| lacked);
@@ -54,6 +31,5 @@ impl FeedbackPace {
         }
         self.last = Some((id, missing));
         self.is_incomplete |= missing > 0;
-        renderer.show_feedback(scene, time)
     }
 }
