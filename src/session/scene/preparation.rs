@@ -199,6 +199,7 @@ impl ScenePreparation {
         has_program && coming.tree != FirstTree::Coming
     }
 
+    /// Drops requests for programs of scenes that are gone.
     pub(super) fn forget_obsolete(&mut self, scenes: &PreparedScenes) {
         self.programs.forget_all_but(&scenes.ids());
     }
@@ -311,7 +312,7 @@ impl ScenePreparation {
 
     /// Takes the first tree of a new scene; `None` if the build was too slow.
     pub(super) fn receive_tree(
-        &mut self,
+        &self,
         id: u64,
         tree: Option<Arc<BuiltRegions>>,
         scenes: &mut PreparedScenes,
@@ -340,15 +341,13 @@ impl ScenePreparation {
             scene.programs.without_interpreter();
             return Ok(Some(id));
         }
-        let Some(expensive) = scenes.coming.take() else { return Ok(None) };
-        self.forget_obsolete(scenes);
-        Err(too_expensive(&expensive, TREE_TOO_LONG))
+        scenes.coming.take().map_or(Ok(None), |expensive| Err(too_expensive(&expensive, TREE_TOO_LONG)))
     }
 
     /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene is
     /// shown again with this program; otherwise the scene is refused. `why` is the beginning of a sentence.
     pub(super) fn withdraw(
-        &mut self,
+        &self,
         mut expensive: PreparedScene,
         mode: Mode,
         why: &str,
@@ -362,7 +361,6 @@ impl ScenePreparation {
             scenes.coming = Some(expensive);
             return None;
         }
-        self.forget_obsolete(scenes);
         Some(too_expensive(&expensive, why))
     }
 
@@ -403,9 +401,7 @@ impl ScenePreparation {
 
     /// Continues to prepare the next scenes. Called when the current scene is complete.
     pub(super) fn prepare_ahead(&mut self, wanted: WantedAhead, scenes: &mut PreparedScenes) {
-        if scenes.ahead.request(wanted, |source| self.library.neighbours_of(source)) {
-            self.forget_obsolete(scenes);
-        }
+        scenes.ahead.request(wanted, |source| self.library.neighbours_of(source));
         let fading_out = scenes.fading_out.as_ref().map(|scene| &scene.source);
         let lacking = scenes.ahead.prepare_next(self.choice.sdf, fading_out);
         let Some(Lacking { id, program, tree }) = lacking else { return };

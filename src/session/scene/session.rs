@@ -167,6 +167,7 @@ impl SceneSession {
         while let Some(loaded) = self.preparation.library.poll() {
             self.receive_loaded(loaded)?;
         }
+        self.preparation.forget_obsolete(&self.scenes);
         while let Some((task, program)) = self.preparation.programs.poll() {
             if task.product != ProgramProduct::Frames {
                 self.receive_special(task, program);
@@ -249,7 +250,6 @@ impl SceneSession {
         if self.composer.pictures.scene == replaced.as_ref().map(|scene| scene.id) {
             self.scenes.before = replaced;
         }
-        self.preparation.forget_obsolete(&self.scenes);
         // Controllers may have changed the scene's parameters since the request.
         self.update_sliders();
         self.messages.hint = None;
@@ -295,7 +295,6 @@ impl SceneSession {
         renderer: &mut Renderer,
         picture: WantedPicture<'_>,
     ) -> Result<Option<Drawn>, GpuError> {
-        let known = self.scenes.ids();
         let (go, revision) = (self.preparation.library.length_of_go(), self.revision());
         let (composer, of) = self.composing();
         if composer.give_up_another(of, &picture)
@@ -314,9 +313,6 @@ impl SceneSession {
                 Some(before) => self.scenes.ahead.keep(before),
                 None => {}
             }
-        }
-        if self.scenes.ids() != known {
-            self.preparation.forget_obsolete(&self.scenes);
         }
         if drawn.is_some() {
             self.preparation.programs.has_shown = true;
@@ -412,7 +408,6 @@ impl SceneSession {
     }
 
     pub(crate) fn follow(&mut self, time: f64) {
-        let known = self.scenes.ids();
         let now = Circumstances {
             wanted: &self.preparation.library.wanted,
             is_written: self.preparation.library.is_written,
@@ -427,9 +422,6 @@ impl SceneSession {
             }
         }
         let step = self.show.follow(time, &mut self.scenes, &now);
-        if self.scenes.ids() != known {
-            self.preparation.forget_obsolete(&self.scenes);
-        }
         let Some(Step { source, seconds }) = step else { return };
         let duration = |seconds| Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.composer.fading.next = seconds.map(duration);
