@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::config::QualityChoice;
+use crate::config::{Choice, QualityChoice};
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::session::scene::edits;
 
@@ -353,10 +353,7 @@ impl std::fmt::Display for DynamicResolution {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.choice {
             QualityChoice::Auto => write!(f, "quality auto {}", LEVELS.len() - self.level),
-            QualityChoice::Low => f.write_str("low quality"),
-            QualityChoice::Medium => f.write_str("medium quality"),
-            QualityChoice::High => f.write_str("high quality"),
-            QualityChoice::Best => f.write_str("best quality"),
+            choice => write!(f, "{} quality", choice.name()),
         }
     }
 }

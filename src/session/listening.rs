@@ -7,15 +7,16 @@ use std::time::Instant;
 use image::RgbaImage;
 
 use crate::clock;
-use crate::config::Choices;
+use crate::config::{Choices, Folders};
 use crate::covers;
 use crate::demo_track::is_demo;
 use crate::session::direction::Playing;
 use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
+use crate::session::waker::Waker;
 use crate::song_shapes::{SongTexts, shown_title};
 use crate::song_structures::{ReadSong, SongReader};
-use crate::stems::Parts;
+use crate::stems::{parts_cache, start_reader};
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
@@ -69,21 +70,17 @@ impl PaintedCover {
 }
 
 impl Listening {
-    pub(crate) fn new(
-        sound: Sound,
-        songs: SongReader,
-        stems: SongReader<Parts>,
-        covers: SongReader<RgbaImage>,
-        shapes: SongReader<LoudnessShape>,
-    ) -> Self {
+    /// Starts the threads that read other data of songs than `songs`.
+    pub(crate) fn start(sound: Sound, songs: SongReader, folders: &Folders, waker: &Waker) -> Self {
+        let stems = start_reader(parts_cache(folders), waker.waking());
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
         Self {
             sound,
             songs,
             parts: HeardParts { reader: stems, wanted: false, found: None },
-            covers,
-            shapes,
+            covers: covers::start_reader(waker.waking()),
+            shapes: SongReader::of_loudness(waker.waking()),
             energy,
             taps,
             clock,

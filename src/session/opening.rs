@@ -16,7 +16,6 @@ use super::video_making::VideoMaking;
 use super::{Interface, Playback, Run, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
-use crate::covers;
 use crate::export::{SceneChoice, print_message};
 use crate::gpu::{Counting, Gl, GpuError, Renderer, Sources};
 use crate::scenes::Drafts;
@@ -37,7 +36,6 @@ use crate::session::screen::Screen;
 use crate::session::sound::Sound;
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, structure_cache};
-use crate::stems::{parts_cache, start_reader};
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Acts, Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
@@ -126,13 +124,7 @@ impl Opening {
         let direction = start_direction(&settings, &waker)?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
-            listening: Listening::new(
-                sound,
-                songs,
-                start_reader(parts_cache(&folders), waker.waking()),
-                covers::start_reader(waker.waking()),
-                SongReader::of_loudness(waker.waking()),
-            ),
+            listening: Listening::start(sound, songs, &folders, &waker),
             scene,
             direction,
             live: None,
