@@ -103,7 +103,8 @@ impl Session {
             &self.playback.reports,
             begun,
         );
-        content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.hidden.is_bare());
+        content.next =
+            self.playback.preview.next.as_ref().filter(|_| !self.interface.ui_state.hidden.is_bare());
         content.ray = self.interface.probing.ray_view();
         let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown) else {
             return self.show_waiting(size).map(|()| false);
@@ -387,7 +388,7 @@ impl Interface {
             &playback.reports,
             now,
         );
-        content.next = playback.preview.next().filter(|_| !self.ui_state.hidden.is_bare());
+        content.next = playback.preview.next.as_ref().filter(|_| !self.ui_state.hidden.is_bare());
         content.ray = self.probing.ray_view();
         let due = self.overlay.due(&content, now);
         // The bar disappears when the pointer has not moved for a while.

@@ -138,7 +138,7 @@ impl Listening {
     /// Stops the current source and plays `files`, or appends them. Returns a message about appended files or errors.
     pub(crate) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
         if append {
-            return Some(match self.sound.song() {
+            return Some(match &self.sound.player {
                 Some(player) => {
                     player.edit(Edit::Append(files));
                     "added to the list of tracks".to_owned()

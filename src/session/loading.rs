@@ -34,14 +34,6 @@ pub(crate) struct FirstScene {
     message: Option<String>,
 }
 
-/// A [`FirstScene`] that has been loaded.
-pub(crate) struct Begun {
-    pub(crate) loaders: SceneLoaders,
-    pub(crate) first: LoadedScene,
-    /// The reason why it is another scene than the last show's.
-    pub(crate) message: Option<String>,
-}
-
 impl FirstScene {
     /// Requests the first scene, and waits a moment for it. `drafts` are the texts that loaders read instead of files.
     ///
@@ -72,11 +64,11 @@ impl FirstScene {
         Ok(first)
     }
 
-    /// Waits for the scene.
+    /// Waits for the scene. Returns also the reason why it is another scene than the last show's.
     ///
     /// # Errors
     /// Fails if the scene cannot be shown, or the system has no thread left.
-    pub(crate) fn wait(mut self) -> Result<Begun, SessionError> {
+    pub(crate) fn wait(mut self) -> Result<(SceneLoaders, LoadedScene, Option<String>), SessionError> {
         loop {
             self.wait_until(clock::now() + WINDOW_WAIT)?;
             if let Some(first) = self.loaded {
@@ -85,7 +77,7 @@ impl FirstScene {
                     false => None,
                 };
                 let loaders = SceneLoaders { shown: self.loader, ahead };
-                return Ok(Begun { loaders, first, message: self.message });
+                return Ok((loaders, first, self.message));
             }
         }
     }

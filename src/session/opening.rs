@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::drawing::paint_waiting;
-use super::loading::{Begun, FirstScene};
+use super::loading::FirstScene;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use super::ui_state::UiState;
@@ -201,7 +201,7 @@ fn start_first(
         let mut overlay = Overlay::new(screen.gl(), || ());
         paint_waiting(screen, &mut overlay, &first.requested.title(), OverlayContent::default())?;
     }
-    let Begun { loaders, first, message } = first.wait()?;
+    let (loaders, first, message) = first.wait()?;
     let (title, is_chosen) = (first.source.title(), first.source == choice.source);
     let SceneChoice { sdf, cells, view, projection, .. } = *choice;
     let drawn = DrawingChoice { sdf, cells };

@@ -123,23 +123,24 @@ impl Interface {
     }
 
     fn scene_browser(&mut self, playback: &Playback) -> SceneBrowser {
-        self.request_thumbnails();
         let scenes = playback.scene.preparation.library.all_sources();
         let favourites = playback.listening.sound.kept.settings().favourite_scenes.clone();
         let browser = SceneBrowser::new(scenes, playback.scene.scenes.shown_source(), favourites);
-        if let Some(thumbnails) = &mut self.thumbnails {
+        if let Some(thumbnails) = self.started_thumbnails() {
             browser.request_descriptions(thumbnails);
         }
         browser
     }
 
-    fn request_thumbnails(&mut self) {
+    /// The thread of thumbnails, which starts with the first call.
+    fn started_thumbnails(&mut self) -> Option<&mut Thumbnails> {
         if self.thumbnails.is_none() {
             match Thumbnails::start(&self.folders, self.waker.waking()) {
                 Ok(thumbnails) => self.thumbnails = Some(thumbnails),
                 Err(error) => tracing::warn!("cannot show thumbnails of scenes: {error}"),
             }
         }
+        self.thumbnails.as_mut()
     }
 
     fn draw_thumbnails_ahead(&mut self, playback: &mut Playback) {
@@ -152,8 +153,7 @@ impl Interface {
         if of_folder.is_empty() {
             return;
         }
-        self.request_thumbnails();
-        if let Some(thumbnails) = &mut self.thumbnails {
+        if let Some(thumbnails) = self.started_thumbnails() {
             thumbnails.draw_ahead(of_folder.into_iter());
         }
     }
@@ -162,13 +162,12 @@ impl Interface {
     pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
         self.draw_thumbnails_ahead(playback);
         let wanted = playback.controllers.wanted_pictures();
-        if !wanted.is_empty() {
-            self.request_thumbnails();
-        }
-        let Some(thumbnails) = &mut self.thumbnails else { return };
-        if !wanted.is_empty() {
+        if !wanted.is_empty()
+            && let Some(thumbnails) = self.started_thumbnails()
+        {
             thumbnails.request_pictures_later(wanted);
         }
+        let Some(thumbnails) = &mut self.thumbnails else { return };
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| playback.controllers.phones.record_picture(looked));
         if let Some(OpenPanel::Scenes(browser)) = &mut self.ui_state.panel {

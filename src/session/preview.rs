@@ -33,7 +33,7 @@ pub(super) struct Preview {
     due: Instant,
     took: Duration,
     drawn: Option<Drawn>,
-    next: Option<NextScene>,
+    pub(super) next: Option<NextScene>,
 }
 
 /// A drawn preview: its scene's title, and the moment of the song.
@@ -43,10 +43,6 @@ impl Preview {
     pub(super) fn new() -> Self {
         let (sketch, reader, drawn, next) = (Sketch::default(), None, None, None);
         Self { sketch, reader, due: clock::now(), took: ASSUMED, drawn, next }
-    }
-
-    pub(super) fn next(&self) -> Option<&NextScene> {
-        self.next.as_ref()
     }
 }
 

@@ -34,22 +34,23 @@ impl Run {
     /// Runs until the session ends. Replaces a lost OpenGL context. Calls `on_saved` when everything for the next run is
     /// saved, before a driver that is still compiling delays the return.
     pub(crate) fn run(mut self, on_saved: impl FnOnce()) -> Result<(), SessionError> {
-        loop {
-            match self.until_the_end() {
+        let ended = loop {
+            match self.step() {
+                Ok(()) if self.over => break Ok(()),
+                Ok(()) => {}
                 Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
-                ended => {
-                    tracing::info!("frames: {}", &self.session.playback.pace.times);
-                    tracing::info!("{}", &self.session.interface.typing_times);
-                    tracing::info!("from message to frame: {}", &self.session.playback.controllers.times);
-                    // After an error nothing is saved, and the window's thread waits for the error.
-                    if ended.is_ok() {
-                        self.finish();
-                        on_saved();
-                    }
-                    return ended;
-                }
+                Err(error) => break Err(error),
             }
+        };
+        tracing::info!("frames: {}", &self.session.playback.pace.times);
+        tracing::info!("{}", &self.session.interface.typing_times);
+        tracing::info!("from message to frame: {}", &self.session.playback.controllers.times);
+        // After an error nothing is saved, and the window's thread waits for the error.
+        if ended.is_ok() {
+            self.finish();
+            on_saved();
         }
+        ended
     }
 
     /// Returns `true` if `error` is a lost context and the last replacement is longer ago than five seconds.
@@ -74,13 +75,6 @@ impl Run {
     /// Ends the session as a user would, and saves its state.
     pub fn finish(&mut self) {
         self.session.leave_to_the_next(&self.settings);
-    }
-
-    fn until_the_end(&mut self) -> Result<(), SessionError> {
-        while !self.over {
-            self.step()?;
-        }
-        Ok(())
     }
 
     /// Handles finished work, waits for the next event or due time, and draws if needed.

@@ -28,7 +28,8 @@ enum Source {
 }
 
 pub(crate) struct Sound {
-    player: Option<Player>,
+    /// The player, even if an input is the current source.
+    pub(super) player: Option<Player>,
     live: Option<Live>,
     paused: bool,
     pub(super) kept: KeptSettings,
@@ -231,11 +232,6 @@ impl Sound {
                 None
             }
         }
-    }
-
-    /// The player, even if an input is the current source.
-    pub(crate) fn song(&mut self) -> Option<&mut Player> {
-        self.player.as_mut()
     }
 
     /// Switches from an input to the song. Returns the player; `None` if the session started with an input.

@@ -372,7 +372,8 @@ impl SceneComposer {
         }
         let outgoing =
             of.show.course.last_time.and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
-        outgoing.is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.stands_still())
+        outgoing
+            .is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.course.stands_still)
     }
 
     fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {

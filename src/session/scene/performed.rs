@@ -73,7 +73,7 @@ impl<'a> Performed<'a> {
     /// The same frame as a mix of two decks.
     fn on_decks(self, decks: &'a Decks, session: &'a SceneSession) -> Self {
         let [from, to] = decks.pair();
-        let fader = session.show.fader().unwrap_or_default();
+        let fader = session.show.course.fader.unwrap_or_default();
         let of = |source: &SceneSource| turned_of(source, &session.scenes, &session.parameters);
         let orbit = session.composer.camera.orbit;
         let turns_if = |is_its: bool| if is_its { orbit.turns() } else { OrbitControls::OFF.turns() };

@@ -38,12 +38,12 @@ pub(super) struct Course {
     /// Time of the last `follow`, in seconds of the song.
     pub(super) last_time: Option<f64>,
     /// True if the last two calls of `follow` had the same moment.
-    stands_still: bool,
+    pub(super) stands_still: bool,
     /// The scene of the next cue key press.
     cue: Option<SceneSource>,
     upcoming: [Option<SceneSource>; 2],
     /// Position of the fader between two decks, in 0..1; `None` in the show of a song.
-    fader: Option<f32>,
+    pub(super) fader: Option<f32>,
     /// True if the last call of `follow` was in the middle of a transition.
     was_between: bool,
 }
@@ -100,11 +100,6 @@ impl ShowFollower {
             *fader = position;
             self.revision += 1;
         }
-    }
-
-    /// Returns the position of the fader; `None` without decks.
-    pub(super) fn fader(&self) -> Option<f32> {
-        self.course.fader
     }
 
     /// Returns to the song's show, which continues with its next scene.
@@ -192,10 +187,6 @@ impl ShowFollower {
 
     pub(super) fn is_overruled(&self) -> bool {
         self.course.entered.is_some_and(|(index, _)| self.course.overruled == Some(index))
-    }
-
-    pub(super) fn stands_still(&self) -> bool {
-        self.course.stands_still
     }
 
     pub(super) fn asks_for(&self, source: &SceneSource) -> bool {
