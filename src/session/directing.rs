@@ -74,10 +74,7 @@ impl Playback {
             let heard = Hearing { time, energy, tempo, phase, novelty, drop };
             if let Some(timeline) = director.process(heard) {
                 let prepared_show = Arc::new(show.with_timeline(Some(timeline)));
-                match self.scene.show.has_prepared_show() {
-                    true => self.scene.show.extend_prepared_show(prepared_show, None),
-                    false => self.scene.show.set_prepared_show(Some(prepared_show), None),
-                }
+                self.scene.show.extend_prepared_show(prepared_show, None);
             }
         }
         self.scene.follow(moment.song_time);
@@ -114,14 +111,10 @@ impl Playback {
             Jump::Pressed(prepared_show) => {
                 self.scene.show.extend_prepared_show(prepared_show, self.cues.next());
             }
-            Jump::Nowhere if self.cues.rows.is_empty() => {
-                let words = "no show is running: press A to let scenes follow the song";
-                self.reports.answer(words);
-            }
-            Jump::Nowhere => {
-                let words = "the show cannot go there: this entry is missing, or follows an entry that waits";
-                self.reports.answer(words);
-            }
+            Jump::Nowhere => self.reports.answer(match self.cues.rows.is_empty() {
+                true => "no show is running: press A to let scenes follow the song",
+                false => "the show cannot go there: this entry is missing, or follows an entry that waits",
+            }),
         }
     }
 

@@ -2,13 +2,12 @@
 
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use image::RgbaImage;
 
 use super::camera::SceneCamera;
 use super::context_change::DrawingWays;
-use super::edits::Edits;
 use super::fading::Fading;
 use super::feedback::{self, FeedbackPace};
 use super::parameters::Parameters;
@@ -100,7 +99,8 @@ pub(crate) struct SceneComposer {
     pub(super) change: SceneChange,
     pub(crate) views: Views,
     pub(super) camera: SceneCamera,
-    pub(super) edits: Edits,
+    /// When a changed text of the shown scene was shown; `None` before the first change.
+    pub(super) edited: Option<Instant>,
     feedback: FeedbackPace,
     /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
     /// its button is held.
@@ -129,7 +129,7 @@ impl SceneComposer {
             change: SceneChange::default(),
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
-            edits: Edits::default(),
+            edited: None,
             feedback: FeedbackPace::default(),
             pointer: ([0.5; 2], false),
             revision: 0,

@@ -13,26 +13,10 @@ pub(crate) const SAMPLES: EdgeSamples = EdgeSamples::Two;
 /// Time without changes until a text counts as finished.
 const RESTS_AFTER: Duration = Duration::from_secs(2);
 
-#[derive(Debug, Default)]
-pub(super) struct Edits {
-    last: Option<Instant>,
-}
-
-impl Edits {
-    /// Notes that a changed text of the current scene is shown from `now` on.
-    pub(super) fn record(&mut self, now: Instant) {
-        self.last = Some(now);
-    }
-
-    pub(super) fn forget(&mut self) {
-        self.last = None;
-    }
-
-    /// True if frames in `mode` are drawn with [`SAMPLES`] at `now`.
-    pub(super) fn save_samples(&self, mode: Option<Mode>, now: Instant) -> bool {
-        let is_recent = |last: Instant| now.saturating_duration_since(last) < RESTS_AFTER;
-        mode == Some(Mode::Interpreted) && self.last.is_some_and(is_recent)
-    }
+/// True if frames in `mode` are drawn with [`SAMPLES`] at `now`, when the last change of the scene's text was `shown`.
+pub(super) fn save_samples(mode: Option<Mode>, shown: Option<Instant>, now: Instant) -> bool {
+    let is_recent = |shown: Instant| now.saturating_duration_since(shown) < RESTS_AFTER;
+    mode == Some(Mode::Interpreted) && shown.is_some_and(is_recent)
 }
 
 #[cfg(test)]
@@ -44,23 +28,17 @@ mod tests {
     #[test]
     fn an_interpreted_scene_saves_samples_from_an_edit_until_its_text_rests() {
         let start = Instant::now();
-        let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
-        let mut edits = Edits::default();
-        assert!(!edits.save_samples(INTERPRETED, start), "opening a scene does not count as an edit");
-        edits.record(start);
-        assert!(edits.save_samples(INTERPRETED, start) && edits.save_samples(INTERPRETED, at(1_999)));
-        assert!(!edits.save_samples(INTERPRETED, at(2_000)));
-        edits.record(at(1_500));
-        assert!(edits.save_samples(INTERPRETED, at(3_400)), "each edit counts anew");
-        edits.forget();
-        assert!(!edits.save_samples(INTERPRETED, at(1_600)), "another scene is not edited");
+        let saves = |milliseconds: u64| {
+            save_samples(INTERPRETED, Some(start), start + Duration::from_millis(milliseconds))
+        };
+        assert!(!save_samples(INTERPRETED, None, start), "opening a scene does not count as an edit");
+        assert!(saves(0) && saves(1_999) && !saves(2_000));
     }
 
     #[test]
     fn a_compiled_program_takes_all_samples() {
         let now = Instant::now();
-        let mut edits = Edits::default();
-        edits.record(now);
-        assert!(!edits.save_samples(Some(Mode::Compiled), now) && !edits.save_samples(None, now));
+        let saves = |mode| save_samples(mode, Some(now), now);
+        assert!(saves(INTERPRETED) && !saves(Some(Mode::Compiled)) && !saves(None));
     }
 }

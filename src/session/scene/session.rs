@@ -6,6 +6,7 @@ use super::ahead::PreparedAhead;
 use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
 use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders, TakenOver};
 use super::decks::Decks;
+use super::edits::save_samples;
 use super::library::SceneLibrary;
 use super::messages::Messages;
 use super::on_decks::DeckChanges;
@@ -238,9 +239,9 @@ impl SceneSession {
         let Some(shown) = &mut self.scenes.shown else { return };
         let is_another = replaced.as_ref().is_some_and(|replaced| replaced.title() != shown.title());
         if replaced.as_ref().map(|replaced| &replaced.source) != Some(&shown.source) {
-            self.composer.edits.forget();
+            self.composer.edited = None;
         } else if !shown.settles {
-            self.composer.edits.record(clock::now());
+            self.composer.edited = Some(clock::now());
         }
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
             let (took, orbit) = (self.composer.pictures.took(), self.composer.camera.orbit);
@@ -521,7 +522,7 @@ impl SceneSession {
     }
 
     pub(crate) fn saves_samples(&self, now: Instant) -> bool {
-        self.composer.edits.save_samples(self.mode(), now)
+        save_samples(self.mode(), self.composer.edited, now)
     }
 
     pub(crate) fn record_frame_time(&mut self, time: Duration) {
