@@ -90,8 +90,11 @@ impl Session {
             None => playing.title.clone(),
         };
         let length = playing.duration.unwrap_or_default();
-        let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
-        self.playback.controllers.put_up(present, self.playback.scene.parameters_in_hand().sliders());
+        let controllers = &self.playback.controllers;
+        let scenes = controllers.scenes.1.iter().map(|(title, _)| title.clone()).collect();
+        let params = self.playback.scene.parameters_in_hand().sliders().to_vec();
+        let present = Present { scene, scenes, params, switches, levels, tempo, track, length };
+        controllers.board.put(present);
     }
 }
 

@@ -121,7 +121,9 @@ impl Opening {
         message.into_iter().chain(troubles).for_each(|notice| reports.announce(notice));
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
-        let direction = start_direction(&settings, &waker)?;
+        let (show, follow) = (settings.show.clone(), settings.choices.follow_song);
+        let direction = Direction::start(show, follow, settings.names_scene, waker.waking())
+            .map_err(|error| SessionError::NoThread(error.to_string()))?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
             listening: Listening::start(sound, songs, &folders, &waker),
@@ -243,12 +245,6 @@ fn start_player(tracks: Opened, settings: &PlaySettings) -> Result<Player, Sessi
         player.seek_to(settings.begin_at);
     }
     Ok(player)
-}
-
-fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
-    let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
-    Direction::start(file, follow, settings.names_scene, waker.waking())
-        .map_err(|error| SessionError::NoThread(error.to_string()))
 }
 
 fn output_of(settings: &PlaySettings) -> Option<Target> {

@@ -21,7 +21,7 @@ use crate::scenes::SceneSource;
 use crate::session::times::Times;
 use crate::session::waker::Waker;
 use mariana_control::midi::Target;
-use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
+use mariana_control::{Board, InputBatch, InputQueue, Slider};
 
 /// Minimum interval between two input batches: a flood of messages must not keep the session from drawing.
 const INTERVAL: Duration = Duration::from_millis(4);
@@ -32,7 +32,7 @@ const PANEL_AGE: Duration = Duration::from_millis(100);
 
 pub(crate) struct Controllers {
     pub(crate) input_queue: InputQueue,
-    board: Board,
+    pub(super) board: Board,
     pub(super) network: Network,
     pub(super) phones: Phones,
     pub(super) midi: Midi,
@@ -97,11 +97,6 @@ impl Controllers {
         let of =
             |title: String| all.iter().find(|(known, _)| *known == title).map(|(_, source)| source.clone());
         self.phones.album.drain_requested().into_iter().filter_map(of).collect()
-    }
-
-    pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
-        let scenes = self.scenes.1.iter().map(|(title, _)| title.clone()).collect();
-        self.board.put(Present { scenes, params: sliders.to_vec(), ..present });
     }
 
     pub(crate) fn drain(&mut self, now: Instant) -> Option<InputBatch> {
