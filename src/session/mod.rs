@@ -82,7 +82,6 @@ use crate::session::typing_times::TypingTimes;
 use crate::show::{Finish, LiveDirector, PreparedShow};
 use crate::thumbnails::Thumbnails;
 use crate::ui::open_panel::OpenPanel;
-use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Acts, Overlay};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
@@ -516,11 +515,5 @@ impl Interface {
             screen.request_redraw();
         }
         taken
-    }
-
-    /// Carries out requests of assistive technology before the next frame is drawn.
-    pub(super) fn assist(&mut self, screen: &mut dyn Screen, assistance: Assistance) {
-        self.overlay.assist(assistance);
-        screen.request_redraw();
     }
 }

@@ -95,7 +95,9 @@ impl Run {
                     }
                 }
                 Event::Assistance(assistance) => {
-                    self.session.interface.assist(&mut *self.session.screen, assistance)
+                    // Carry out the request before the next frame is drawn.
+                    self.session.interface.overlay.assist(assistance);
+                    self.session.screen.request_redraw();
                 }
                 Event::Redraw => redraws = true,
                 Event::End => {
@@ -113,7 +115,9 @@ impl Run {
     }
 
     fn update_session(&mut self) -> Result<Instant, SessionError> {
-        self.obey_desktop();
+        while let Some(command) = self.session.playback.reports.desktop.poll() {
+            self.carry_out(command, Sender::Desktop);
+        }
         self.obey_controllers();
         self.over |= self.session.update_status(&self.settings)?;
         self.session.remember_show(&self.settings, clock::now());
@@ -168,12 +172,6 @@ impl Run {
             }
         }
         self.session.record_actions(since, before);
-    }
-
-    fn obey_desktop(&mut self) {
-        while let Some(command) = self.session.playback.reports.desktop.poll() {
-            self.carry_out(command, Sender::Desktop);
-        }
     }
 }
 

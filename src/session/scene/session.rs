@@ -26,7 +26,7 @@ use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::ProgramProduct;
 use crate::gpu::{CellUse, Gl, GpuError, Mode, PictureReader, Renderer, Sketch, Sources, WorkerContext};
 use crate::moving_textures::LiveTextures;
-use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
+use crate::scenes::SceneSource;
 use crate::song_shapes::LiveSongShapes;
 use crate::ui::overlay::{DeckStrip, OverlayContent, PanelSwitches};
 use crate::view::ViewChoice;
@@ -166,7 +166,13 @@ impl SceneSession {
     /// Fails if the driver rejects a scene, and no other scene can be shown.
     pub(crate) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.preparation.library.poll() {
-            self.receive_loaded(loaded)?;
+            if loaded.value.is_ok() {
+                self.messages.problem = None;
+            }
+            match self.preparation.receive_loaded(loaded.value, &mut self.scenes)? {
+                None => self.show_what_is_ready(),
+                Some(refusal) => self.refuse(refusal),
+            }
         }
         self.preparation.forget_obsolete(&self.scenes);
         while let Some((task, program)) = self.preparation.programs.poll() {
@@ -194,17 +200,6 @@ impl SceneSession {
             self.preparation.prepare_ahead(wanted, &mut self.scenes);
         }
         self.preparation.report_slow_programs(&self.scenes, &mut self.messages);
-        Ok(())
-    }
-
-    fn receive_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
-        if loaded.value.is_ok() {
-            self.messages.problem = None;
-        }
-        match self.preparation.receive_loaded(loaded.value, &mut self.scenes)? {
-            None => self.show_what_is_ready(),
-            Some(refusal) => self.refuse(refusal),
-        }
         Ok(())
     }
 
