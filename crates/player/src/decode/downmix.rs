@@ -70,25 +70,14 @@ impl Downmix {
 
     /// Mixes the planes (one per channel, of equal length) into `out`. Samples that are not finite become silence.
     pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
-        let start = out.len();
         match planes {
             [mono] => out.extend(mono.iter().take(frames).map(|&s| [clean(s); 2])),
             [left, right] => {
                 out.extend(left.iter().zip(right).take(frames).map(|(&l, &r)| [clean(l), clean(r)]));
             }
-            _ => {
-                out.resize(start + frames, [0.0; 2]);
-                for (plane, &[left, right]) in planes.iter().zip(&self.weights) {
-                    if left == 0.0 && right == 0.0 {
-                        continue;
-                    }
-                    for (frame, &sample) in out[start..].iter_mut().zip(plane) {
-                        let sample = clean(sample);
-                        frame[0] += left * sample;
-                        frame[1] += right * sample;
-                    }
-                }
-            }
+            _ => out.extend((0..frames).map(|at| {
+                self.mix_frame(planes.iter().map(|plane| plane.get(at).copied().unwrap_or_default()))
+            })),
         }
     }
 }

@@ -154,17 +154,13 @@ impl FfmpegDecoder {
 
     fn append(&mut self, piece: &[u8]) {
         self.rest.extend_from_slice(piece);
-        let channels = self.downmix.channels();
-        let frames = self.rest.len() / (4 * channels);
-        let whole = frames * 4 * channels;
-        let mut planes = vec![Vec::with_capacity(frames); channels];
-        for (n, sample) in self.rest.get(..whole).unwrap_or_default().as_chunks::<4>().0.iter().enumerate() {
-            if let Some(plane) = planes.get_mut(n % channels) {
-                plane.push(f32::from_le_bytes(*sample));
-            }
-        }
-        self.rest.drain(..whole);
-        self.downmix.mix(&planes, frames, &mut self.pending);
+        let frame_bytes = 4 * self.downmix.channels();
+        let whole = self.rest.len() / frame_bytes * frame_bytes;
+        let rest = self.rest.split_off(whole);
+        let sample = |bytes: &[u8; 4]| f32::from_le_bytes(*bytes);
+        let frames = self.rest.as_chunks::<4>().0.chunks(self.downmix.channels());
+        self.pending.extend(frames.map(|frame| self.downmix.mix_frame(frame.iter().map(sample))));
+        self.rest = rest;
         self.drop_skipped();
     }
 
