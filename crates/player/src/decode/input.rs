@@ -18,15 +18,8 @@ use super::mended::Mended;
 use super::old_tags::{self, OldTags};
 use super::{contained, sniff};
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TagBytes {
-    pub(super) text: usize,
-    pub(super) picture: usize,
-}
-
-impl TagBytes {
-    const FOR_SOUND: Self = Self { text: 1 << 16, picture: 0 };
-}
+/// Maximum size of the tags with text, in bytes, if no cover is read.
+const TEXT_BYTES: usize = 1 << 16;
 
 #[derive(Debug, Clone)]
 pub(super) struct MediaInput {
@@ -99,11 +92,8 @@ impl MediaInput {
         })
     }
 
-    pub(super) fn open(&self) -> Result<Opened, Problem> {
-        self.open_with(TagBytes::FOR_SOUND)
-    }
-
-    pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, Problem> {
+    /// Opens the demuxer, which keeps covers of at most `cover_bytes`.
+    pub(super) fn open(&self, cover_bytes: usize) -> Result<Opened, Problem> {
         let mut source = self.source()?;
         let mut head = Vec::new();
         source.by_ref().take(sniff::SNIFF_BYTES as u64).read_to_end(&mut head)?;
@@ -121,9 +111,10 @@ impl MediaInput {
         if let Some(extension) = Path::new(&self.name).extension().and_then(|e| e.to_str()) {
             hint.with_extension(extension);
         }
+        // Comments hold covers in base64.
         let metadata = MetadataOptions::default()
-            .limit_tag_bytes(Limit::Maximum(tags.text))
-            .limit_visual_bytes(Limit::Maximum(tags.picture));
+            .limit_tag_bytes(Limit::Maximum(TEXT_BYTES.max(2 * cover_bytes)))
+            .limit_visual_bytes(Limit::Maximum(cover_bytes));
         let stream = MediaSourceStream::new(Box::new(source), Default::default());
         let probe = |stream| {
             contained(|| {

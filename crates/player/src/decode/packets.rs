@@ -100,7 +100,7 @@ struct Mixer {
 impl PacketReader {
     /// Opens the audio track with this index, or the first track that can be decoded.
     pub(super) fn open(input: &MediaInput, track: Option<usize>) -> Result<Self, Problem> {
-        let opened = input.open()?;
+        let opened = input.open(0)?;
         Ok(Self {
             stream: Stream::choose(opened.format.as_ref(), track)?,
             track,
@@ -402,7 +402,7 @@ impl PacketReader {
         let Some(ticks) = self.stream.clock.ticks_before(early, rate) else { return Ok(false) };
         if self.edits.is_fragmented {
             // The demuxer looks for more fragments where it has read the last packet, and finds none.
-            self.format = self.input.open()?.format;
+            self.format = self.input.open(0)?.format;
         }
         let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.stream.track.id };
         let format = &mut self.format;

@@ -5,7 +5,7 @@ use std::path::Path;
 use symphonia::core::meta::StandardVisualKey;
 
 use super::error::DecodeError;
-use super::input::{MediaInput, TagBytes};
+use super::input::MediaInput;
 use super::packets::PacketReader;
 use crate::limits;
 
@@ -70,9 +70,7 @@ impl Cover {
 }
 
 pub(super) fn cover_of(input: &MediaInput) -> Result<Option<Cover>, DecodeError> {
-    // Comments hold covers in base64, so the text limit is twice the cover limit.
-    let limits = TagBytes { text: 2 * limits::COVER_BYTES_MAX, picture: limits::COVER_BYTES_MAX };
-    let mut opened = input.open_with(limits).map_err(|problem| problem.of(&input.name))?;
+    let mut opened = input.open(limits::COVER_BYTES_MAX).map_err(|problem| problem.of(&input.name))?;
     let mut metadata = opened.format.metadata();
     let mut first = None;
     loop {
