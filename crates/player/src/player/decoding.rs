@@ -24,7 +24,7 @@ use crate::resample::Resampler;
 use crate::source::SourceError;
 use crate::track::{Found, Repeat, Track, TrackInfo};
 use passages::{Goal, Place};
-use segment::{CurrentSegment, SegmentStart};
+use segment::CurrentSegment;
 use track_queue::TrackQueue;
 
 mod passages;
@@ -220,14 +220,11 @@ impl Decoding {
         let (target, reached) = reached.unwrap_or((target, target));
         let frame_at = |seconds: f64| (seconds * f64::from(source_rate)).round() as u64;
         self.queue.passages.begin_anew();
-        self.segment.begin(SegmentStart {
-            passage: self.queue.passages.current(),
-            info: self.queue.passages.track().info.clone(),
-            target: frame_at(target) as f64 / f64::from(source_rate),
-            resampler,
-            skip: frame_at(target).saturating_sub(frame_at(reached)),
-            from_start: reached == 0.0,
-        });
+        let passages = &self.queue.passages;
+        let start = frame_at(target) as f64 / f64::from(source_rate);
+        let skip = frame_at(target).saturating_sub(frame_at(reached));
+        let info = passages.track().info.clone();
+        self.segment.begin(passages.current(), info, start, resampler, skip, reached == 0.0);
         self.analyse_current(frame_at(reached));
         self.queue.request_ahead();
     }

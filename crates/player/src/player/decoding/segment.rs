@@ -22,16 +22,6 @@ const RING_BUFFERS: usize = 4;
 /// A segment is played once this many seconds are ready: more than the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
-pub(super) struct SegmentStart {
-    pub(super) passage: u64,
-    pub(super) info: Arc<TrackInfo>,
-    /// The track time of the segment's first frame, in seconds.
-    pub(super) target: f64,
-    pub(super) resampler: Resampler,
-    pub(super) skip: u64,
-    pub(super) from_start: bool,
-}
-
 /// The segment being filled and its output. `filling` is `None` before the first output or after a failed start.
 #[derive(Default)]
 pub(super) struct CurrentSegment {
@@ -109,9 +99,17 @@ impl CurrentSegment {
         }
     }
 
-    pub(super) fn begin(&mut self, start: SegmentStart) {
+    /// Begins a segment at `target` seconds of a track. The source starts `skip` frames earlier, for the analysis.
+    pub(super) fn begin(
+        &mut self,
+        passage: u64,
+        info: Arc<TrackInfo>,
+        target: f64,
+        resampler: Resampler,
+        skip: u64,
+        from_start: bool,
+    ) {
         let Some(link) = &self.link else { return };
-        let SegmentStart { passage, info, target, resampler, skip, from_start } = start;
         self.last_id += 1;
         self.start = target;
         self.audible_segments.lock().begin(self.last_id, self.run, link.rate, passage, target, info);

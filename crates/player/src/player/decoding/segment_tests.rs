@@ -23,7 +23,7 @@ fn begun(goal: Goal) -> (CurrentSegment, OutputCallback) {
 fn begin(segment: &mut CurrentSegment, target: f64) {
     let resampler = Resampler::new(RATE, RATE).expect("a rate within the limits");
     let info = Track::silence(0, 1).info;
-    segment.begin(SegmentStart { passage: 1, info, target, resampler, skip: 0, from_start: false });
+    segment.begin(1, info, target, resampler, 0, false);
 }
 
 fn feed(segment: &mut CurrentSegment, seconds: f64) {
