@@ -5,17 +5,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use mariana_player::output::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
+use mariana_player::output::{Controls, OutputCallback, OutputCallbackLink, Segment};
 
 const FRAMES: usize = 1024;
 
 fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
-    let (mut output_callback, mut link) = OutputCallback::new(
-        48_000,
-        FRAMES,
-        Arc::new(Controls::new(volume, false)),
-        Arc::new(Counters::default()),
-    );
+    let (mut output_callback, mut link) =
+        OutputCallback::new(48_000, FRAMES, Arc::new(Controls::new(volume, false)));
     let (mut ring, _, segment) = Segment::new(1, 4 * FRAMES);
     ring.push_entire_slice(&[[0.5, -0.25]; 4 * FRAMES]).unwrap_or_default();
     drop(link.offer(segment));

@@ -21,7 +21,7 @@ use super::device_list::ListedDevice;
 use super::error::PlayerError;
 use super::gain_switch::GainSwitch;
 use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
-use super::output::{Controls, Counters, OutputPort};
+use super::output::{Controls, OutputPort};
 use super::track::{Repeat, Track, TrackInfo, TrackList};
 use crate::output::Supervisor;
 use audible::AudibleMoment;
@@ -114,7 +114,6 @@ pub struct Player {
     // This is the first field, so that the threads end before the data that they use is dropped.
     threads: Threads,
     controls: Arc<Controls>,
-    counters: Arc<Counters>,
     gain: GainSwitch,
     /// The track that was audible last, with the track's current index in the list.
     track: Arc<TrackInfo>,
@@ -146,7 +145,6 @@ impl Player {
         listing.publish(std::iter::once((track.id, ListedTrack::from(&*track))), None);
         list.fill_listing(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
-        let counters = Arc::new(Counters::default());
         let audible_segments = SharedAudibleSegments::default();
         let track_errors = SharedTrackErrors::default();
         let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
@@ -164,7 +162,7 @@ impl Player {
         let outputs = commands.clone();
         // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
-        let port = OutputPort::new(controls.clone(), counters.clone(), rate, deliver);
+        let port = OutputPort::new(controls.clone(), rate, deliver);
         let supervisor = Supervisor::start(port, options.output)?;
         let outputs = supervisor.notes();
         let decoding = decoding.finished_at_drop(DECODING_END_LIMIT);
@@ -172,7 +170,6 @@ impl Player {
         let of_song = [decoding, analysis, list];
         Ok(Self {
             controls,
-            counters,
             position: Position::new(outputs.clone(), audible_segments.clone(), track.clone()),
             audible: AudibleMoment::new(outputs, audible_segments, track.id),
             threads: Threads { commands, supervisor, _of_song: of_song },
@@ -280,7 +277,7 @@ impl Player {
             device: output.device,
             silent: output.silent,
             refused: output.refused,
-            underruns: self.counters.underruns.load(Ordering::Relaxed),
+            underruns: self.controls.underruns.load(Ordering::Relaxed),
             track_errors: self.track_errors.get(),
             missed_audio: place.missed_audio,
         }

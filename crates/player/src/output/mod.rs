@@ -3,5 +3,5 @@
 mod output_callback;
 mod port;
 
-pub use output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
+pub use output_callback::{Controls, OutputCallback, OutputCallbackLink, Segment};
 pub(crate) use port::{OutputPort, OutputWatch, Supervisor};

@@ -35,11 +35,13 @@ const LATENCY_MAX: Duration = Duration::from_secs(5);
 /// Maximum sample value. It is just below 1 because integer formats end just below 1.
 const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// The settings that the window writes and the callback reads.
+/// The settings that the window writes and the callbacks of all outputs read, and what they report.
 pub struct Controls {
     volume: AtomicU32,
     muted: AtomicBool,
     paused: AtomicBool,
+    /// Number of gaps in the sound because the decoding thread or the device's thread was too late.
+    pub underruns: AtomicU64,
 }
 
 impl Controls {
@@ -49,6 +51,7 @@ impl Controls {
             volume: AtomicU32::new(0),
             muted: AtomicBool::new(false),
             paused: AtomicBool::new(paused),
+            underruns: AtomicU64::new(0),
         };
         controls.set_volume(volume);
         controls
@@ -89,15 +92,6 @@ impl Controls {
     fn gain(&self) -> f32 {
         if self.muted() { 0.0 } else { self.volume().powi(3) }
     }
-}
-
-/// The callback's counters, summed over all outputs of a playback.
-#[derive(Default)]
-pub struct Counters {
-    /// Number of callback calls.
-    pub callbacks: AtomicU64,
-    /// Number of gaps in the sound because the decoding thread or the device's thread was too late.
-    pub underruns: AtomicU64,
 }
 
 /// An unbroken run of frames; see [the crate](crate).
@@ -180,7 +174,6 @@ impl Drop for OutputCallbackLink {
 pub struct OutputCallback {
     rate: u32,
     controls: Arc<Controls>,
-    counters: Arc<Counters>,
     retired: Arc<AtomicBool>,
     spans: SpanWriter,
     incoming: Consumer<Segment>,
@@ -198,12 +191,7 @@ pub struct OutputCallback {
 
 impl OutputCallback {
     /// Creates the callback, and its link, for a device of `rate` frames per second and `buffer_frames` per call.
-    pub fn new(
-        rate: u32,
-        buffer_frames: usize,
-        controls: Arc<Controls>,
-        counters: Arc<Counters>,
-    ) -> (Self, OutputCallbackLink) {
+    pub fn new(rate: u32, buffer_frames: usize, controls: Arc<Controls>) -> (Self, OutputCallbackLink) {
         let (spans, history) = SpanHistory::new(rate);
         let (incoming_in, incoming) = RingBuffer::new(1);
         let (outgoing, outgoing_out) = RingBuffer::new(4);
@@ -220,7 +208,6 @@ impl OutputCallback {
         let output_callback = Self {
             rate: rate.max(1),
             controls,
-            counters,
             retired,
             spans,
             incoming,
@@ -252,7 +239,6 @@ impl OutputCallback {
         called_at: Instant,
         latency: Option<Duration>,
     ) {
-        self.counters.callbacks.fetch_add(1, Ordering::Relaxed);
         let channels = channels.max(1);
         let frames = data.len() / channels;
         let (whole, rest) = data.split_at_mut(frames * channels);
@@ -373,7 +359,7 @@ impl OutputCallback {
         if taken == 0 {
             self.starved = true;
             if !drained && !segment.drained() {
-                self.counters.underruns.fetch_add(1, Ordering::Relaxed);
+                self.controls.underruns.fetch_add(1, Ordering::Relaxed);
             }
         }
         taken

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use cpal::traits::DeviceTrait;
 use cpal::{BufferSize, FromSample, SizedSample, StreamConfig};
 
-use super::output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink};
+use super::output_callback::{Controls, OutputCallback, OutputCallbackLink};
 use crate::clock::SpanHistory;
 use crate::device::{
     BUILD_LIMIT, Candidate, OnFailure, OpenError, OpenResult, Opened, Port, Running, Target, buffer_frames,
@@ -31,7 +31,6 @@ pub(crate) type OutputWatch = NoteReader<Option<Arc<SpanHistory>>>;
 
 pub(crate) struct OutputPort {
     controls: Arc<Controls>,
-    counters: Arc<Counters>,
     silent_rate: u32,
     deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
 }
@@ -41,11 +40,10 @@ impl OutputPort {
     /// silent clock's frames per second.
     pub(crate) fn new(
         controls: Arc<Controls>,
-        counters: Arc<Counters>,
         silent_rate: u32,
         deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
     ) -> Self {
-        Self { controls, counters, silent_rate, deliver: Box::new(deliver) }
+        Self { controls, silent_rate, deliver: Box::new(deliver) }
     }
 }
 
@@ -56,8 +54,8 @@ impl Port for OutputPort {
     const DIRECTION: Direction = Direction::Output;
 
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<OutputCallbackLink> + Send + 'static {
-        let (controls, counters) = (self.controls.clone(), self.counters.clone());
-        move |target, on_failure| open(&target, &controls, &counters, &on_failure)
+        let controls = self.controls.clone();
+        move |target, on_failure| open(&target, &controls, &on_failure)
     }
 
     fn describe(link: &OutputCallbackLink) -> Self::Note {
@@ -66,8 +64,7 @@ impl Port for OutputPort {
 
     fn stand_in(&self) -> io::Result<Option<(Latest<()>, OutputCallbackLink)>> {
         let rate = self.silent_rate;
-        let (output_callback, link) =
-            OutputCallback::new(rate, 0, self.controls.clone(), self.counters.clone());
+        let (output_callback, link) = OutputCallback::new(rate, 0, self.controls.clone());
         let clock = start_silent_clock(output_callback, rate)?;
         link.history.set_silent();
         Ok(Some((clock, link)))
@@ -79,12 +76,7 @@ impl Port for OutputPort {
 }
 
 /// May block as long as the sound system does. Requests a buffer size, because PulseAudio's default is 2 s.
-fn open(
-    target: &Target,
-    controls: &Arc<Controls>,
-    counters: &Arc<Counters>,
-    on_failure: &OnFailure,
-) -> OpenResult<OutputCallbackLink> {
+fn open(target: &Target, controls: &Arc<Controls>, on_failure: &OnFailure) -> OpenResult<OutputCallbackLink> {
     hush_sound_library();
     let direction = Direction::Output;
     let FoundDevice { device, entry } = find(direction, target)?;
@@ -97,9 +89,8 @@ fn open(
     let format = supported.sample_format();
     let attempt = |buffer_size| -> Result<_, OpenError> {
         let config = StreamConfig { buffer_size, sample_rate: rate, ..supported.config() };
-        let (output_callback, link) =
-            OutputCallback::new(rate, frames as usize, controls.clone(), counters.clone());
-        let glitches = counters.clone();
+        let (output_callback, link) = OutputCallback::new(rate, frames as usize, controls.clone());
+        let glitches = controls.clone();
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.underruns.fetch_add(1, Ordering::Relaxed);
         });

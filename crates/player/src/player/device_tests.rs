@@ -169,8 +169,7 @@ fn open(
     buffer: usize,
     latency: Duration,
 ) -> Device {
-    let (output_callback, link) =
-        OutputCallback::new(rate, buffer, Arc::new(Controls::new(1.0, false)), Arc::default());
+    let (output_callback, link) = OutputCallback::new(rate, buffer, Arc::new(Controls::new(1.0, false)));
     let history = link.history.clone();
     commands.send(Command::Output { link, at: now }).expect("the thread runs");
     wait_until_idle(commands);

@@ -172,7 +172,7 @@ impl Stepped {
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &reported));
         let worker = Background::start("decoding", move || work.run(&inbox)).expect("a thread");
         let controls = Arc::new(Controls::new(1.0, false));
-        let (output_callback, link) = OutputCallback::new(rate, 480, controls, Arc::default());
+        let (output_callback, link) = OutputCallback::new(rate, 480, controls);
         let history = link.history.clone();
         let now = Instant::now();
         commands.send(Command::Output { link, at: now }).expect("the thread runs");
@@ -238,8 +238,7 @@ impl Stepped {
     }
 
     pub(super) fn change_device(&mut self, rate: u32) {
-        let (output_callback, link) =
-            OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
+        let (output_callback, link) = OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)));
         self.history = link.history.clone();
         self.output_callback = output_callback;
         self.send(Command::Output { link, at: self.now });
@@ -401,7 +400,7 @@ fn play(song: Ramp, options: PlayerOptions) -> Player {
 fn start(frames: usize, options: PlayerOptions) -> Player {
     let mut player = play(Ramp::new(frames), options);
     wait_for(&mut player, "the first callback", |player| {
-        player.counters.callbacks.load(Ordering::Relaxed) > 2
+        player.threads.supervisor.status().note.is_some_and(|history| history.calls() > 2)
     });
     player
 }

@@ -13,7 +13,7 @@ const RATE: u32 = 48_000;
 fn begun(goal: Goal) -> (CurrentSegment, OutputCallback) {
     let mut segment = CurrentSegment::new(SharedAudibleSegments::default());
     let controls = Arc::new(Controls::new(1.0, false));
-    let (callback, link) = OutputCallback::new(RATE, 480, controls, Arc::default());
+    let (callback, link) = OutputCallback::new(RATE, 480, controls);
     segment.set_output(link);
     segment.aim(goal);
     begin(&mut segment, goal.time);
