@@ -164,7 +164,7 @@ impl Player {
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
         let port = OutputPort::new(controls.clone(), rate, deliver);
         let supervisor = Supervisor::start(port, options.output)?;
-        let outputs = supervisor.notes();
+        let outputs = supervisor.shared_status();
         let decoding = decoding.finished_at_drop(DECODING_END_LIMIT);
         let [analysis, list] = [analysis, list_thread].map(|thread| thread.finished_at_drop(END_LIMIT));
         let of_song = [decoding, analysis, list];

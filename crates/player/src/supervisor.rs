@@ -42,6 +42,9 @@ pub(crate) struct StreamStatus<N> {
     pub(crate) note: N,
 }
 
+/// A status that stays readable after the supervisor has ended.
+pub(crate) type SharedStatus<N> = Arc<Mutex<StreamStatus<N>>>;
+
 enum Event<L> {
     Quit,
     Choose(Target),
@@ -54,14 +57,14 @@ type Numbered<L> = (u64, Event<L>);
 
 pub(crate) struct Supervisor<P: Port> {
     events: Sender<Numbered<P::Link>>,
-    status: Arc<Mutex<StreamStatus<P::Note>>>,
+    status: SharedStatus<P::Note>,
     _worker: Background,
 }
 
 impl<P: Port> Supervisor<P> {
     pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
         let (events, inbox) = channel();
-        let status = Arc::<Mutex<StreamStatus<P::Note>>>::default();
+        let status = SharedStatus::<P::Note>::default();
         let device_list = if target.is_some() { Some(DeviceWatch::shared()?) } else { None };
         let mut watch = Watch {
             port,
@@ -86,23 +89,13 @@ impl<P: Port> Supervisor<P> {
         lock(&self.status).clone()
     }
 
-    pub(crate) fn notes(&self) -> NoteReader<P::Note> {
-        NoteReader(self.status.clone())
+    pub(crate) fn shared_status(&self) -> SharedStatus<P::Note> {
+        self.status.clone()
     }
 
     pub(crate) fn choose(&self, target: Target) {
         // A failed send means that the thread has ended.
         let _ = self.events.send((0, Event::Choose(target)));
-    }
-}
-
-/// Port-specific data about the open stream. It stays readable after the supervisor has ended.
-#[derive(Clone)]
-pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
-
-impl<N: Clone> NoteReader<N> {
-    pub(crate) fn note(&self) -> N {
-        lock(&self.0).note.clone()
     }
 }
 
@@ -165,7 +158,7 @@ struct Watch<P: Port> {
     /// The number of polls after which the device list certainly covers the last opening. Until then, the default
     /// device may have changed and changed back unnoticed, so that the opened device is no longer the default.
     settled_after: Option<u64>,
-    status: Arc<Mutex<StreamStatus<P::Note>>>,
+    status: SharedStatus<P::Note>,
     events: Sender<Numbered<P::Link>>,
     last_number: u64,
     current: Current,

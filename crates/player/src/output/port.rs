@@ -17,7 +17,7 @@ use crate::device::{
 use crate::device_list::FoundDevice;
 use crate::devices::{for_playback, hush_sound_library};
 use crate::error::Direction;
-use crate::supervisor::NoteReader;
+use crate::supervisor::SharedStatus;
 use mariana_work::{Latest, looping};
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
@@ -26,8 +26,8 @@ const BUFFER_FRAMES: u32 = 1024;
 /// The supervisor of the output. Its note is the history of audible frames; `None` before the first output is open.
 pub(crate) type Supervisor = crate::supervisor::Supervisor<OutputPort>;
 
-/// Reads the history of the current output.
-pub(crate) type OutputWatch = NoteReader<Option<Arc<SpanHistory>>>;
+/// Its note is the history of the current output.
+pub(crate) type OutputWatch = SharedStatus<Option<Arc<SpanHistory>>>;
 
 pub(crate) struct OutputPort {
     controls: Arc<Controls>,

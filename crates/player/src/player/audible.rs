@@ -10,6 +10,7 @@ use crate::clock::{Audible, Clock, SpanHistory};
 use crate::limits;
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
+use mariana_work::lock;
 
 /// The audible moment of a song.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,7 +51,7 @@ impl AudibleMoment {
         let limit = limits::LATENCY_MS_MAX / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
         self.shift = shift.max(0.0);
-        let history = self.outputs.note();
+        let history = lock(&self.outputs).note.clone();
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         if let Some(audible) = self.clock.at(history.as_ref(), Instant::now(), self.shift, carry)

@@ -7,7 +7,7 @@ use mariana_work::lock;
 
 use super::missed_audio::{MissedAudio, MissedAudioWatch};
 use crate::audible_segments::SharedAudibleSegments;
-use crate::clock::{Clock, SpanHistory};
+use crate::clock::Clock;
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
 
@@ -55,7 +55,7 @@ impl Position {
 
 impl State {
     fn current(&mut self) -> Place {
-        let history: Option<Arc<SpanHistory>> = self.outputs.note();
+        let history = lock(&self.outputs).note.clone();
         let audible_segments = self.audible_segments.lock();
         let carry = |from, to| audible_segments.carry(from, to);
         let audible = self.clock.at(history.as_ref(), Instant::now(), 0.0, carry);
