@@ -44,6 +44,12 @@ pub use position::Position;
 
 const ANALYSIS_QUEUE: usize = 32;
 
+/// The time that the decoding has to end. A decoder may wait for a slow disk.
+const DECODING_END_LIMIT: Duration = Duration::from_secs(1);
+
+/// The time that the analysis and the list each have to end, once the decoding has ended or is abandoned.
+const END_LIMIT: Duration = Duration::from_millis(100);
+
 /// The settings of a new player.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
@@ -111,8 +117,11 @@ pub struct PlayerStatus {
 
 /// A player of tracks. Dropping the player ends the sound and the threads, within a time limit.
 pub struct Player {
-    // This is the first field, so that the threads end before the data that they use is dropped.
-    threads: Threads,
+    // The fields are dropped in this order: the supervisor ends first, and the threads before the data that they use.
+    commands: Sender<Command>,
+    supervisor: Supervisor,
+    /// The threads of the decoding, of the analysis and of the list. The other two end when the decoding ends.
+    _of_song: [Background; 3],
     controls: Arc<Controls>,
     gain: GainSwitch,
     /// The track that was audible last, with the track's current index in the list.
@@ -172,7 +181,9 @@ impl Player {
             controls,
             position: Position::new(outputs.clone(), audible_segments.clone(), track.clone()),
             audible: AudibleMoment::new(outputs, audible_segments, track.id),
-            threads: Threads { commands, supervisor, _of_song: of_song },
+            commands,
+            supervisor,
+            _of_song: of_song,
             gain,
             track,
             listing,
@@ -191,28 +202,28 @@ impl Player {
     /// before the track's start becomes the start. A target beyond the track's end leads to the next track. Values that
     /// are not finite are ignored.
     pub fn seek_by(&self, seconds: f64) {
-        self.threads.send(Command::SeekBy(seconds));
+        self.send(Command::SeekBy(seconds));
     }
 
     /// Seeks to a time of the track, in seconds, clamped like [`Player::seek_by`].
     pub fn seek_to(&self, seconds: f64) {
-        self.threads.send(Command::SeekTo(seconds));
+        self.send(Command::SeekTo(seconds));
     }
 
     /// Skips to the next or the previous track. After 3 s of a track, a skip back restarts the track.
     pub fn skip(&self, forward: bool) {
-        self.threads.send(Command::Skip { forward });
+        self.send(Command::Skip { forward });
     }
 
     /// Replaces the list by these files, folders or playlists, if at least one of them can be played.
     pub fn play_files(&self, files: Vec<PathBuf>) {
-        self.threads.send(Command::Files(files));
+        self.send(Command::Files(files));
     }
 
     /// Changes the repeat mode and the order.
     pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         (self.repeat, self.shuffled) = (repeat, shuffled);
-        self.threads.send(Command::Order(repeat, shuffled));
+        self.send(Command::Order(repeat, shuffled));
     }
 
     /// Returns the current list. The call is fast enough for each frame, even for long lists.
@@ -222,19 +233,19 @@ impl Player {
 
     /// Plays the track at this index, or the next playable track. Indices beyond the list are ignored.
     pub fn play_entry(&self, entry: usize) {
-        self.threads.send(Command::PlayEntry(entry));
+        self.send(Command::PlayEntry(entry));
     }
 
     /// Edits the list without interrupting playback. Edits apply in order. If the playing entry is removed, the next track
     /// or silence follows. If an undo takes the playing track off the list, the track that played before the edit follows.
     pub fn edit(&self, edit: Edit) {
-        self.threads.send(Command::Edit(edit));
+        self.send(Command::Edit(edit));
     }
 
     /// Switches to another output. The current output continues until the new output is open. A player that was started
     /// without a device also switches to the output.
     pub fn choose_output(&self, target: Target) {
-        self.threads.supervisor.choose(target);
+        self.supervisor.choose(target);
     }
 
     /// Changes the gain control. The image follows within half a second, because the analysis is ahead of the sound.
@@ -259,7 +270,7 @@ impl Player {
 
     /// The current state of playback.
     pub fn status(&mut self) -> PlayerStatus {
-        let output = self.threads.supervisor.status();
+        let output = self.supervisor.status();
         let place = self.position.current();
         self.track = place.track;
         let (ended, next) = self.audible.end_and_next(output.note.as_ref());
@@ -311,6 +322,11 @@ impl Player {
         self.audible.recent(song_time)
     }
 
+    fn send(&self, command: Command) {
+        // A failed send means that the decoding thread has ended.
+        let _ = self.commands.send(command);
+    }
+
     fn find_place(&mut self) {
         if let Some((entry, count)) = self.listing.place(self.track.id)
             && (entry, count) != (self.track.entry, self.track.count)
@@ -321,30 +337,7 @@ impl Player {
     }
 }
 
-// The threads of a player, and their shutdown.
-
-/// The time that the decoding has to end. A decoder may wait for a slow disk.
-const DECODING_END_LIMIT: Duration = Duration::from_secs(1);
-/// The time that the analysis and the list each have to end, once the decoding has ended or is abandoned.
-const END_LIMIT: Duration = Duration::from_millis(100);
-
-/// The threads that [`Player::start`](Player::start) starts. Dropping this value ends them, within a time limit.
-struct Threads {
-    commands: Sender<Command>,
-    // Ends first when this value is dropped.
-    supervisor: Supervisor,
-    /// The threads of the decoding, of the analysis and of the list. The other two end when the decoding ends.
-    _of_song: [Background; 3],
-}
-
-impl Threads {
-    fn send(&self, command: Command) {
-        // A failed send means that the decoding thread has ended.
-        let _ = self.commands.send(command);
-    }
-}
-
-impl Drop for Threads {
+impl Drop for Player {
     fn drop(&mut self) {
         self.send(Command::Quit);
     }

@@ -400,7 +400,7 @@ fn play(song: Ramp, options: PlayerOptions) -> Player {
 fn start(frames: usize, options: PlayerOptions) -> Player {
     let mut player = play(Ramp::new(frames), options);
     wait_for(&mut player, "the first callback", |player| {
-        player.threads.supervisor.status().note.is_some_and(|history| history.calls() > 2)
+        player.supervisor.status().note.is_some_and(|history| history.calls() > 2)
     });
     player
 }
