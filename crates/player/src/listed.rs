@@ -2,7 +2,6 @@
 //! **id** that is unique as long as the list exists. An entry's index changes when entries are moved or removed, so
 //! threads refer to entries by id. Only readers of the list need indices.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
@@ -77,27 +76,19 @@ pub struct SharedListing(Arc<Mutex<Listing>>);
 #[derive(Debug, Default)]
 struct Listing {
     tracks: Arc<ListedTracks>,
-    places: HashMap<u64, usize>,
+    /// The ids of the entries.
+    ids: Vec<u64>,
 }
 
 impl SharedListing {
     /// Publishes a new list: the id and the data of each entry, and the edit that an undo would take back.
     pub fn publish(&self, entries: impl Iterator<Item = (u64, ListedTrack)>, undo: Option<Arc<str>>) {
-        // Build the map before taking the lock, because the list may have many entries.
-        let mut places = HashMap::new();
-        let entries: Vec<ListedTrack> = entries
-            .enumerate()
-            .map(|(index, (id, track))| {
-                places.insert(id, index);
-                track
-            })
-            .collect();
+        // Collect the entries before taking the lock, because the list may have many entries.
+        let (ids, entries) = entries.unzip();
         let mut listing = lock(&self.0);
         let revision = listing.tracks.revision + 1;
-        let before = std::mem::replace(
-            &mut *listing,
-            Listing { tracks: Arc::new(ListedTracks { revision, entries, undo }), places },
-        );
+        let tracks = Arc::new(ListedTracks { revision, entries, undo });
+        let before = std::mem::replace(&mut *listing, Listing { tracks, ids });
         drop(listing);
         drop(before);
     }
@@ -123,7 +114,7 @@ impl SharedListing {
     /// The index of entry `id` and the number of entries; `None` if the list has no such entry.
     pub fn place(&self, id: u64) -> Option<(usize, usize)> {
         let listing = lock(&self.0);
-        Some((*listing.places.get(&id)?, listing.tracks.entries.len()))
+        Some((listing.ids.iter().position(|known| *known == id)?, listing.ids.len()))
     }
 }
 
