@@ -122,14 +122,14 @@ impl Decoding {
     fn obey(&mut self, first: Command, inbox: &Receiver<Command>) -> bool {
         let mut goal: Option<Goal> = None;
         for command in std::iter::once(first).chain(inbox.try_iter()) {
+            let place = self.place();
+            let time = goal.map_or(place.time, |goal| goal.time);
             match command {
                 Command::Quit => return true,
                 #[cfg(test)]
                 Command::AnswerWhenIdle(answer) => self.waiting_for_idle.push(answer),
-                Command::SeekTo(time) => goal = Some(Goal::seek(time)),
-                Command::SeekBy(seconds) => {
-                    goal = Some(Goal::seek((self.time_after(goal) + seconds).max(0.0)));
-                }
+                Command::SeekTo(target) => goal = Some(Goal::seek(target)),
+                Command::SeekBy(seconds) => goal = Some(Goal::seek((time + seconds).max(0.0))),
                 Command::Output { link, at } => {
                     // If a seek is pending, the new output starts at its target. A second output changes nothing.
                     if goal.is_none() {
@@ -140,23 +140,16 @@ impl Decoding {
                     self.segment.set_output(link);
                 }
                 Command::Skip { forward: false }
-                    if self.queue.skipping.is_none() && self.time_after(goal) > STEP_BACK_WITHIN =>
+                    if self.queue.skipping.is_none() && time > STEP_BACK_WITHIN =>
                 {
                     goal = Some(Goal::seek(0.0));
                 }
                 Command::Skip { forward } => self.queue.skip(forward),
-                Command::Files(files) => {
-                    let audible = self.place().passage;
-                    self.queue.request_files(files, audible);
-                }
+                Command::Files(files) => self.queue.request_files(files, place.passage),
                 Command::Order(repeat, shuffled) => self.queue.set_order(repeat, shuffled),
                 Command::PlayEntry(entry) => self.queue.request_entry(entry),
-                Command::Edit(edit) => {
-                    let audible = self.place().passage;
-                    self.queue.edit(edit, audible);
-                }
+                Command::Edit(edit) => self.queue.edit(edit, place.passage),
                 Command::Edited(edited) => {
-                    let place = self.place();
                     if self.queue.apply_edit(edited, place.passage, self.segment.is_finished())
                         && goal.is_none()
                     {
@@ -182,10 +175,6 @@ impl Decoding {
     /// The audible position, or the target of a seek that is not audible yet.
     fn place(&self) -> Place {
         self.segment.place(self.queue.passages.earliest())
-    }
-
-    fn time_after(&self, goal: Option<Goal>) -> f64 {
-        goal.map_or_else(|| self.place().time, |goal| goal.time)
     }
 
     fn let_go(&mut self) {
