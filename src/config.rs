@@ -1,5 +1,7 @@
 //! The settings of a run, from the command line and earlier runs. [`PlaySettings`] has all settings of the window.
 
+use std::sync::Arc;
+
 pub use mariana_files::Folders;
 pub use mariana_settings::limits as setting_limits;
 pub use mariana_settings::{
@@ -97,8 +99,8 @@ pub struct PlaySettings {
     pub fade: f64,
     /// True if the next and the previous scene are prepared while the current scene is shown.
     pub prepare_ahead: bool,
-    /// The cache of compiled programs.
-    pub program_cache: ProgramCache,
+    /// The cache of compiled programs; `None` keeps none.
+    pub program_cache: Option<Arc<ProgramCache>>,
     /// Starts in full screen.
     pub fullscreen: bool,
     /// Position in the first track at the start, in seconds.

@@ -221,7 +221,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         fps_cap: arguments.fps_cap,
         fade: arguments.fade,
         prepare_ahead: arguments.prepare_ahead,
-        program_cache: ProgramCache::within(folders.cache.as_deref().filter(|_| arguments.program_cache)),
+        program_cache: folders.cache.as_deref().filter(|_| arguments.program_cache).map(ProgramCache::within),
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at,
         controllers: ControllerSettings {

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::atomic_file::AtomicFile;
-use crate::attempt::{self, Attempt};
+use crate::attempt;
 use crate::cached_files::{CHECKSUM_LINE, sealed, unsealed};
 use crate::caches::{make_room, touch};
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
@@ -39,47 +39,24 @@ const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "c
 const REASONS: [(GivenUp, &str); 3] =
     [(GivenUp::Refused, "refused"), (GivenUp::DiedOnce, "died once"), (GivenUp::DiedTwice, "died twice")];
 
-/// The cache. Clones share the folder; any thread may use them.
-#[derive(Debug, Clone)]
-pub struct ProgramCache {
-    /// `None` if nothing is cached.
-    folder: Option<Arc<Folder>>,
-}
-
+/// The cache. Any thread may use it.
 #[derive(Debug)]
-struct Folder {
-    path: PathBuf,
+pub struct ProgramCache {
+    folder: PathBuf,
     complained: AtomicBool,
     /// Programs that crashed an earlier run, as this run has found out. This run skips them.
     left_out: Mutex<HashSet<ProgramKey>>,
 }
 
 impl ProgramCache {
-    /// Returns a cache that stores nothing.
-    pub fn off() -> Self {
-        Self { folder: None }
-    }
-
-    /// Returns a cache in a subfolder of `caches`. For `None`, the cache stores nothing.
-    pub fn within(caches: Option<&Path>) -> Self {
-        caches.map_or_else(Self::off, |caches| Self::in_folder(caches.join("programs")))
+    /// Returns a cache in a subfolder of `caches`.
+    pub fn within(caches: &Path) -> Arc<Self> {
+        Arc::new(Self::in_folder(caches.join("programs")))
     }
 
     /// Returns a cache in this folder, which is created at the first write.
-    pub fn in_folder(path: PathBuf) -> Self {
-        Self {
-            folder: Some(Arc::new(Folder {
-                path,
-                complained: AtomicBool::default(),
-                left_out: Mutex::default(),
-            })),
-        }
-    }
-
-    fn begin(&self, key: ProgramKey, work: Work) -> Option<Attempt> {
-        self.make_folder()?;
-        let word = WORKS.iter().find(|(known, _)| *known == work).map_or("", |(_, word)| word);
-        attempt::begin(&self.path(key, ATTEMPT)?, word)
+    pub fn in_folder(folder: PathBuf) -> Self {
+        Self { folder, complained: AtomicBool::default(), left_out: Mutex::default() }
     }
 
     fn give_up(&self, key: ProgramKey, why: GivenUp) {
@@ -88,36 +65,42 @@ impl ProgramCache {
     }
 
     fn noted(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
-        let path = self.path(key, GIVEN_UP)?;
+        let path = self.path(key, GIVEN_UP);
         let word = read_at_most(&path, WORD_MAX).ok()??;
         touch(&path);
         let known = REASONS.iter().find(|(_, known)| known.as_bytes() == word);
         Some((known?.0, path))
     }
 
-    fn path(&self, key: ProgramKey, kind: &str) -> Option<PathBuf> {
-        Some(self.folder.as_ref()?.path.join(format!("{key}.{kind}")))
-    }
-
-    fn make_folder(&self) -> Option<&Folder> {
-        let folder = self.folder.as_deref()?;
-        let made = fs::create_dir_all(&folder.path);
-        made.map_err(|error| folder.complain(&error)).ok()?;
-        Some(folder)
+    fn path(&self, key: ProgramKey, kind: &str) -> PathBuf {
+        self.folder.join(format!("{key}.{kind}"))
     }
 
     fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
-        let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
-        match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
-            Ok(()) => folder.forget_oldest(limits::PROGRAM_CACHE_BYTES_MAX),
-            Err(error) => folder.complain(&error.reason),
+        let file = AtomicFile::create_with_folder(&self.path(key, kind));
+        match file.and_then(|file| file.write(bytes)) {
+            Ok(()) => self.forget_oldest(limits::PROGRAM_CACHE_BYTES_MAX),
+            Err(error) => self.complain(&error.reason),
+        }
+    }
+
+    fn forget_oldest(&self, bytes_max: u64) {
+        make_room(&self.folder, &[PROGRAM, GIVEN_UP], |file| file.len().max(BLOCK), bytes_max);
+    }
+
+    fn complain(&self, reason: &dyn fmt::Display) {
+        if !self.complained.swap(true, Ordering::Relaxed) {
+            tracing::warn!(
+                "no programs are kept in {} ({reason}): the driver compiles them at every start",
+                self.folder.display()
+            );
         }
     }
 }
 
 impl ProgramStore for ProgramCache {
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
-        let path = self.path(key, PROGRAM)?;
+        let path = self.path(key, PROGRAM);
         let bytes = match read_at_most(
             &path,
             limits::KEPT_PROGRAM_BYTES_MAX + CHECKSUM_LINE + size_of::<ProgramKey>(),
@@ -143,17 +126,17 @@ impl ProgramStore for ProgramCache {
     }
 
     fn discard(&self, key: ProgramKey) {
-        if let Some(path) = self.path(key, PROGRAM) {
-            let _ = fs::remove_file(path);
-        }
+        let _ = fs::remove_file(self.path(key, PROGRAM));
     }
 
     fn attempt(&self, key: ProgramKey, work: Work) -> Option<Box<dyn Any>> {
-        Some(Box::new(self.begin(key, work)?))
+        fs::create_dir_all(&self.folder).map_err(|error| self.complain(&error)).ok()?;
+        let word = WORKS.iter().find(|(known, _)| *known == work).map_or("", |(_, word)| word);
+        Some(Box::new(attempt::begin(&self.path(key, ATTEMPT), word)?))
     }
 
     fn death(&self, key: ProgramKey) -> Option<Work> {
-        let death = attempt::death(&self.path(key, ATTEMPT)?).filter(|death| death.crashed)?;
+        let death = attempt::death(&self.path(key, ATTEMPT)).filter(|death| death.crashed)?;
         WORKS.iter().find(|(_, word)| *word == death.word).map(|(work, _)| *work)
     }
 
@@ -162,40 +145,19 @@ impl ProgramStore for ProgramCache {
     }
 
     fn record_crash(&self, key: ProgramKey) {
-        let Some(folder) = &self.folder else { return };
-        lock(&folder.left_out).insert(key);
+        lock(&self.left_out).insert(key);
         let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
         self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
     }
 
     fn record_compiled(&self, key: ProgramKey) {
-        if let Some(path) = self.path(key, GIVEN_UP) {
-            let _ = fs::remove_file(path);
-        }
+        let _ = fs::remove_file(self.path(key, GIVEN_UP));
     }
 
     /// Returns the reason why the program must not be tried in this run, and the file that records the reason.
     fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
-        let is_retried = |why| {
-            why == GivenUp::DiedOnce
-                && !self.folder.as_ref().is_some_and(|folder| lock(&folder.left_out).contains(&key))
-        };
+        let is_retried = |why| why == GivenUp::DiedOnce && !lock(&self.left_out).contains(&key);
         self.noted(key).filter(|(why, _)| !is_retried(*why))
-    }
-}
-
-impl Folder {
-    fn forget_oldest(&self, bytes_max: u64) {
-        make_room(&self.path, &[PROGRAM, GIVEN_UP], |file| file.len().max(BLOCK), bytes_max);
-    }
-
-    fn complain(&self, reason: &dyn fmt::Display) {
-        if !self.complained.swap(true, Ordering::Relaxed) {
-            tracing::warn!(
-                "no programs are kept in {} ({reason}): the driver compiles them at every start",
-                self.path.display()
-            );
-        }
     }
 }
 

@@ -10,7 +10,7 @@ fn cache() -> (tempfile::TempDir, ProgramCache) {
 }
 
 fn names(cache: &ProgramCache) -> Vec<String> {
-    let entries = fs::read_dir(&cache.folder.as_ref().unwrap().path).unwrap();
+    let entries = fs::read_dir(&cache.folder).unwrap();
     let mut names: Vec<String> =
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -23,7 +23,7 @@ fn a_program_is_found_in_the_next_run_for_the_same_driver_and_sources_only() {
     let key = ProgramKey::of(["driver 1", "text"]);
     assert_eq!(cache.load(key), None);
     cache.save(key, b"code");
-    let next = ProgramCache::in_folder(cache.folder.as_ref().unwrap().path.clone());
+    let next = ProgramCache::in_folder(cache.folder.clone());
     assert_eq!(next.load(key).as_deref(), Some(&b"code"[..]));
     for other in [["driver 2", "text"], ["driver 1", "texts"], ["driver 1t", "ext"]] {
         assert_eq!(next.load(ProgramKey::of(other)), None, "{other:?}");
@@ -31,9 +31,9 @@ fn a_program_is_found_in_the_next_run_for_the_same_driver_and_sources_only() {
     next.discard(key);
     assert_eq!(cache.load(key), None);
     assert!(names(&cache).is_empty());
-    let off = ProgramCache::off();
-    off.save(key, b"code");
-    assert!(off.load(key).is_none() && off.attempt(key, Work::Taking).is_none());
+    // The store without a cache.
+    ().save(key, b"code");
+    assert!(().load(key).is_none() && ().attempt(key, Work::Taking).is_none());
 }
 
 #[test]
@@ -41,9 +41,9 @@ fn a_damaged_or_foreign_file_is_removed() {
     let (_folder, cache) = cache();
     let [key, other] = ["a", "b"].map(|text| ProgramKey::of([text]));
     cache.save(key, b"code");
-    let path = cache.path(key, PROGRAM).unwrap();
+    let path = cache.path(key, PROGRAM);
     let whole = fs::read(&path).unwrap();
-    fs::copy(&path, cache.path(other, PROGRAM).unwrap()).unwrap();
+    fs::copy(&path, cache.path(other, PROGRAM)).unwrap();
     assert_eq!(cache.load(other), None);
     assert_eq!(names(&cache), [format!("{key}.program")], "the file with another key was not removed");
     for damaged in [&whole[..whole.len() - 1], b"", &[0; 100]] {
@@ -55,7 +55,7 @@ fn a_damaged_or_foreign_file_is_removed() {
     assert_eq!(cache.load(key), None);
     let large = vec![0; limits::KEPT_PROGRAM_BYTES_MAX + 1];
     cache.save(other, &large);
-    fs::write(cache.path(other, PROGRAM).unwrap(), sealed(&[other.bytes(), &large[..]].concat())).unwrap();
+    fs::write(cache.path(other, PROGRAM), sealed(&[other.bytes(), &large[..]].concat())).unwrap();
     assert_eq!(cache.load(other), None);
 }
 
@@ -64,7 +64,7 @@ fn no_damaged_program_is_loaded() {
     let (_folder, cache) = cache();
     let key = ProgramKey::of(["driver", "text"]);
     cache.save(key, b"machine code");
-    let path = cache.path(key, PROGRAM).unwrap();
+    let path = cache.path(key, PROGRAM);
     let whole = fs::read(&path).unwrap();
     for at in 0..whole.len() {
         let mut damaged = whole.clone();
@@ -89,7 +89,7 @@ fn a_folder_that_cannot_be_written_causes_no_error() {
     cache.record_crash(key);
     assert!(cache.load(key).is_none() && cache.given_up(key).is_none());
     assert!(cache.attempt(key, Work::Compiling).is_none() && cache.death(key).is_none());
-    assert!(cache.folder.unwrap().complained.load(Ordering::Relaxed));
+    assert!(cache.complained.load(Ordering::Relaxed));
 }
 
 #[test]
@@ -98,16 +98,16 @@ fn the_least_recently_used_files_are_deleted_first() {
     let keys = ["a", "b", "c"].map(|text| ProgramKey::of([text]));
     for (age, key) in (1..).zip(keys) {
         cache.save(key, &[0; 5000]);
-        let file = File::options().write(true).open(cache.path(key, PROGRAM).unwrap()).unwrap();
+        let file = File::options().write(true).open(cache.path(key, PROGRAM)).unwrap();
         file.set_modified(SystemTime::now() - Duration::from_secs(100 * age)).unwrap();
     }
-    let folder = cache.folder.as_ref().unwrap().path.clone();
+    let folder = cache.folder.clone();
     fs::write(folder.join("notes.txt"), "of the user's").unwrap();
     // Loading makes the oldest program the most recently used one.
     assert!(cache.load(keys[2]).is_some());
-    cache.folder.as_ref().unwrap().forget_oldest(2 * (5000 + 33));
+    cache.forget_oldest(2 * (5000 + 33));
     assert_eq!(keys.map(|key| cache.load(key).is_some()), [true, false, true]);
-    cache.folder.as_ref().unwrap().forget_oldest(0);
+    cache.forget_oldest(0);
     assert_eq!(names(&cache), ["notes.txt"]);
 }
 
@@ -115,7 +115,7 @@ fn the_least_recently_used_files_are_deleted_first() {
 fn a_crash_is_reported_once_and_running_or_finished_work_is_no_crash() {
     let (_folder, cache) = cache();
     let key = ProgramKey::of([]);
-    let path = cache.path(key, ATTEMPT).unwrap();
+    let path = cache.path(key, ATTEMPT);
     for work in [Work::Taking, Work::Compiling] {
         let attempt = cache.attempt(key, work).unwrap();
         assert_eq!(cache.death(key), None, "the work is still running");
@@ -149,13 +149,13 @@ fn a_program_stays_given_up_until_the_file_is_deleted() {
 fn one_crash_while_compiling_banned_a_program_for_ever() {
     let (_folder, cache) = cache();
     let key = ProgramKey::of(["driver 1", "text"]);
-    let path = cache.folder.as_ref().unwrap().path.clone();
+    let path = cache.folder.clone();
     let start = || ProgramCache::in_folder(path.clone());
     let why = |run: &ProgramCache| run.given_up(key).map(|(why, _)| why);
     let die = |run: ProgramCache| {
         assert_eq!(why(&run), None, "the program is not tried");
         let attempt = run.attempt(key, Work::Compiling).unwrap();
-        let mark = run.path(key, ATTEMPT).unwrap();
+        let mark = run.path(key, ATTEMPT);
         let content = fs::read_to_string(&mark).unwrap();
         drop(attempt);
         fs::write(mark, content + attempt::CRASHED).unwrap();

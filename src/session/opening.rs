@@ -224,8 +224,11 @@ fn start_scene(
     first: LoadedScene,
     waker: &Waker,
 ) -> Result<SceneSession, SessionError> {
-    let cache = Arc::new(settings.program_cache.clone());
-    let sources = Sources { library: choice.shaders.clone(), cache };
+    let library = choice.shaders.clone();
+    let sources = match settings.program_cache.clone() {
+        Some(cache) => Sources { library, cache },
+        None => Sources { library, cache: Arc::new(()) },
+    };
     let contexts = screen.worker_contexts(COMPILERS);
     Ok(SceneSession::new(screen.gl(), contexts, sources, ways, loaders, first, waker.waking())?)
 }
