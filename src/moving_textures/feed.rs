@@ -18,7 +18,8 @@ const FRAMES_KEPT: usize = 6;
 /// Pause before a source that has failed is opened again.
 const RETRY: Duration = Duration::from_secs(2);
 
-/// A source on its own thread. Dropping this ends the thread without waiting.
+/// A source on its own thread. Dropping this ends the thread without waiting. The default has no thread and no picture.
+#[derive(Default)]
 pub(super) struct Feed(Latest<FeedState>);
 
 #[derive(Default)]

@@ -25,8 +25,7 @@ pub struct LiveTextures {
 
 struct Used {
     source: TextureSource,
-    /// `None` if the system had no thread left.
-    feed: Option<Feed>,
+    feed: Feed,
     last: Instant,
 }
 
@@ -59,30 +58,28 @@ impl LiveTextures {
     fn of_feed(&mut self, source: TextureSource, time: f64, now: Instant) -> Option<Arc<RgbaImage>> {
         if let Some(used) = self.feeds.iter_mut().find(|used| used.source == source) {
             used.last = now;
-            return used.feed.as_ref()?.at(time);
+            return used.feed.at(time);
         }
         let wake = self.wake.clone();
-        let feed = Feed::start(source.clone(), time, move || wake());
-        let feed = feed.map_err(|error| {
+        let feed = Feed::start(source.clone(), time, move || wake()).unwrap_or_else(|error| {
             let words = format!("a texture does not move: the system has no thread left ({error})");
             self.messages.push(words);
+            Feed::default()
         });
-        let feed = feed.ok();
-        let picture = feed.as_ref().and_then(|feed| feed.at(time));
+        let picture = feed.at(time);
         self.feeds.push(Used { source, feed, last: now });
         picture
     }
 
     /// True if pictures have come since the last call that the last frame lacks.
     pub fn has_new_pictures(&mut self) -> bool {
-        let news =
-            self.feeds.iter().filter_map(|used| used.feed.as_ref()).filter(|feed| feed.has_new_picture());
+        let news = self.feeds.iter().filter(|used| used.feed.has_new_picture());
         news.count() > 0
     }
 
     /// Sentences about sources that have failed and cameras that are on, each once.
     pub fn drain_messages(&mut self) -> Vec<String> {
-        let of_feeds = self.feeds.iter().filter_map(|used| used.feed.as_ref()?.drain_message());
+        let of_feeds = self.feeds.iter().filter_map(|used| used.feed.drain_message());
         self.messages.drain(..).chain(of_feeds).collect()
     }
 }
