@@ -9,7 +9,6 @@
 //!   which the output opened, so the part of the song before the segment's first audible frame is missed.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender};
 use std::time::{Duration, Instant};
 
@@ -22,7 +21,7 @@ use crate::listed::{Edit, Edited};
 use crate::output::OutputCallbackLink;
 use crate::resample::Resampler;
 use crate::source::SourceError;
-use crate::track::{Found, Repeat, Track, TrackInfo};
+use crate::track::{Found, Repeat, Track};
 use passages::{Goal, Place};
 use segment::CurrentSegment;
 use track_queue::TrackQueue;
@@ -51,7 +50,6 @@ pub(crate) struct Decoding {
     analysis: SyncSender<AnalysisInput>,
     track_errors: SharedTrackErrors,
     scratch: Vec<StereoFrame>,
-    reported_next: Option<Arc<TrackInfo>>,
     #[cfg(test)]
     waiting_for_idle: Vec<Sender<()>>,
 }
@@ -75,7 +73,6 @@ impl Decoding {
             analysis,
             track_errors,
             scratch: Vec::new(),
-            reported_next: None,
             #[cfg(test)]
             waiting_for_idle: Vec::new(),
         }
@@ -100,21 +97,13 @@ impl Decoding {
             self.segment.clean_up();
             self.let_go();
             next = self.fill();
-            self.publish_next();
+            self.segment.audible_segments.lock().next = self.queue.opened_ahead().cloned();
             #[cfg(test)]
             if matches!(next, Step::Wait) {
                 for waiting in self.waiting_for_idle.drain(..) {
                     let _ = waiting.send(());
                 }
             }
-        }
-    }
-
-    fn publish_next(&mut self) {
-        let next = self.queue.opened_ahead();
-        if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
-            self.reported_next = next.cloned();
-            self.segment.audible_segments.lock().next = next.cloned();
         }
     }
 
