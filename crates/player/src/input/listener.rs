@@ -36,15 +36,13 @@ pub(super) struct Heard {
 
 pub(super) struct Ear {
     pub(super) epoch: Instant,
-    /// The times of the last signal and of the current stream's start, in nanoseconds since the epoch.
-    signal_ns: AtomicU64,
-    began_ns: AtomicU64,
+    /// The time of the last signal, or of the current stream's start if that is later, in nanoseconds since the epoch.
+    flat_since_ns: AtomicU64,
 }
 
 impl Ear {
     pub(super) fn new() -> Self {
-        let (signal_ns, began_ns) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { epoch: Instant::now(), signal_ns, began_ns }
+        Self { epoch: Instant::now(), flat_since_ns: AtomicU64::new(0) }
     }
 
     pub(super) fn now(&self) -> f64 {
@@ -53,12 +51,11 @@ impl Ear {
 
     /// Seconds without a signal in the current stream.
     pub(super) fn flat_for(&self) -> f64 {
-        let last = self.signal_ns.load(Ordering::Relaxed).max(self.began_ns.load(Ordering::Relaxed));
-        self.now() - last as f64 / 1e9
+        self.now() - self.flat_since_ns.load(Ordering::Relaxed) as f64 / 1e9
     }
 
-    fn count(&self, what: &AtomicU64) {
-        what.store(self.epoch.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    fn record_signal(&self) {
+        self.flat_since_ns.store(self.epoch.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 }
 
@@ -125,7 +122,7 @@ impl Listener {
             }
             let hop = self.analyzer.hop() as f64 / f64::from(self.analyzer.sample_rate());
             self.first_number = ((self.ear.now() / hop) as u64).max(self.last_number + 1);
-            self.ear.count(&self.ear.began_ns);
+            self.ear.record_signal();
             (self.last, self.rest) = (self.ear.now(), REST);
         }
         self.link = link;
@@ -146,7 +143,7 @@ impl Listener {
         }
         if !self.batch.is_empty() {
             if has_signal(&self.batch) {
-                self.ear.count(&self.ear.signal_ns);
+                self.ear.record_signal();
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
