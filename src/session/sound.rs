@@ -107,16 +107,8 @@ impl Sound {
         }
     }
 
-    /// The sound at the moment that [`Sound::now`] last returned, with its curves.
-    pub(crate) fn heard(&self) -> mariana_music::Sound {
-        match (&self.live, &self.player) {
-            (Some(live), _) => live.sound(),
-            (None, Some(player)) => player.sound(),
-            (None, None) => mariana_music::Sound::default(),
-        }
-    }
-
-    /// The sound at an earlier moment, as far as it is known.
+    /// The sound with its curves at the moment that [`Sound::now`] last returned, or at an earlier one as far as it is
+    /// known.
     pub(crate) fn heard_at(&self, song_time: f64) -> mariana_music::Sound {
         match (&self.live, &self.player) {
             (Some(live), _) => live.sound_at(song_time),

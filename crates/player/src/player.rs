@@ -306,13 +306,9 @@ impl Player {
         self.audible.now(latency_shift)
     }
 
-    /// Returns the sound and the tables of the moment that [`Player::now`] returned last.
-    pub fn sound(&self) -> Sound {
-        self.audible.sound()
-    }
-
-    /// Returns the sound at an earlier time of the track that [`Player::now`] returned last, in seconds. Sound of more
-    /// than two seconds ago and sound from before a seek are replaced by the nearest known sound.
+    /// Returns the sound and its tables at the moment that [`Player::now`] returned last, or at an earlier time of its
+    /// track, in seconds. Sound of more than two seconds ago and sound from before a seek are replaced by the nearest
+    /// known sound.
     pub fn sound_at(&self, song_time: f64) -> Sound {
         self.audible.sound_at(song_time)
     }

@@ -136,8 +136,8 @@ impl Live {
         let now = self.ear.now();
         match (self.paused, paused) {
             (None, true) => {
-                let recent = self.recent(self.moment.song_time).into();
-                self.paused_at = Sound { recent, ..self.sound() };
+                let song_time = self.moment.song_time;
+                self.paused_at = Sound { recent: self.recent(song_time).into(), ..self.sound_at(song_time) };
                 self.paused = Some(now);
             }
             (Some(since), false) => {
@@ -170,12 +170,8 @@ impl Live {
         self.moment
     }
 
-    /// Returns the sound and the tables of the moment that [`Live::now`] returned last.
-    pub fn sound(&self) -> Sound {
-        self.sound_at(self.moment.song_time)
-    }
-
-    /// Returns the sound at an earlier moment, given by its song time, or the oldest known sound.
+    /// Returns the sound and its tables at the moment that [`Live::now`] returned last or an earlier one, given by its
+    /// song time, or the oldest known sound.
     pub fn sound_at(&self, song_time: f64) -> Sound {
         match self.paused {
             Some(_) => self.paused_at.clone(),

@@ -66,11 +66,7 @@ impl AudibleMoment {
         self.moment
     }
 
-    pub(super) fn sound(&self) -> Sound {
-        self.sound_at(self.moment.song_time)
-    }
-
-    /// Returns the sound at an earlier time of the track, in seconds; the nearest known sound if it is forgotten or
+    /// Returns the sound at a time of the track, in seconds; the nearest known sound if it is forgotten or
     /// comes from before a seek.
     pub(super) fn sound_at(&self, song_time: f64) -> Sound {
         let back = self.moment.song_time - song_time;
