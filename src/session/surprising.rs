@@ -108,8 +108,8 @@ impl Session {
         }
         while let Some(event) = self.surprises.files.as_ref().and_then(FileThread::file_events) {
             match event {
-                FileEvent::Created { file } => self.open_kept(file),
-                FileEvent::Failed { reason, .. } => {
+                FileEvent::Created(file) => self.open_kept(file),
+                FileEvent::Failed(reason) => {
                     (self.surprises.keeping, self.surprises.is_unkeepable) = (None, true);
                     self.playback.reports.answer(reason);
                 }

@@ -197,7 +197,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             }
             Err(error) => {
                 let reason = format!("{error}; a backup of the text is kept, so save it under another name");
-                (self.tell)(FileEvent::Failed { file, reason });
+                (self.tell)(FileEvent::Failed(reason));
             }
         }
     }
@@ -208,10 +208,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             1 => format!("{stem}.scene"),
             _ => format!("{stem}-{number}.scene"),
         });
-        let failed = |reason: String| (self.tell)(FileEvent::Failed { file: folder.to_owned(), reason });
-        if let Err(error) = fs::create_dir_all(folder) {
-            return failed(format!("{} cannot be created ({error})", folder.display()));
-        }
+        let failed = |reason| (self.tell)(FileEvent::Failed(reason));
         let Some(file) = names.map(|name| folder.join(name)).find(|file| fs::symlink_metadata(file).is_err())
         else {
             return failed(format!(
@@ -219,8 +216,8 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
                 folder.display()
             ));
         };
-        match AtomicFile::create(&file).and_then(|place| place.write(text)) {
-            Ok(()) => (self.tell)(FileEvent::Created { file }),
+        match AtomicFile::create_with_folder(&file).and_then(|place| place.write(text)) {
+            Ok(()) => (self.tell)(FileEvent::Created(file)),
             Err(error) => failed(error.to_string()),
         }
     }
@@ -237,7 +234,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             if let Err(reason) = self.kept.keep(file, &text) {
                 let reason =
                     format!("Mariana cannot back up the unsaved text of {}: {reason}", file.display());
-                (self.tell)(FileEvent::Failed { file: file.clone(), reason });
+                (self.tell)(FileEvent::Failed(reason));
             }
         }
     }
@@ -278,13 +275,10 @@ fn known(file: &Path) -> Known {
 
 fn read(file: &Path) -> OnDisk {
     let max = limits::KEPT_TEXT_BYTES_MAX;
-    let unreadable = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => OnDisk::Missing,
-        _ => OnDisk::Unreadable(error.to_string()),
-    };
     match read_at_most(file, max) {
         Ok(Some(bytes)) => OnDisk::Bytes(Arc::from(bytes)),
         Ok(None) => OnDisk::Unreadable(format!("it is larger than {max} bytes")),
-        Err(error) => unreadable(error),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => OnDisk::Missing,
+        Err(error) => OnDisk::Unreadable(error.to_string()),
     }
 }

@@ -67,11 +67,7 @@ impl KeptTexts {
         let mut bytes = serde_json::to_vec(&head).map_err(|error| error.to_string())?;
         bytes.push(b'\n');
         bytes.extend_from_slice(text);
-        if let Some(folder) = place.parent() {
-            std::fs::create_dir_all(folder)
-                .map_err(|error| format!("{} cannot be created ({error})", folder.display()))?;
-        }
-        let written = AtomicFile::create(&place).and_then(|file| file.write(&bytes));
+        let written = AtomicFile::create_with_folder(&place).and_then(|file| file.write(&bytes));
         written.map_err(|error| error.to_string())
     }
 

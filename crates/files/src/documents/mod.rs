@@ -60,13 +60,8 @@ pub enum FileEvent {
         /// Its current content.
         holds: OnDisk,
     },
-    /// A text cannot be saved or backed up.
-    Failed {
-        /// The file.
-        file: PathBuf,
-        /// The reason, and what to do.
-        reason: String,
-    },
+    /// A text cannot be saved or backed up, for this reason.
+    Failed(String),
     /// Another program has changed a file.
     Changed {
         /// The file.
@@ -74,11 +69,8 @@ pub enum FileEvent {
         /// Its current content.
         holds: OnDisk,
     },
-    /// A new file was created.
-    Created {
-        /// The file.
-        file: PathBuf,
-    },
+    /// This new file was created.
+    Created(PathBuf),
 }
 
 /// Returns a file's name without its extension, for use in another name.

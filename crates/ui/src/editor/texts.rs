@@ -262,12 +262,12 @@ impl Texts {
                 self.documents.of_mut(&file)?.question = Some(Question::Conflict(holds));
                 None
             }
-            FileEvent::Failed { reason, .. } => {
+            FileEvent::Failed(reason) => {
                 self.documents.carried = None;
                 Some(reason)
             }
             FileEvent::Changed { file, holds } => self.read_change(&file, holds),
-            FileEvent::Created { file } => {
+            FileEvent::Created(file) => {
                 let words = format!("created {}", file.display());
                 self.outbox.commands.push(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)
