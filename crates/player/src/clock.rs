@@ -21,7 +21,7 @@
 //!
 //! All times are measured with the monotonic clock.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
+use std::sync::atomic::{AtomicU64, Ordering, fence};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -111,7 +111,6 @@ pub struct SpanHistory {
     first_segment: AtomicU64,
     first_frame: AtomicU64,
     moved: AtomicU64,
-    silent: AtomicBool,
 }
 
 impl SpanHistory {
@@ -128,7 +127,6 @@ impl SpanHistory {
             first_segment: AtomicU64::new(0),
             first_frame: AtomicU64::new(NEVER),
             moved: AtomicU64::new(0),
-            silent: AtomicBool::new(false),
         });
         (SpanWriter { history: history.clone(), next_start_ns: None }, history)
     }
@@ -148,19 +146,9 @@ impl SpanHistory {
         let _ = self.device.set(id.into());
     }
 
-    /// The id of the device that plays these frames.
+    /// The id of the device that plays these frames; `None` if the silent clock takes them.
     pub fn device(&self) -> Option<&str> {
         self.device.get().map(AsRef::as_ref)
-    }
-
-    /// Marks the frames as inaudible, because the silent clock takes them.
-    pub fn set_silent(&self) {
-        self.silent.store(true, Ordering::Relaxed);
-    }
-
-    /// True if the frames are inaudible.
-    pub fn is_silent(&self) -> bool {
-        self.silent.load(Ordering::Relaxed)
     }
 
     /// The first delivered frame.

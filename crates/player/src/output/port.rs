@@ -65,9 +65,7 @@ impl Port for OutputPort {
     fn stand_in(&self) -> io::Result<Option<(Latest<()>, OutputCallbackLink)>> {
         let rate = self.silent_rate;
         let (output_callback, link) = OutputCallback::new(rate, 0, self.controls.clone());
-        let clock = start_silent_clock(output_callback, rate)?;
-        link.history.set_silent();
-        Ok(Some((clock, link)))
+        Ok(Some((start_silent_clock(output_callback, rate)?, link)))
     }
 
     fn ready(&mut self, link: Option<OutputCallbackLink>) {

@@ -73,17 +73,15 @@ impl MissedAudioWatch {
                 Some((first.frame - carry(end, first.segment)?) / f64::from(history.rate()))
             });
             let gap = gap.map_or(0.0, |seconds| seconds.max(0.0));
-            let silent = if before.is_silent() { before.moved() } else { 0.0 };
-            let heard_before = self.pending.is_some() || !before.is_silent();
+            let silent = if before.device().is_none() { before.moved() } else { 0.0 };
+            let heard_before = self.pending.is_some() || before.device().is_some();
             self.pending = heard_before.then(|| self.pending.unwrap_or(0.0) + silent + gap);
         }
-        if history.is_silent() {
-            return;
-        }
-        let before = std::mem::replace(&mut self.device, history.device().map(str::to_owned));
+        let Some(device) = history.device() else { return };
+        let before = self.device.replace(device.to_owned());
         if let Some(seconds) = self.pending.replace(0.0).filter(|seconds| *seconds >= REPORTED_FROM) {
-            let is_same = before.is_some() && before == self.device;
-            let after = if is_same { SilenceEnd::SameDevice } else { SilenceEnd::AnotherDevice };
+            let after =
+                if before == self.device { SilenceEnd::SameDevice } else { SilenceEnd::AnotherDevice };
             self.reported = MissedAudio { count: self.reported.count + 1, seconds, after };
         }
     }
@@ -109,7 +107,6 @@ mod tests {
         let mut watch = MissedAudioWatch::default();
         let (_first, first) = output(1, 0, 2000, true);
         let (_silent, silent) = output(2, 2100, 1000, true);
-        silent.set_silent();
         let (_second, second) = output(3, 3300, 2000, true);
         first.set_device("speakers");
         second.set_device("headphones");
@@ -124,6 +121,7 @@ mod tests {
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
         let (_fifth, fifth) = output(6, 90_000, 500, true);
+        [&third, &fourth, &fifth].iter().for_each(|history| history.set_device("headphones"));
         watch.update(&third, together);
         watch.update(&fourth, together);
         watch.update(&fifth, |_, _| None);
@@ -134,8 +132,8 @@ mod tests {
     fn a_song_that_begins_without_a_device_misses_nothing() {
         let mut watch = MissedAudioWatch::default();
         let (_silent, silent) = output(1, 0, 1000, true);
-        silent.set_silent();
         let (_first, first) = output(2, 1500, 1000, true);
+        first.set_device("speakers");
         watch.update(&silent, together);
         watch.update(&first, together);
         assert_eq!(watch.reported, MissedAudio::default());
@@ -146,7 +144,6 @@ mod tests {
         let mut watch = MissedAudioWatch::default();
         let (_first, first) = output(1, 0, 2000, true);
         let (_silent, silent) = output(2, 2000, 3200, true);
-        silent.set_silent();
         let (_second, second) = output(3, 5200, 2000, true);
         first.set_device("speakers");
         second.set_device("speakers");
