@@ -28,6 +28,7 @@ use audible::AudibleMoment;
 use decoding::{Command, Decoding};
 use listing::{Request, SharedTrackErrors};
 use mariana_work::Background;
+use position::Place;
 
 mod analysis;
 mod audible;
@@ -124,8 +125,6 @@ pub struct Player {
     _of_song: [Background; 3],
     controls: Arc<Controls>,
     gain: GainSwitch,
-    /// The track that was audible last, with the track's current index in the list.
-    track: Arc<TrackInfo>,
     listing: SharedListing,
     repeat: Repeat,
     shuffled: bool,
@@ -179,13 +178,12 @@ impl Player {
         let of_song = [decoding, analysis, list];
         Ok(Self {
             controls,
-            position: Position::new(outputs.clone(), audible_segments.clone(), track.clone()),
-            audible: AudibleMoment::new(outputs, audible_segments, track.id),
+            audible: AudibleMoment::new(outputs.clone(), audible_segments.clone(), track.id),
+            position: Position::new(outputs, audible_segments, track),
             commands,
             supervisor,
             _of_song: of_song,
             gain,
-            track,
             listing,
             repeat: options.repeat,
             shuffled: options.shuffled,
@@ -271,14 +269,18 @@ impl Player {
     /// The current state of playback.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.supervisor.status();
-        let place = self.position.current();
-        self.track = place.track;
+        let Place { mut track, seconds, missed_audio } = self.position.current();
+        if let Some((entry, count)) = self.listing.place(track.id)
+            && (entry, count) != (track.entry, track.count)
+        {
+            let info = Arc::make_mut(&mut track);
+            (info.entry, info.count) = (entry, count);
+        }
         let (ended, next) = self.audible.end_and_next(output.note.as_ref());
-        self.find_place();
         PlayerStatus {
-            track: self.track.clone(),
+            track,
             next,
-            position: place.seconds,
+            position: seconds,
             repeat: self.repeat,
             shuffled: self.shuffled,
             paused: self.controls.paused(),
@@ -290,7 +292,7 @@ impl Player {
             refused: output.refused,
             underruns: self.controls.underruns.load(Ordering::Relaxed),
             track_errors: self.track_errors.get(),
-            missed_audio: place.missed_audio,
+            missed_audio,
         }
     }
 
@@ -321,15 +323,6 @@ impl Player {
     fn send(&self, command: Command) {
         // A failed send means that the decoding thread has ended.
         let _ = self.commands.send(command);
-    }
-
-    fn find_place(&mut self) {
-        if let Some((entry, count)) = self.listing.place(self.track.id)
-            && (entry, count) != (self.track.entry, self.track.count)
-        {
-            let info = Arc::make_mut(&mut self.track);
-            (info.entry, info.count) = (entry, count);
-        }
     }
 }
 
