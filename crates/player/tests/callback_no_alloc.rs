@@ -94,11 +94,10 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
         // Buffers are mostly small, so that a million of them take little time. Some buffers do not fit into the ring
         // or end with an incomplete frame.
         let length = if random.below(50) == 0 { random.below(4097) } else { random.below(65) };
-        let age = [None, Some(Duration::from_millis(5)), Some(Duration::MAX)][random.below(3)];
         assert_no_alloc(|| match length % 3 {
-            0 => tap.receive(&integers[..length], channels, age),
-            1 => tap.receive(&samples[..length], channels, age),
-            _ => tap.receive(&bytes[..length], channels, age),
+            0 => tap.receive(&integers[..length], channels),
+            1 => tap.receive(&samples[..length], channels),
+            _ => tap.receive(&bytes[..length], channels),
         });
         sent += (length / channels) as u64;
         if random.below(300) == 0 {
@@ -110,6 +109,5 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
     read += link.ring.slots() as u64;
     let lost = link.counters.lost.load(Ordering::Relaxed);
     assert_eq!(link.counters.calls.load(Ordering::Relaxed), CALLS as u64);
-    assert_eq!(link.counters.frames.load(Ordering::Relaxed), sent);
     assert_eq!(read + lost, sent);
 }

@@ -4,7 +4,6 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::Thread;
-use std::time::Duration;
 
 use cpal::{FromSample, Sample};
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -22,12 +21,8 @@ const RING: f64 = 0.5;
 pub struct InputCounters {
     /// Calls of the callback.
     pub calls: AtomicU64,
-    /// Frames received from the device.
-    pub frames: AtomicU64,
     /// Number of frames that did not fit into the ring, plus glitches that the device reported.
     pub lost: AtomicU64,
-    /// Age of the last buffer's first frame on arrival, in nanoseconds, as the device reports it.
-    pub age_ns: AtomicU64,
 }
 
 /// The listening thread's end of an [`InputCallback`].
@@ -65,10 +60,10 @@ impl InputCallback {
         Self { downmix: Some(Downmix::of_speakers(channels)), ..self }
     }
 
-    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of the buffer's first
-    /// frame, if the device reports it. A single channel goes to both sides. Of more than two channels without known
-    /// positions, the first two are used. An incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
-    pub fn receive<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
+    /// Receives a device's buffer: `data` with `channels` interleaved channels. A single channel goes to both sides. Of
+    /// more than two channels without known positions, the first two are used. An incomplete frame at the end is
+    /// ignored. Frames that do not fit into the ring are lost and counted.
+    pub fn receive<T: Sample>(&mut self, data: &[T], channels: usize)
     where
         f32: FromSample<T>,
     {
@@ -87,12 +82,7 @@ impl InputCallback {
             let (_, lost) = self.ring.push_partial_slice(&self.chunk[..count]);
             self.counters.lost.fetch_add(lost.len() as u64, Ordering::Relaxed);
         }
-        let counters = &*self.counters;
-        counters.frames.fetch_add((data.len() / channels) as u64, Ordering::Relaxed);
-        counters.calls.fetch_add(1, Ordering::Relaxed);
-        if let Some(age) = age {
-            counters.age_ns.store(age.as_nanos().min(u128::from(u64::MAX)) as u64, Ordering::Relaxed);
-        }
+        self.counters.calls.fetch_add(1, Ordering::Relaxed);
         self.listener.unpark();
     }
 }
@@ -113,26 +103,24 @@ mod tests {
     #[test]
     fn every_layout_of_channels_becomes_left_and_right() {
         let (mut tap, mut link) = tap(48_000);
-        tap.receive(&[0.25_f32, -0.5], 1, None);
+        tap.receive(&[0.25_f32, -0.5], 1);
         assert_eq!(heard(&mut link), [[0.25; 2], [-0.5; 2]]);
-        tap.receive(&[0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 3, None);
+        tap.receive(&[0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 3);
         assert_eq!(heard(&mut link), [[0.1, 0.2], [0.4, 0.5]]);
-        tap.receive(&[i16::MIN, 16_384], 2, None);
+        tap.receive(&[i16::MIN, 16_384], 2);
         assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
-        tap.receive(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
+        tap.receive(&[0_u8, 128], 2);
         assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
         // No device has zero channels.
-        tap.receive(&[0.5_f32], 0, None);
+        tap.receive(&[0.5_f32], 0);
         assert_eq!(heard(&mut link), [[0.5; 2]]);
-        assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
         assert_eq!(link.counters.calls.load(Ordering::Relaxed), 5);
-        assert_eq!(link.counters.age_ns.load(Ordering::Relaxed), 3_000_000);
     }
 
     #[test]
     fn a_bass_that_is_only_in_the_lfe_channel_is_heard() {
         let (tap, mut link) = tap(48_000);
-        tap.mixing(8).receive(&[0.0_f32, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 8, None);
+        tap.mixing(8).receive(&[0.0_f32, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 8);
         let [[left, right]] = heard(&mut link)[..] else { panic!("one frame was sent") };
         assert!(left > 0.05 && left == right, "{left} {right}");
     }
@@ -145,7 +133,7 @@ mod tests {
             for (size, read) in sizes {
                 let data: Vec<f32> = (0..size).map(|n| (sent + n as u32) as f32).collect();
                 sent += size as u32;
-                tap.receive(&data, 1, None);
+                tap.receive(&data, 1);
                 if read {
                     got.extend(heard(&mut link).into_iter().map(|frame| frame[0] as u32));
                 }

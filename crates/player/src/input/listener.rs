@@ -216,7 +216,7 @@ mod tests {
         let (mut tap, link) = InputCallback::new(48_000, std::thread::current());
         listener.attach(Some(link));
         for size in [700, 30, 1300, 9_000] {
-            tap.receive(&tone(size), 1, None);
+            tap.receive(&tone(size), 1);
             listener.listen();
         }
         let moments = all(&mut heard);
@@ -228,7 +228,7 @@ mod tests {
         assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
         let (mut tap, link) = InputCallback::new(96_000, std::thread::current());
         listener.attach(Some(link));
-        tap.receive(&tone(5_000), 1, None);
+        tap.receive(&tone(5_000), 1);
         listener.listen();
         let moments = all(&mut heard);
         assert_eq!((moments[0].stream, moments[0].position, moments[1].position), (2, 0, 1024));
@@ -239,7 +239,7 @@ mod tests {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
-        tap.receive(&tone(4_000), 1, None);
+        tap.receive(&tone(4_000), 1);
         listener.listen();
         assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
@@ -262,16 +262,16 @@ mod tests {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
-        tap.receive(&tone(1_000), 1, None);
+        tap.receive(&tone(1_000), 1);
         listener.listen();
         // Simulate a signal that ended long ago.
         listener.ear =
             Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());
-        tap.receive(&[0.0; 1_000], 1, None);
+        tap.receive(&[0.0; 1_000], 1);
         listener.listen();
         assert!(all(&mut heard).is_empty(), "silence was analysed");
-        tap.receive(&tone(1_000), 1, None);
+        tap.receive(&tone(1_000), 1);
         listener.listen();
         let moments = all(&mut heard);
         let hop = listener.analyzer.hop() as u64;
@@ -289,10 +289,10 @@ mod tests {
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         std::thread::sleep(Duration::from_millis(30));
-        tap.receive(&[0.3_f32; 500], 1, None);
+        tap.receive(&[0.3_f32; 500], 1);
         listener.listen();
         assert!(listener.ear.flat_for() >= 0.03, "{}", listener.ear.flat_for());
-        tap.receive(&tone(500), 1, None);
+        tap.receive(&tone(500), 1);
         listener.listen();
         assert!(listener.ear.flat_for() < 0.03, "{}", listener.ear.flat_for());
     }

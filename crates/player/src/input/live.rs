@@ -51,8 +51,6 @@ pub struct LiveStatus {
     pub suggestion: Option<ListedDevice>,
     /// Number of lost frames and glitches.
     pub lost: u64,
-    /// Age of a buffer's first frame on arrival, in seconds, as the device reports it.
-    pub age: f64,
 }
 
 /// A live input. Dropping the input ends the streams and the threads, within a time limit.
@@ -203,7 +201,6 @@ impl Live {
             }
             _ => self.prober.reset(),
         }
-        let count = |of: fn(&super::InputCounters) -> u64| status.note.as_deref().map_or(0, of);
         LiveStatus {
             name,
             device: status.device,
@@ -211,8 +208,7 @@ impl Live {
             refused: status.refused,
             flat,
             suggestion,
-            lost: count(|counters| counters.lost.load(Ordering::Relaxed)),
-            age: count(|counters| counters.age_ns.load(Ordering::Relaxed)) as f64 / 1e9,
+            lost: status.note.map_or(0, |counters| counters.lost.load(Ordering::Relaxed)),
         }
     }
 

@@ -117,10 +117,10 @@ where
     f32: FromSample<T>,
 {
     let channels = usize::from(config.channels);
-    let callback: Callback = Box::new(move |data, info| {
-        let Some(data) = data.as_slice::<T>() else { return };
-        let stamps = info.timestamp();
-        tap.receive(data, channels, stamps.callback.checked_duration_since(stamps.capture));
+    let callback: Callback = Box::new(move |data, _| {
+        if let Some(data) = data.as_slice::<T>() {
+            tap.receive(data, channels);
+        }
     });
     device.build_input_stream_raw(config, T::FORMAT, callback, on_error, Some(BUILD_LIMIT))
 }
