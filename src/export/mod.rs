@@ -1,4 +1,5 @@
-//! Output without a window: stills, videos, analyses, measurements, show files. [`painter`] draws the frames for all.
+//! Output without a window: stills, videos, analyses, measurements, show files. [`show_painter`] draws the frames of
+//! stills and videos.
 
 mod alpha;
 pub mod analyze;
@@ -15,7 +16,7 @@ mod path_store;
 pub mod paths;
 pub mod print;
 pub mod show_file;
-mod show_painter;
+pub mod show_painter;
 pub mod showing;
 pub mod shutter;
 pub mod song_features;

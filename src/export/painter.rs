@@ -1,18 +1,17 @@
-//! Draws scenes without a window. [`ScenePainter`] draws a single scene; shows use `HeadlessRenderer` directly.
+//! Draws scenes without a window, on a context of its own.
 
-use super::alpha::{Coverage, require_no_sky};
+use super::alpha::Coverage;
 use super::earlier_sound::EarlierSound;
 use super::error::{ExportError, refuse};
 use super::exact_textures::ExactTextures;
 use super::fingerprint::Fingerprint;
 use super::path_store::SharedStore;
 use super::paths::{PathChoice, PathDrawing, PathWatch};
-use super::show_painter::Heard;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
+use crate::frame::Frame;
 use crate::frame::held_inputs::{HeldInputs, Setting, input_names};
 use crate::frame::projection::Projection;
-use crate::frame::{Frame, FrameOptions};
 use crate::gpu::scene_program::{
     COMPILED_BY_ITSELF_MAX, as_coverage, as_views, drawing_variant_of, link_scene, path_texts, projected,
     variant_of, without_sky,
@@ -98,7 +97,7 @@ pub(super) struct Model {
     /// The program of paths, and the hash of all that the scene brings to them.
     paths: Option<(Program, u64)>,
     resources: SceneResources,
-    mode: Mode,
+    pub(super) mode: Mode,
 }
 
 impl HeadlessRenderer {
@@ -291,13 +290,6 @@ impl Model {
     }
 }
 
-/// A scene on the GPU, with its own context. Draws frames of any size.
-pub struct ScenePainter {
-    model: Model,
-    held: HeldInputs,
-    pub(super) headless_renderer: HeadlessRenderer,
-}
-
 fn warn_of_a_camera_inside(world: &World, frame: &Frame) {
     let eye = frame.camera.position.to_array().map(|part| part as f32);
     if let Some(object) = world.object_around(eye, &frame.inputs) {
@@ -308,89 +300,6 @@ fn warn_of_a_camera_inside(world: &World, frame: &Frame) {
             object.name,
             world.name
         );
-    }
-}
-
-impl ScenePainter {
-    /// Opens a context and prepares the chosen scene.
-    ///
-    /// # Errors
-    /// Fails if the scene has mistakes, or the driver reports an error.
-    pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
-        Self::of_ready(choice, choice.source.ready()?)
-    }
-
-    /// Opens a context for a scene that is already compiled.
-    ///
-    /// # Errors
-    /// Fails if the driver reports an error, or if a scene that should be transparent has its own sky.
-    pub fn of_ready(choice: &SceneChoice, ready: ReadyScene) -> Result<Self, ExportError> {
-        if choice.alpha {
-            require_no_sky(&ready, &choice.source.name())?;
-        }
-        let headless_renderer = HeadlessRenderer::open(choice)?;
-        let model = headless_renderer.load(choice, ready)?;
-        Ok(Self { model, held: HeldInputs::default(), headless_renderer })
-    }
-
-    /// Holds inputs of the scene at given values; ignores inputs that the scene does not have.
-    ///
-    /// # Errors
-    /// Fails if a value is outside its input's range.
-    pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
-        self.held = held_of(&self.model.world().scene, set)?;
-        Ok(())
-    }
-
-    /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.
-    ///
-    /// # Errors
-    /// Fails if the driver reports an error.
-    pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let Self { model, held, headless_renderer } = self;
-        let frame_options = FrameOptions { params: &[], held, camera: None };
-        let frame_at = |time, sound| Frame::staged(model.world(), time, sound, size, &frame_options);
-        headless_renderer.feed_back(model, time, &sound, size, &frame_at)?;
-        headless_renderer.draw(model, frame_at(time, sound))
-    }
-
-    /// Draws the mean of several exposures.
-    ///
-    /// # Errors
-    /// Fails if the driver reports an error.
-    pub(super) fn draw_exposures(
-        &mut self,
-        exposures: Vec<Heard>,
-        size: (u32, u32),
-    ) -> Result<(), ExportError> {
-        let count = exposures.len();
-        for (number, (time, sound)) in exposures.into_iter().enumerate() {
-            self.headless_renderer.begin_exposure(number, count);
-            self.draw(time, sound, size)?;
-            self.headless_renderer.expose(number, count)?;
-        }
-        Ok(())
-    }
-
-    /// Returns the inputs of the frame that [`Self::draw`] draws.
-    pub(super) fn frame(&self, time: f64, sound: Sound, size: (u32, u32)) -> Frame {
-        let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
-        Frame::staged(self.model.world(), time, sound, size, &frame_options)
-    }
-
-    /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.
-    pub fn read(&self) -> Vec<u8> {
-        self.headless_renderer.read()
-    }
-
-    /// Returns the mode in which the scene is drawn.
-    pub fn mode(&self) -> Mode {
-        self.model.mode
-    }
-
-    /// Returns the world that is drawn.
-    pub fn world(&self) -> &World {
-        self.model.world()
     }
 }
 
@@ -433,7 +342,7 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
     Ok(())
 }
 
-/// Returns the mode in which a [`ScenePainter`] draws a scene on a driver.
+/// Returns the mode in which a scene is drawn on a driver.
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,

@@ -1,4 +1,5 @@
-//! Draws a show without a window: at each moment a scene, a fade, or a blend of two scenes.
+//! Draws a show without a window: at each moment a scene, a fade, or a blend of two scenes. A single scene is a show of
+//! one clip.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -7,6 +8,7 @@ use std::sync::Arc;
 use super::error::ExportError;
 use super::painter::{HeadlessRenderer, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
+use crate::gpu::Mode;
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 use crate::show::{Held, Layer, PreparedShow, Recipe, ShowError, Timeline};
 use mariana_field::graph::Graph;
@@ -21,7 +23,8 @@ struct Read {
     held: HeldInputs,
 }
 
-pub(super) struct ShowPainter {
+/// A show on the GPU, with its own context. Draws frames of any size.
+pub struct ShowPainter {
     pub(super) headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
     prepared_show: Arc<PreparedShow>,
@@ -35,7 +38,7 @@ pub(super) struct ShowPainter {
 }
 
 /// A moment of a song, in seconds, and its sound.
-pub(super) type Heard = (f64, Sound);
+pub type Heard = (f64, Sound);
 
 impl ShowPainter {
     /// Compiles all scenes of the show, to find mistakes at the start. `choice` has the options of the renderer.
@@ -48,11 +51,29 @@ impl ShowPainter {
         prepared_show: Arc<PreparedShow>,
         set: &[Setting],
     ) -> Result<Self, ExportError> {
-        let dims = prepared_show.timeline().ok_or(ShowError::WaitsForKeys)?.dims();
         let sources = prepared_show.sources().into_iter();
-        let scenes: Vec<(SceneSource, ReadyScene)> = sources
+        let scenes = sources
             .map(|source| Ok((source.clone(), source.ready()?)))
             .collect::<Result<_, ExportError>>()?;
+        Self::of_ready(choice, prepared_show, scenes, set)
+    }
+
+    /// Prepares to draw a single scene, which is compiled already.
+    ///
+    /// # Errors
+    /// Fails if a setting is refused, the driver reports an error, or a scene that should be transparent has its own sky.
+    pub fn of_scene(choice: &SceneChoice, ready: ReadyScene, set: &[Setting]) -> Result<Self, ExportError> {
+        let prepared_show = PreparedShow::of_cuts([(0.0, choice.source.clone())]);
+        Self::of_ready(choice, Arc::new(prepared_show), vec![(choice.source.clone(), ready)], set)
+    }
+
+    fn of_ready(
+        choice: &SceneChoice,
+        prepared_show: Arc<PreparedShow>,
+        scenes: Vec<(SceneSource, ReadyScene)>,
+        set: &[Setting],
+    ) -> Result<Self, ExportError> {
+        let dims = prepared_show.timeline().ok_or(ShowError::WaitsForKeys)?.dims();
         let known: Vec<_> = scenes.iter().map(|(_, ready)| &ready.world.scene).collect();
         require_inputs(&known, set)?;
         let mut headless_renderer = HeadlessRenderer::open(choice)?;
@@ -88,8 +109,11 @@ impl ShowPainter {
         self.prepared_show.timeline().map(|timeline| timeline.held_at(time)).unwrap_or_default()
     }
 
-    /// Draws the frame at `time`: the mean of its exposures.
-    pub(super) fn draw(
+    /// Draws the frame at `time`: the mean of its exposures. `held` has the frozen frames of this moment, and their sounds.
+    ///
+    /// # Errors
+    /// Fails if the driver reports an error.
+    pub fn draw(
         &mut self,
         time: f64,
         exposures: Vec<Heard>,
@@ -111,6 +135,16 @@ impl ShowPainter {
         let brightness = |timeline: &Timeline| timeline.picture_at(time).brightness;
         let brightness = self.prepared_show.timeline().map_or(1.0, brightness);
         Ok(self.headless_renderer.renderer.dim(brightness)?)
+    }
+
+    /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.
+    pub fn read(&self) -> Vec<u8> {
+        self.headless_renderer.read()
+    }
+
+    /// Returns the mode of the scene that was drawn last; `None` before the first frame.
+    pub fn mode(&self) -> Option<Mode> {
+        self.models.back().map(|(_, model)| model.mode)
     }
 
     /// Draws an exposure of the frame at `time`: the layers of its recipe. `held` has the sounds of frozen frames.

@@ -9,7 +9,7 @@ use image::{ColorType, ImageFormat};
 use super::alpha::straight;
 use super::error::{ExportError, refuse};
 use super::output::{Output, is_folder, refuse_the_song, write_standard};
-use super::painter::{SceneChoice, ScenePainter, require_inputs};
+use super::painter::{SceneChoice, held_of};
 use super::panorama;
 use super::path_store::{PathStore, SharedStore};
 use super::paths::PathWatch;
@@ -18,8 +18,8 @@ use super::showing::{Holding, Showing};
 use super::shutter::Shutter;
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
-use crate::frame::Frame;
 use crate::frame::held_inputs::Setting;
+use crate::frame::{Frame, FrameOptions};
 use crate::probing::{Scenery, ray_diagram};
 use crate::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::{Alignment, BlendKind};
@@ -107,23 +107,7 @@ pub fn write_still(request: &StillRequest, watch: PathWatch) -> Result<(), Expor
         }
         _ => None,
     };
-    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
-    let sound = song.require(request.at)?;
-    let rgba = match &request.show {
-        Some(show) => {
-            let prepared_show = show.prepared_show(&mut song, request.at)?;
-            let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
-            painter.graphs().for_each(|graph| song.know_for(graph));
-            painter.headless_renderer.set_song(&song)?;
-            painter.headless_renderer.watch_paths(watch, store.clone());
-            let sound = song.placed(request.at, sound);
-            let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
-            let exposures = request.shutter.exposures(&mut song, request.at, sound, STILL_SECONDS)?;
-            painter.draw(request.at, exposures, held, request.size)?;
-            painter.headless_renderer.read()
-        }
-        None => drawn(request, &mut song, sound, watch, store.clone())?,
-    };
+    let rgba = drawn(request, watch, store.clone())?;
     let pixels = Pixels::of(&rgba, request.scene.alpha);
     let bytes =
         panorama::marked(pixels.encoded(format, request.size)?, &request.scene.projection, request.size);
@@ -137,23 +121,9 @@ pub fn write_still(request: &StillRequest, watch: PathWatch) -> Result<(), Expor
 
 fn drawn(
     request: &StillRequest,
-    song: &mut SongFeatures,
-    mut sound: Sound,
     watch: PathWatch,
     store: Option<SharedStore>,
 ) -> Result<Vec<u8>, ExportError> {
-    let ready = request.scene.source.ready()?;
-    let ready = match &request.blend {
-        Some(blend) => blend.of(ready, request.at, &sound)?,
-        None => ready,
-    };
-    song.know_for(&ready.world.scene.graph);
-    sound = song.placed(request.at, sound);
-    require_inputs(&[&ready.world.scene], &request.set)?;
-    let mut painter = ScenePainter::of_ready(&request.scene, ready.clone())?;
-    painter.hold(&request.set)?;
-    painter.headless_renderer.set_song(song)?;
-    painter.headless_renderer.watch_paths(watch, store);
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
         return refuse(format!(
@@ -161,11 +131,33 @@ fn drawn(
              the upper left"
         ));
     }
-    let frame = request.ray.map(|_| painter.frame(request.at, sound.clone(), request.size));
-    let exposures = request.shutter.exposures(song, request.at, sound, STILL_SECONDS)?;
-    painter.draw_exposures(exposures, request.size)?;
+    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
+    let mut sound = song.require(request.at)?;
+    let (mut painter, scene) = match &request.show {
+        Some(show) => {
+            let prepared_show = show.prepared_show(&mut song, request.at)?;
+            (ShowPainter::open(&request.scene, prepared_show, &request.set)?, None)
+        }
+        None => {
+            let mut ready = request.scene.source.ready()?;
+            if let Some(blend) = &request.blend {
+                ready = blend.of(ready, request.at, &sound)?;
+            }
+            (ShowPainter::of_scene(&request.scene, ready.clone(), &request.set)?, Some(ready))
+        }
+    };
+    painter.graphs().for_each(|graph| song.know_for(graph));
+    painter.headless_renderer.set_song(&song)?;
+    painter.headless_renderer.watch_paths(watch, store);
+    sound = song.placed(request.at, sound);
+    let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
+    let exposures = request.shutter.exposures(&mut song, request.at, sound.clone(), STILL_SECONDS)?;
+    painter.draw(request.at, exposures, held, request.size)?;
     let mut rgba = painter.read();
-    if let Some(((x, y), frame)) = request.ray.zip(frame) {
+    if let Some(((x, y), ready)) = request.ray.zip(scene) {
+        let held = held_of(&ready.world.scene, &request.set)?;
+        let options = FrameOptions { params: &[], held: &held, camera: None };
+        let frame = Frame::staged(&ready.world, request.at, sound, request.size, &options);
         let middle = |pixel: u32, side: u32| (f64::from(pixel) + 0.5) / f64::from(side);
         let scenery = Scenery::new(request.scene.source.clone(), ready, frame);
         let at = [middle(x, width), middle(y, height)];

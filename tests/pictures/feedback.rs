@@ -1,7 +1,8 @@
 //! Feedback: trails, and the last frame in formulas.
 
 use mariana::config::SdfChoice;
-use mariana::export::painter::{SceneChoice, ScenePainter};
+use mariana::export::SceneChoice;
+use mariana::export::show_painter::ShowPainter;
 use mariana::frame::projection::{Projection, ProjectionKind, Stereo};
 use mariana::scenes::SceneSource;
 use mariana_music::Features;
@@ -22,15 +23,17 @@ fn formula() -> String {
     format!("{BALL}sky {{ color = max(ball, vec3(0.7, 0.8, 0.9) * {last}) }}\npicture {{ memory = 0.5 }}")
 }
 
-fn painter(folder: &tempfile::TempDir, text: &str, sdf: SdfChoice) -> ScenePainter {
+fn painter(folder: &tempfile::TempDir, text: &str, sdf: SdfChoice) -> ShowPainter {
     let path = folder.path().join("own.scene");
     std::fs::write(&path, text).unwrap_or_else(|error| panic!("{error}"));
     let choice = SceneChoice { sdf, ..SceneChoice::from(SceneSource::File(path)) };
-    ScenePainter::open(&choice).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    let ready = choice.source.ready().unwrap_or_else(|error| panic!("{error}\n{text}"));
+    ShowPainter::of_scene(&choice, ready, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn drawn(painter: &mut ScenePainter, time: f64) -> Vec<u8> {
-    painter.draw(time, Features::SILENCE.into(), SIZE).unwrap_or_else(|error| panic!("at {time} s: {error}"));
+fn drawn(painter: &mut ShowPainter, time: f64) -> Vec<u8> {
+    let heard = vec![(time, Features::SILENCE.into())];
+    painter.draw(time, heard, Vec::new(), SIZE).unwrap_or_else(|error| panic!("at {time} s: {error}"));
     painter.read()
 }
 
@@ -134,9 +137,10 @@ fn projected(text: &str, projection: Projection, sdf: SdfChoice, (width, height)
     let text = text
         .replace("picture {", "picture { memory = 0.4  tone_map = none  bloom = 0  grain = 0  vignette = 0 ");
     let choice = SceneChoice { projection, sdf, ..SceneChoice::from(SceneSource::Formula(text)) };
-    let mut painter = ScenePainter::open(&choice).unwrap_or_else(|error| panic!("{error}"));
+    let ready = choice.source.ready().unwrap_or_else(|error| panic!("{error}"));
+    let mut painter = ShowPainter::of_scene(&choice, ready, &[]).unwrap_or_else(|error| panic!("{error}"));
     painter
-        .draw(0.8, Features::SILENCE.into(), (width, height))
+        .draw(0.8, vec![(0.8, Features::SILENCE.into())], Vec::new(), (width, height))
         .unwrap_or_else(|error| panic!("{projection:?}: {error}"));
     painter.read()
 }

@@ -6,10 +6,11 @@ use crate::support::test_renderer::silence;
 use glam::DVec3;
 use image::RgbaImage;
 use mariana::config::SdfChoice;
-use mariana::export::painter::{SceneChoice, ScenePainter};
+use mariana::export::SceneChoice;
+use mariana::export::show_painter::ShowPainter;
 use mariana::frame::Frame;
 use mariana::frame::projection::{EyeRay, Projection, ProjectionKind, Stereo};
-use mariana::scenes::SceneSource;
+use mariana::scenes::{ReadyScene, SceneSource};
 
 /// The camera is inside a ball, whose colours are the coordinates of its points.
 const INSIDE: &str = "material paint { color = 0  roughness = 1  emission = srgb(0.5 + p / 12) }\n\
@@ -20,15 +21,17 @@ const PLAIN: &str = "\npicture { tone_map = none  bloom = 0  grain = 0";
 const RADIUS: f64 = 5.0;
 const MODES: [SdfChoice; 2] = [SdfChoice::Interpreted, SdfChoice::Compiled];
 
-fn painter(text: &str, projection: Projection, sdf: SdfChoice) -> ScenePainter {
+fn painter(text: &str, projection: Projection, sdf: SdfChoice) -> (ShowPainter, ReadyScene) {
     // Only the corners of flat pictures become darker.
     let vignette = if projection.is_plain() { 0.0 } else { 0.5 };
     let source = SceneSource::Formula(format!("{text}{PLAIN}  vignette = {vignette} }}"));
-    ScenePainter::open(&SceneChoice { projection, sdf, ..source.into() }).unwrap()
+    let ready = source.ready().unwrap();
+    let choice = SceneChoice { projection, sdf, ..source.into() };
+    (ShowPainter::of_scene(&choice, ready.clone(), &[]).unwrap(), ready)
 }
 
-fn drawn(painter: &mut ScenePainter, size: (u32, u32)) -> RgbaImage {
-    painter.draw(0.0, silence().into(), size).unwrap();
+fn drawn(painter: &mut ShowPainter, size: (u32, u32)) -> RgbaImage {
+    painter.draw(0.0, vec![(0.0, silence().into())], Vec::new(), size).unwrap();
     RgbaImage::from_raw(size.0, size.1, painter.read()).unwrap()
 }
 
@@ -51,10 +54,9 @@ fn every_pixel_shows_the_point_that_its_ray_meets() {
     for sdf in MODES {
         for projection in all_projections() {
             let size = (32, 24);
-            let mut painter = painter(INSIDE, projection, sdf);
+            let (mut painter, scene) = painter(INSIDE, projection, sdf);
             let picture = drawn(&mut painter, size);
-            let frame =
-                Frame::new(painter.world(), 0.0, silence(), size).projected(painter.world(), projection);
+            let frame = Frame::new(&scene.world, 0.0, silence(), size).projected(&scene.world, projection);
             let mut outside = 0;
             for (x, y, pixel) in picture.enumerate_pixels() {
                 let at = (f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -93,10 +95,10 @@ fn a_flat_picture_is_a_part_of_the_sphere() {
                 camera { position = vec3(0, 1, -4)  target = vec3(0.5, 1, 0)  fov = 60 }\n";
     let (flat_size, size) = ((64, 48), (1024, 512));
     let sphere = Projection { kind: ProjectionKind::Sphere, ..Projection::default() };
-    let flat = drawn(&mut painter(text, Projection::default(), SdfChoice::Compiled), flat_size);
-    let mut sphere_painter = painter(text, sphere, SdfChoice::Compiled);
+    let flat = drawn(&mut painter(text, Projection::default(), SdfChoice::Compiled).0, flat_size);
+    let (mut sphere_painter, scene) = painter(text, sphere, SdfChoice::Compiled);
     let whole = drawn(&mut sphere_painter, size);
-    let camera = Frame::new(sphere_painter.world(), 0.0, silence(), flat_size).camera;
+    let camera = Frame::new(&scene.world, 0.0, silence(), flat_size).camera;
     let mut differences: Vec<u8> = Vec::new();
     for (x, y, pixel) in flat.enumerate_pixels() {
         let at = (f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -119,7 +121,7 @@ fn each_eye_sees_the_whole_of_a_scene_of_pixels() {
     for sdf in MODES {
         let stereo =
             Projection { kind: ProjectionKind::Sphere, stereo: Stereo::OverUnder, ..Projection::default() };
-        let mut painter = painter("sky { color = srgb(vec3(pixel / resolution, 0)) }", stereo, sdf);
+        let (mut painter, _) = painter("sky { color = srgb(vec3(pixel / resolution, 0)) }", stereo, sdf);
         let picture = drawn(&mut painter, (32, 32));
         for (x, y, pixel) in picture.enumerate_pixels() {
             let wanted = [(x as f32 + 0.5) / 32.0, 1.0 - ((y % 16) as f32 + 0.5) / 16.0];

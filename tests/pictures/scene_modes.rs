@@ -9,7 +9,8 @@ use crate::support::test_renderer::{
 };
 use image::RgbaImage;
 use mariana::config::SdfChoice;
-use mariana::export::painter::{SceneChoice, ScenePainter, mode_on};
+use mariana::export::painter::{SceneChoice, mode_on};
+use mariana::export::show_painter::ShowPainter;
 use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::mode::CellUse;
@@ -375,9 +376,10 @@ fn a_painter_uses_the_requested_mode() {
     ] {
         let source = SceneSource::Formula(PLANES.into());
         let choice = SceneChoice { sdf, cells: CellUse::Always, ..SceneChoice::from(source) };
-        let mut painter = ScenePainter::open(&choice).unwrap();
-        assert_eq!(painter.mode(), expected);
-        painter.draw(0.0, silence().into(), (16, 9)).unwrap();
+        let ready = choice.source.ready().unwrap();
+        let mut painter = ShowPainter::of_scene(&choice, ready, &[]).unwrap();
+        painter.draw(0.0, vec![(0.0, silence().into())], Vec::new(), (16, 9)).unwrap();
+        assert_eq!(painter.mode(), Some(expected));
         assert_eq!(painter.read().len(), 16 * 9 * 4);
     }
 }

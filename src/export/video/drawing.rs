@@ -62,7 +62,7 @@ impl<'a> VideoFrames<'a> {
         let exposures = request.shutter.exposures(song, time, sound, 1.0 / request.fps)?;
         painter.draw(time, exposures, held, request.size)?;
         painter.headless_renderer.renderer.limit_flashes(1.0 / request.fps)?;
-        Ok(Some(painter.headless_renderer.read()))
+        Ok(Some(painter.read()))
     }
 
     /// Writes title and lyrics over the frame with this number in the video.
