@@ -15,22 +15,14 @@ pub struct KeptSettings {
     writer_thread: Worker<Job, Result<Settings, StoredFileError>>,
 }
 
-enum Job {
-    Change(Box<dyn Fn(&mut Settings) + Send>),
-    Tracks(Option<Vec<PathBuf>>),
-}
+/// Writes a change.
+type Job = Box<dyn FnOnce(&mut SettingsFile) -> Result<(), StoredFileError> + Send>;
 
 impl KeptSettings {
     /// Starts with the settings in `file`. If the writer thread cannot start, changes last until the program ends.
     pub fn of(mut file: SettingsFile) -> Self {
         let settings = file.settings().clone();
-        let work = move |job| {
-            let kept = match job {
-                Job::Change(change) => file.change(change),
-                Job::Tracks(tracks) => file.keep_tracks(tracks.as_deref()),
-            };
-            Some(kept.map(|()| file.settings().clone()))
-        };
+        let work = move |job: Job| Some(job(&mut file).map(|()| file.settings().clone()));
         let writer_thread = in_order("settings", || {}, || work).unwrap_or_default();
         Self { settings, writer_thread: writer_thread.finished_at_drop(Duration::MAX) }
     }
@@ -43,12 +35,12 @@ impl KeptSettings {
     /// Changes the settings here and in the file.
     pub fn change(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         change(&mut self.settings);
-        self.give(Job::Change(Box::new(change)));
+        self.give(Box::new(move |file: &mut SettingsFile| file.change(change)));
     }
 
     /// Stores the track list for the next run; `None` removes it.
     pub fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
-        self.give(Job::Tracks(tracks));
+        self.give(Box::new(move |file: &mut SettingsFile| file.keep_tracks(tracks.as_deref())));
     }
 
     /// Takes the results of finished writes. Returns the next error, if any.
