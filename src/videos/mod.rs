@@ -81,24 +81,24 @@ impl Videos {
     /// Appends a video to the queue. `file` is its path; if the path is taken, the video gets another name.
     pub fn add(&self, title: String, file: PathBuf, order: &Order) {
         let arguments = order.arguments();
-        self.send(Event::Add { title, file, arguments });
+        self.send(move |worker| worker.add(title, &file, arguments));
     }
 
     /// Pauses, continues, removes or shows a video.
     pub fn act(&self, id: u64, action: JobAction) {
-        self.send(Event::Act(id, action));
+        self.send(move |worker| worker.act(id, action));
     }
 
     /// Measures how long a video of `seconds` in the folder of `file` would take; [`Shown::estimate`] gets the result.
     /// `None` stops measuring.
     pub fn measure(&self, order: Option<(&Order, f64, PathBuf)>) {
         let measure = order.map(|(order, seconds, file)| Measure::of(order, seconds, file));
-        self.send(Event::Measure(measure.map(Box::new)));
+        self.send(move |worker| worker.measure(measure));
     }
 
     /// Looks for the newest performance of a song with this title; [`Shown::performance`] gets the result.
     pub fn find_performance(&self, title: String) {
-        self.send(Event::Performance(title));
+        self.send(move |worker| worker.find_performance(title));
     }
 
     /// Reads the state of the queue.
@@ -111,14 +111,14 @@ impl Videos {
         self.published.lock().news.pop_front()
     }
 
-    fn send(&self, event: Event) {
+    fn send(&self, call: impl FnOnce(&mut Worker) + Send + 'static) {
         // Without the thread, nothing is rendered; its panic was reported.
-        let _ = self.events.send(event);
+        let _ = self.events.send(Box::new(call));
     }
 }
 
 impl Drop for Videos {
     fn drop(&mut self) {
-        self.send(Event::End);
+        self.send(|worker| worker.is_over = true);
     }
 }

@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-use super::worker::Event;
+use super::worker::{Event, Worker};
 use crate::ending::apart_from_terminal;
 use crate::export::video::{CONTINUE, PAUSE, last_messages};
 
@@ -61,12 +61,12 @@ impl Process {
             for line in output.into_iter().flat_map(|output| BufReader::new(output).lines()) {
                 let report = line.ok().and_then(|line| serde_json::from_str(&line).ok());
                 if let Some(report) = report
-                    && events.send(Event::Report(run, report)).is_err()
+                    && events.send(Box::new(move |worker: &mut Worker| worker.record(run, report))).is_err()
                 {
                     return;
                 }
             }
-            let _ = events.send(Event::Ended(run));
+            let _ = events.send(Box::new(move |worker: &mut Worker| worker.record_end(run)));
         })?;
         Ok(process)
     }

@@ -23,21 +23,8 @@ const PUBLISH_EVERY: Duration = Duration::from_millis(250);
 /// The longest wait for an event.
 const LONG: Duration = Duration::from_secs(3600);
 
-pub(super) enum Event {
-    Add {
-        title: String,
-        file: PathBuf,
-        arguments: Vec<String>,
-    },
-    Act(u64, JobAction),
-    Measure(Option<Box<Measure>>),
-    Performance(String),
-    /// A report of the process with this number.
-    Report(u64, VideoReport),
-    /// The process with this number has closed its output.
-    Ended(u64),
-    End,
-}
+/// A call of the worker from another thread.
+pub(super) type Event = Box<dyn FnOnce(&mut Worker) + Send>;
 
 pub(super) struct Worker {
     folders: Folders,
@@ -54,6 +41,7 @@ pub(super) struct Worker {
     told: Vec<String>,
     events: (Sender<Event>, Receiver<Event>),
     wake: Box<dyn Fn() + Send>,
+    pub(super) is_over: bool,
 }
 
 /// A running process.
@@ -98,6 +86,7 @@ impl Worker {
             told: Vec::new(),
             events,
             wake,
+            is_over: false,
         }
     }
 
@@ -116,10 +105,13 @@ impl Worker {
             let wait = self.run.as_ref().and_then(VideoRun::due);
             let wait = wait.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
             match self.events.1.recv_timeout(wait) {
-                // The process ends with its input. Its video stays in the queue.
-                Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
-                Ok(event) => self.handle_event(event),
+                Ok(event) => event(&mut self),
                 Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            if self.is_over {
+                // The process ends with its input. Its video stays in the queue.
+                return;
             }
             self.end_long_measurement(Instant::now());
             if let Some(run) = &mut self.run
@@ -133,30 +125,24 @@ impl Worker {
         }
     }
 
-    fn handle_event(&mut self, event: Event) {
-        match event {
-            Event::Add { title, file, arguments } => {
-                if let Err(words) = self.queue.add(title, &file, arguments) {
-                    self.told.push(words);
-                }
-                self.stop_measuring();
-            }
-            Event::Act(job, action) => self.act(job, action),
-            Event::Measure(measure) => {
-                self.stop_measuring();
-                self.wanted = measure.map(|measure| *measure);
-            }
-            Event::Performance(title) => {
-                let found = PerformanceFiles::newest(&self.folders, &title);
-                self.shown.performance = found.map(|file| (title, file));
-            }
-            Event::Report(number, report) => self.record(number, report),
-            Event::Ended(number) => self.record_end(number),
-            Event::End => {}
+    pub(super) fn add(&mut self, title: String, file: &Path, arguments: Vec<String>) {
+        if let Err(words) = self.queue.add(title, file, arguments) {
+            self.told.push(words);
         }
+        self.stop_measuring();
     }
 
-    fn act(&mut self, job: u64, action: JobAction) {
+    pub(super) fn measure(&mut self, wanted: Option<Measure>) {
+        self.stop_measuring();
+        self.wanted = wanted;
+    }
+
+    pub(super) fn find_performance(&mut self, title: String) {
+        let found = PerformanceFiles::newest(&self.folders, &title);
+        self.shown.performance = found.map(|file| (title, file));
+    }
+
+    pub(super) fn act(&mut self, job: u64, action: JobAction) {
         let now = Instant::now();
         let rendered = self.run.as_mut().filter(|run| run.renders(job));
         let Some(found) = self.queue.job(job) else { return };
@@ -213,7 +199,8 @@ impl Worker {
         }
     }
 
-    fn record(&mut self, number: u64, report: VideoReport) {
+    /// Records a report of the process with this number.
+    pub(super) fn record(&mut self, number: u64, report: VideoReport) {
         let Some(run) = self.run.as_mut().filter(|run| run.number == number) else { return };
         let now = Instant::now();
         match (&mut run.task, report) {
@@ -234,7 +221,8 @@ impl Worker {
         }
     }
 
-    fn record_end(&mut self, number: u64) {
+    /// Records that the process with this number has closed its output.
+    pub(super) fn record_end(&mut self, number: u64) {
         let Some(VideoRun { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number)
         else {
             return;
