@@ -1,6 +1,6 @@
 //! The subcommand `analyze`.
 
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,7 +11,7 @@ use super::files::song_or_demo;
 use super::parse::{parse_duration, parse_fps, parse_seconds};
 use crate::config::Choice;
 use crate::export::analyze::{AnalyzeRequest, print_features};
-use crate::export::structure::{StructureRequest, print_structure};
+use crate::export::structure::print_structure;
 use mariana_music::Gain;
 
 #[derive(Args)]
@@ -49,13 +49,10 @@ pub(super) struct AnalyzeArguments {
 pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
     if arguments.structure || arguments.plot.is_some() {
         end_by_signals();
-        let request = StructureRequest {
-            song: song_or_demo(arguments.file)?,
-            reported: arguments.structure,
-            json: arguments.json,
-            plot: arguments.plot,
-        };
-        return Ok(print_structure(&request, &mut std::io::stdout().lock())?);
+        let mut out = std::io::stdout().lock();
+        let out: Option<&mut dyn Write> = if arguments.structure { Some(&mut out) } else { None };
+        let song = song_or_demo(arguments.file)?;
+        return Ok(print_structure(&song, arguments.plot.as_deref(), out, arguments.json)?);
     }
     let request = AnalyzeRequest {
         song: song_or_demo(arguments.file)?,

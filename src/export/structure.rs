@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use super::error::{ExportError, refuse};
 use super::print::is_open;
@@ -15,19 +15,6 @@ use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 use mariana_player::stems::{Stem, separating_command, stems_of};
-
-/// Options of the output.
-#[derive(Debug, Clone)]
-pub struct StructureRequest {
-    /// The song.
-    pub song: Song,
-    /// True to print the structure on standard output.
-    pub reported: bool,
-    /// True to print JSON, false to print text.
-    pub json: bool,
-    /// The SVG file to draw, if any.
-    pub plot: Option<PathBuf>,
-}
 
 /// Decodes a song. Returns its name and its structure.
 ///
@@ -47,13 +34,18 @@ pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError>
     }
 }
 
-/// Prints and draws the structure as requested.
+/// Prints the structure of a song to `out`, if any, as JSON or as text. Draws it in the SVG file `plot`, if any.
 ///
 /// # Errors
 /// Fails if the song cannot be decoded, or an output cannot be written. A closed pipe is no error.
-pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
+pub fn print_structure(
+    song: &Song,
+    plot: Option<&Path>,
+    out: Option<&mut dyn Write>,
+    json: bool,
+) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
-    let plot = match &request.plot {
+    let plot = match plot {
         Some(path) => {
             if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
                 return refuse(format!(
@@ -65,9 +57,9 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
         }
         None => None,
     };
-    let (name, mut structure) = structure_of(&request.song)?;
+    let (name, mut structure) = structure_of(song)?;
     // The analysis hears mono as it is played, on two loudspeakers. The standard measures its one channel.
-    if request.song.open()?.info().source_channels == 1 {
+    if song.open()?.info().source_channels == 1 {
         structure.loudness = structure.loudness.map(|loudness| loudness - 10.0 * 2.0_f32.log10());
     }
     if let Some(plot) = plot {
@@ -75,11 +67,9 @@ pub fn print_structure(request: &StructureRequest, out: &mut dyn Write) -> Resul
         let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, &shipped)?;
         plot.write(page(&name, &structure, show.clips()).as_bytes())?;
     }
-    if !request.reported {
-        return Ok(());
-    }
-    let stems = stems_line(&request.song);
-    let text = if request.json {
+    let Some(out) = out else { return Ok(()) };
+    let stems = stems_line(song);
+    let text = if json {
         serde_json::to_string(&structure).map_err(|error| ExportError::Print(error.into()))? + "\n"
     } else {
         text(&name, &structure) + &stems
