@@ -8,7 +8,8 @@ use clap::Args;
 use super::common::colors;
 use super::files::{is_standard, scene_of};
 use crate::atomic_file::AtomicFile;
-use crate::export::print::{print_line, print_message, print_text};
+use crate::export::output::write_standard;
+use crate::export::print::{print_line, print_message};
 use crate::scenes::SceneSource;
 use mariana_field::lang::{check_syntax, formatted, render_all};
 
@@ -65,7 +66,7 @@ fn format(file: &Path, check: bool) -> anyhow::Result<bool> {
         return Ok(formatted == text);
     }
     if is_standard {
-        print_text(&formatted)?;
+        write_standard(formatted.as_bytes())?;
     } else if formatted != text {
         AtomicFile::create(file)?.write(formatted.as_bytes())?;
     }

@@ -2,7 +2,7 @@
 
 mod framing;
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
@@ -11,6 +11,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::Value;
 
+use crate::export::output::write_standard;
 use crate::scenes::included_text;
 use framing::{framed, read_message};
 use mariana_language_server::{Check, Checked, Ending, Server};
@@ -69,7 +70,7 @@ fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow:
     while !is_closed {
         let first = arrived.recv().context("the thread that reads standard input has ended")?;
         let mut messages = Vec::new();
-        let mut answers = Vec::new();
+        let mut answers: Vec<Value> = Vec::new();
         // Messages that are waiting are taken together, so that the newest text is compiled.
         for event in std::iter::once(first).chain(arrived.try_iter()) {
             match event {
@@ -81,7 +82,9 @@ fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow:
             }
         }
         answers.extend(server.receive(messages));
-        if !write(&answers)? || server.ending().is_some() {
+        let bytes: Vec<u8> = answers.iter().flat_map(framed).collect();
+        let is_open = write_standard(&bytes)?;
+        if !is_open || server.ending().is_some() {
             return Ok(server.ending());
         }
         if checker.is_idle()
@@ -91,19 +94,4 @@ fn serve(arrived: &Receiver<Event>, checker: &Worker<Check, Checked>) -> anyhow:
         }
     }
     Ok(None)
-}
-
-/// Writes messages to standard output; false if the client has closed it.
-fn write(messages: &[Value]) -> anyhow::Result<bool> {
-    let mut output = std::io::stdout().lock();
-    for message in messages {
-        match output.write_all(&framed(message)) {
-            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(false),
-            written => written.context("standard output cannot be written")?,
-        }
-    }
-    match output.flush() {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(false),
-        flushed => flushed.map(|()| true).context("standard output cannot be written"),
-    }
 }

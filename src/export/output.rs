@@ -82,7 +82,7 @@ pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
 ///
 /// # Errors
 /// [`ExportError::Print`] if standard output cannot be written.
-pub(super) fn write_standard(bytes: &[u8]) -> Result<bool, ExportError> {
+pub fn write_standard(bytes: &[u8]) -> Result<bool, ExportError> {
     let mut out = std::io::stdout().lock();
     is_open(out.write_all(bytes).and_then(|()| out.flush()))
 }

@@ -3,7 +3,6 @@
 use std::io::{ErrorKind, Write};
 
 use super::error::ExportError;
-use super::output::write_standard;
 use mariana_field::lang::plural;
 
 /// Prints a line on standard output. A closed pipe is no error.
@@ -23,14 +22,6 @@ pub(super) fn is_open(written: std::io::Result<()>) -> Result<bool, ExportError>
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
         written => written.map(|()| true).map_err(ExportError::Print),
     }
-}
-
-/// Prints a text on standard output, without a further line end. A closed pipe is no error.
-///
-/// # Errors
-/// [`ExportError::Print`] if standard output cannot be written.
-pub fn print_text(text: &str) -> Result<(), ExportError> {
-    write_standard(text.as_bytes()).map(drop)
 }
 
 /// A number of things: `1 frame`, `2 frames`.
