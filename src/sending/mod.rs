@@ -49,17 +49,12 @@ impl Sending {
     /// [`SendError`]
     pub fn start(target: &SenderTarget, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let latest_frame = Arc::new(LatestFrame::new(target.to_string()));
+        let start = |receiver| stream::start(receiver, fps, latest_frame.clone());
         match target {
-            SenderTarget::Y4m(None) => {
-                stream::start(stream::Standard::new(size, fps), fps, latest_frame.clone())?
-            }
-            SenderTarget::Y4m(Some(path)) => {
-                stream::start(stream::Fifo::new(path, size, fps)?, fps, latest_frame.clone())?;
-            }
+            SenderTarget::Y4m(None) => start(stream::standard(size, fps))?,
+            SenderTarget::Y4m(Some(path)) => start(stream::fifo(path, size, fps)?)?,
             #[cfg(target_os = "linux")]
-            SenderTarget::V4l2(path) => {
-                stream::start(v4l2::VirtualCamera::open(path, size)?, fps, latest_frame.clone())?;
-            }
+            SenderTarget::V4l2(path) => start(v4l2::camera(path, size)?)?,
             #[cfg(not(target_os = "linux"))]
             SenderTarget::V4l2(path) => {
                 let reason = "only Linux has such devices: send MJPEG instead".to_owned();

@@ -2,9 +2,9 @@
 //!
 //! Receivers derive the time from the number of frames, so an unchanged frame is sent again.
 
-use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Stdout, Write};
-use std::path::{Path, PathBuf};
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,40 +12,31 @@ use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
 use crate::y4m::{self, Chroma};
 
+/// Bytes to a reader.
+pub(super) type Stream = Box<dyn Write>;
+
 /// A receiver of frames at a constant rate. Each target has a thread, so each call may block for any time.
-pub(super) trait Receiver: Send + 'static {
-    type Stream: Write;
-
+pub(super) struct Receiver {
+    /// Waits for a reader. Fails if no reader can connect any more.
+    pub(super) open: Box<dyn FnMut() -> std::io::Result<Stream> + Send>,
+    /// Encodes a frame.
+    pub(super) bytes: fn(&OutgoingFrame) -> Vec<u8>,
     /// True if another reader can connect after one has disconnected.
-    const COMES_AGAIN: bool = true;
-
-    /// Waits for a reader.
-    ///
-    /// # Errors
-    /// Fails if no reader can connect any more.
-    fn open(&mut self) -> std::io::Result<Self::Stream>;
-
-    fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
-        y4m::frame_of_quarter(&picture.rgba, picture.size)
-    }
+    pub(super) comes_again: bool,
 }
 
 const PAUSE: Duration = Duration::from_millis(500);
 
-pub(super) fn start(
-    receiver: impl Receiver,
-    fps: f64,
-    latest_frame: Arc<LatestFrame>,
-) -> Result<(), SendError> {
+pub(super) fn start(receiver: Receiver, fps: f64, latest_frame: Arc<LatestFrame>) -> Result<(), SendError> {
     let send = move || send(receiver, fps, &latest_frame);
     std::thread::Builder::new().name("sending".into()).spawn(send).map(drop).map_err(SendError::Thread)
 }
 
-fn send<R: Receiver>(mut receiver: R, fps: f64, latest_frame: &LatestFrame) {
+fn send(mut receiver: Receiver, fps: f64, latest_frame: &LatestFrame) {
     let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
     // Wait for a frame before opening, because opening sends the stream's header.
     while latest_frame.first().is_some() {
-        let stream = match receiver.open() {
+        let stream = match (receiver.open)() {
             Ok(stream) => stream,
             Err(error) => {
                 latest_frame.report(format!("no more frames can be sent to {}: {error}", &latest_frame.to));
@@ -57,7 +48,7 @@ fn send<R: Receiver>(mut receiver: R, fps: f64, latest_frame: &LatestFrame) {
         let ended = feed(&receiver, stream, period, latest_frame);
         latest_frame.has_lost_receiver();
         let Some(error) = ended else { return };
-        if !R::COMES_AGAIN {
+        if !receiver.comes_again {
             latest_frame.report(format!(
                 "the reader of {} has disconnected: no more frames are sent there",
                 &latest_frame.to
@@ -77,8 +68,8 @@ fn send<R: Receiver>(mut receiver: R, fps: f64, latest_frame: &LatestFrame) {
 
 /// Writes frames. Returns the error if the reader disconnects, `None` at the end.
 fn feed(
-    receiver: &impl Receiver,
-    mut stream: impl Write,
+    receiver: &Receiver,
+    mut stream: Stream,
     period: Duration,
     latest_frame: &LatestFrame,
 ) -> Option<std::io::Error> {
@@ -87,7 +78,7 @@ fn feed(
         let picture = latest_frame.first()?;
         let begun = Instant::now();
         latest_frame.set_writing(true);
-        let written = stream.write_all(&receiver.bytes(&picture)).and_then(|()| stream.flush());
+        let written = stream.write_all(&(receiver.bytes)(&picture)).and_then(|()| stream.flush());
         latest_frame.set_writing(false);
         if let Err(error) = written {
             return Some(error);
@@ -107,31 +98,33 @@ fn feed(
     }
 }
 
-pub(super) struct Fifo {
-    path: PathBuf,
-    header: Vec<u8>,
-}
-
-impl Fifo {
-    pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
-        let refused = |reason: &str| SendError::Refused {
-            to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),
-            reason: reason.to_owned(),
-        };
-        match std::fs::metadata(path) {
-            Ok(found) if is_fifo(&found) => {}
-            Ok(_) => {
-                return Err(refused(
-                    "it is no FIFO: make one with mkfifo, or write a file with 'mariana video'",
-                ));
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                return Err(refused("there is no such FIFO: check the path, or make one with mkfifo"));
-            }
-            Err(error) => return Err(refused(&format!("{error}: check the path"))),
+/// Returns a FIFO as a receiver of y4m.
+pub(super) fn fifo(path: &Path, size: (u32, u32), fps: f64) -> Result<Receiver, SendError> {
+    let refused = |reason: &str| SendError::Refused {
+        to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),
+        reason: reason.to_owned(),
+    };
+    match std::fs::metadata(path) {
+        Ok(found) if is_fifo(&found) => {}
+        Ok(_) => {
+            return Err(refused("it is no FIFO: make one with mkfifo, or write a file with 'mariana video'"));
         }
-        Ok(Self { path: path.to_owned(), header: y4m::header(size, fps, Chroma::Quarter) })
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return Err(refused("there is no such FIFO: check the path, or make one with mkfifo"));
+        }
+        Err(error) => return Err(refused(&format!("{error}: check the path"))),
     }
+    let (path, header) = (path.to_owned(), y4m::header(size, fps, Chroma::Quarter));
+    let open = move || -> std::io::Result<Stream> {
+        // Blocks until the FIFO has a reader.
+        let mut file = OpenOptions::new().write(true).open(&path)?;
+        // A reader that has disconnected already is noticed at the first frame.
+        match file.write_all(&header) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            _ => Ok(Box::new(file)),
+        }
+    };
+    Ok(Receiver { open: Box::new(open), bytes: y4m_frame, comes_again: true })
 }
 
 #[cfg(unix)]
@@ -144,39 +137,20 @@ fn is_fifo(_: &std::fs::Metadata) -> bool {
     false
 }
 
-impl Receiver for Fifo {
-    type Stream = File;
-
-    fn open(&mut self) -> std::io::Result<File> {
-        // Blocks until the FIFO has a reader.
-        let mut file = OpenOptions::new().write(true).open(&self.path)?;
-        // A reader that has disconnected already is noticed at the first frame.
-        match file.write_all(&self.header) {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
-            _ => Ok(file),
-        }
-    }
-}
-
-pub(super) struct Standard(Vec<u8>);
-
-impl Standard {
-    pub(super) fn new(size: (u32, u32), fps: f64) -> Self {
-        Self(y4m::header(size, fps, Chroma::Quarter))
-    }
-}
-
-impl Receiver for Standard {
-    type Stream = Stdout;
-
-    const COMES_AGAIN: bool = false;
-
-    fn open(&mut self) -> std::io::Result<Stdout> {
+/// Returns standard output as a receiver of y4m.
+pub(super) fn standard(size: (u32, u32), fps: f64) -> Receiver {
+    let header = y4m::header(size, fps, Chroma::Quarter);
+    let open = move || -> std::io::Result<Stream> {
         let mut out = std::io::stdout();
         // A missing reader is noticed at the first frame.
-        let _ = out.write_all(&self.0);
-        Ok(out)
-    }
+        let _ = out.write_all(&header);
+        Ok(Box::new(out))
+    };
+    Receiver { open: Box::new(open), bytes: y4m_frame, comes_again: false }
+}
+
+fn y4m_frame(picture: &OutgoingFrame) -> Vec<u8> {
+    y4m::frame_of_quarter(&picture.rgba, picture.size)
 }
 
 #[cfg(test)]
@@ -185,28 +159,9 @@ mod tests {
 
     use super::*;
 
-    struct Short {
-        taken: Sender<u8>,
-        pictures: usize,
-        times: usize,
-    }
-
     struct ShortStream {
         taken: Sender<u8>,
         left: usize,
-    }
-
-    impl Receiver for Short {
-        type Stream = ShortStream;
-
-        fn open(&mut self) -> std::io::Result<ShortStream> {
-            self.times = self.times.checked_sub(1).ok_or(ErrorKind::NotFound)?;
-            Ok(ShortStream { taken: self.taken.clone(), left: self.pictures })
-        }
-
-        fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
-            picture.rgba.to_vec()
-        }
     }
 
     impl Write for ShortStream {
@@ -225,7 +180,14 @@ mod tests {
     fn an_unchanged_frame_is_sent_again_and_receivers_come_and_go() {
         let (taken, pictures) = channel();
         let latest_frame = Arc::new(LatestFrame::new("a place".into()));
-        start(Short { taken, pictures: 3, times: 2 }, 500.0, latest_frame.clone()).unwrap();
+        let mut times = 2_usize;
+        let open = move || -> std::io::Result<Stream> {
+            times = times.checked_sub(1).ok_or(ErrorKind::NotFound)?;
+            Ok(Box::new(ShortStream { taken: taken.clone(), left: 3 }))
+        };
+        let bytes = |picture: &OutgoingFrame| picture.rgba.to_vec();
+        let receiver = Receiver { open: Box::new(open), bytes, comes_again: true };
+        start(receiver, 500.0, latest_frame.clone()).unwrap();
         let feeder = latest_frame.clone();
         let feeds = std::thread::spawn(move || {
             while !feeder.rest(Duration::from_millis(1)) {
@@ -252,11 +214,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.y4m");
         for (path, part) in [(file.as_path(), "there is no such FIFO"), (folder.path(), "it is no FIFO")] {
-            let refused = Fifo::new(path, (2, 2), 30.0).err().map(|error| error.to_string()).unwrap();
+            let refused = fifo(path, (2, 2), 30.0).err().map(|error| error.to_string()).unwrap();
             assert!(refused.contains(part) && refused.contains("mkfifo"), "{refused}");
         }
         std::fs::write(&file, "kept").unwrap();
-        assert!(Fifo::new(&file, (2, 2), 30.0).is_err());
+        assert!(fifo(&file, (2, 2), 30.0).is_err());
         assert_eq!(std::fs::read(&file).unwrap(), b"kept");
     }
 }

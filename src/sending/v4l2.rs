@@ -5,13 +5,13 @@
 use std::fs::{File, OpenOptions};
 use std::io::ErrorKind;
 use std::os::unix::fs::FileTypeExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rustix::ioctl::{Updater, ioctl, opcode};
 
 use super::SendError;
 use super::latest_frame::OutgoingFrame;
-use super::stream::Receiver;
+use super::stream::{Receiver, Stream};
 use crate::y4m::quarter_planes;
 
 /// `struct v4l2_format` with a `struct v4l2_pix_format`, from linux/videodev2.h.
@@ -79,63 +79,45 @@ fn format_of(size: (u32, u32)) -> Format {
     Format { kind: OUTPUT, _align: [], pixels, rest: [0; REST] }
 }
 
-pub(super) struct VirtualCamera {
-    path: PathBuf,
-    size: (u32, u32),
-    /// The device, from the check at the start until a frame is sent.
-    checked: Option<File>,
+/// Returns the device at `path` as a receiver of frames of `size` pixels.
+///
+/// # Errors
+/// Fails if the device does not exist, cannot be written, or has another format.
+pub(super) fn camera(path: &Path, size: (u32, u32)) -> Result<Receiver, SendError> {
+    let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
+    match std::fs::metadata(path) {
+        Ok(found) if found.file_type().is_char_device() => {}
+        Ok(_) => return Err(refused("it is no device: give a device of v4l2loopback".to_owned())),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let advice =
+                "there is no such device: load v4l2loopback (modprobe v4l2loopback) and check the number";
+            return Err(refused(advice.to_owned()));
+        }
+        Err(error) => return Err(refused(format!("{error}: check the path"))),
+    }
+    let opened = open_device(path, size)
+        .map_err(|error| refused(format!("{error}: give a device of v4l2loopback that you can write to")))?;
+    // The device, from the check at the start until a frame is sent.
+    let (mut checked, path) = (Some(opened), path.to_owned());
+    let open = move || -> std::io::Result<Stream> {
+        Ok(Box::new(checked.take().map_or_else(|| open_device(&path, size), Ok)?))
+    };
+    let bytes = |picture: &OutgoingFrame| quarter_planes(&picture.rgba, picture.size);
+    Ok(Receiver { open: Box::new(open), bytes, comes_again: true })
 }
 
-impl VirtualCamera {
-    /// Opens the device at `path` for frames of `size` pixels.
-    ///
-    /// # Errors
-    /// Fails if the device does not exist, cannot be written, or has another format.
-    pub(super) fn open(path: &Path, size: (u32, u32)) -> Result<Self, SendError> {
-        let mut camera = Self { path: path.to_owned(), size, checked: None };
-        let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
-        match std::fs::metadata(path) {
-            Ok(found) if found.file_type().is_char_device() => {}
-            Ok(_) => return Err(refused("it is no device: give a device of v4l2loopback".to_owned())),
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                let advice =
-                    "there is no such device: load v4l2loopback (modprobe v4l2loopback) and check the number";
-                return Err(refused(advice.to_owned()));
-            }
-            Err(error) => return Err(refused(format!("{error}: check the path"))),
-        }
-        let opened = camera.open_device().map_err(|error| {
-            refused(format!("{error}: give a device of v4l2loopback that you can write to"))
-        })?;
-        camera.checked = Some(opened);
-        Ok(camera)
+fn open_device(path: &Path, size: (u32, u32)) -> std::io::Result<File> {
+    let file = OpenOptions::new().read(true).write(true).open(path)?;
+    let mut format = format_of(size);
+    // SAFETY: the opcode contains the size of `Format`, whose layout is the kernel's (see the test), and `format`
+    // is valid for reads and writes during the call.
+    unsafe { ioctl(&file, Updater::<SET_FORMAT, Format>::new(&mut format))? };
+    let taken = format.pixels;
+    if (taken.width, taken.height, taken.pixel_format) != (size.0, size.1, YU12) {
+        let reason = format!("the device has another format ({}x{})", taken.width, taken.height);
+        return Err(std::io::Error::other(reason));
     }
-
-    fn open_device(&self) -> std::io::Result<File> {
-        let file = OpenOptions::new().read(true).write(true).open(&self.path)?;
-        let mut format = format_of(self.size);
-        // SAFETY: the opcode contains the size of `Format`, whose layout is the kernel's (see the test), and `format`
-        // is valid for reads and writes during the call.
-        unsafe { ioctl(&file, Updater::<SET_FORMAT, Format>::new(&mut format))? };
-        let taken = format.pixels;
-        if (taken.width, taken.height, taken.pixel_format) != (self.size.0, self.size.1, YU12) {
-            let reason = format!("the device has another format ({}x{})", taken.width, taken.height);
-            return Err(std::io::Error::other(reason));
-        }
-        Ok(file)
-    }
-}
-
-impl Receiver for VirtualCamera {
-    type Stream = File;
-
-    fn open(&mut self) -> std::io::Result<File> {
-        self.checked.take().map_or_else(|| self.open_device(), Ok)
-    }
-
-    fn bytes(&self, picture: &OutgoingFrame) -> Vec<u8> {
-        quarter_planes(&picture.rgba, picture.size)
-    }
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -157,7 +139,7 @@ mod tests {
             ("/dev", "it is no device"),
             ("/dev/null", "give a device of v4l2loopback"),
         ] {
-            let refused = VirtualCamera::open(Path::new(path), (2, 2)).err().map(|error| error.to_string());
+            let refused = camera(Path::new(path), (2, 2)).err().map(|error| error.to_string());
             assert!(refused.as_ref().is_some_and(|reported| reported.contains(part)), "{path}: {refused:?}");
         }
     }
