@@ -19,7 +19,7 @@ impl EarlierSound {
     /// # Errors
     /// Fails if the song cannot be decoded.
     pub(super) fn of(song: &SongFeatures) -> Result<Self, ExportError> {
-        Ok(Self { song: song.beside(0.0, song.gain)?, opened: None })
+        Ok(Self { song: song.beside(0.0)?, opened: None })
     }
 
     /// Returns the sound at `time` seconds; silence after the end of the song. Times should rise, apart from jumps.
@@ -27,7 +27,7 @@ impl EarlierSound {
         let known = self.opened.take().filter(|(_, last)| (last - KEPT..last + KEPT).contains(&time));
         let mut song = match known {
             Some((song, _)) => song,
-            None => self.song.beside(time, self.song.gain)?,
+            None => self.song.beside(time)?,
         };
         let sound = song.sound_at(time)?.unwrap_or_default();
         self.opened = Some((song, time));

@@ -7,7 +7,7 @@ use super::show_painter::ShowPainter;
 use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
 use crate::show::{Held, PreparedShow, ShowSource};
-use mariana_music::{Gain, Sound};
+use mariana_music::Sound;
 
 /// The scenes to export.
 #[derive(Debug, Clone)]
@@ -61,15 +61,14 @@ impl Showing {
 const KEPT: f64 = 1.0;
 
 pub(super) struct Holding {
-    gain: Gain,
     /// The time from which the song was opened, in seconds.
     opened: f64,
     last: Vec<(Held, Sound)>,
 }
 
 impl Holding {
-    pub(super) fn new(gain: Gain, opened: f64) -> Self {
-        Self { gain, opened, last: Vec::new() }
+    pub(super) fn new(opened: f64) -> Self {
+        Self { opened, last: Vec::new() }
     }
 
     /// Returns the frozen frames at `time` ([`ShowPainter::held_at`]), in seconds, and their sounds. Times must not
@@ -87,7 +86,7 @@ impl Holding {
                 Some((_, sound)) => sound.clone(),
                 // Recent sound is still available. For earlier sound, open the song again.
                 None if held.since >= self.opened && time - held.since <= KEPT => song.require(held.since)?,
-                None => song.beside(held.since, self.gain)?.require(held.since)?,
+                None => song.beside(held.since)?.require(held.since)?,
             };
             all.push((held, sound));
         }

@@ -37,7 +37,7 @@ pub struct SongFeatures {
     frames: u64,
     ended: bool,
     pub(super) song: Song,
-    pub(super) gain: Gain,
+    gain: Gain,
     structure: Option<SongStructure>,
     lyrics: Option<Lyrics>,
     parts: Option<Arc<PartTracks>>,
@@ -90,10 +90,10 @@ impl SongFeatures {
     ///
     /// # Errors
     /// Fails if the song cannot be decoded.
-    pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
+    pub(super) fn beside(&self, start: f64) -> Result<Self, DecodeError> {
         let (structure, lyrics, parts) = (self.structure.clone(), self.lyrics.clone(), self.parts.clone());
         let remembers = self.remembers;
-        Ok(Self { structure, lyrics, parts, remembers, ..Self::open_with(&self.song, start, gain)? })
+        Ok(Self { structure, lyrics, parts, remembers, ..Self::open_with(&self.song, start, self.gain)? })
     }
 
     /// Finds the whole song's structure, in the cache or by decoding, and its lyrics. Later results contain the

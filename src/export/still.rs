@@ -150,7 +150,7 @@ fn drawn(
     painter.headless_renderer.set_song(&song)?;
     painter.headless_renderer.watch_paths(watch, store);
     sound = song.placed(request.at, sound);
-    let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
+    let held = Holding::new(request.at).at(&painter, &mut song, request.at)?;
     let exposures = request.shutter.exposures(&mut song, request.at, sound.clone(), STILL_SECONDS)?;
     painter.draw(request.at, exposures, held, request.size)?;
     let mut rgba = painter.read();

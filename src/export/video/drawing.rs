@@ -49,7 +49,7 @@ impl<'a> VideoFrames<'a> {
         painter.graphs().for_each(|graph| song.know_for(graph));
         painter.headless_renderer.set_song(&song)?;
         painter.headless_renderer.is_video = true;
-        let holding = Holding::new(request.gain, request.start);
+        let holding = Holding::new(request.start);
         Ok(Self { request, song, painter, holding, card, captions, expected })
     }
 
