@@ -15,11 +15,11 @@ use crate::export::output::{refuse_to_replace, same_file};
 use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::structure::structure_of;
-use crate::export::{Output, SceneChoice, Showing, Shutter};
+use crate::export::{Output, SceneChoice, Showing};
 use crate::limits;
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowError, ShowSource};
-use mariana_music::{Gain, SongStructure};
+use mariana_music::SongStructure;
 use mariana_player::song::Song;
 
 /// The beginning of every page.
@@ -169,19 +169,8 @@ fn poster(
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("poster.jpg");
     let show = show.map(|show| Showing::Show(show, or_shipped(Vec::new())));
-    let request = StillRequest {
-        song,
-        at,
-        size: POSTER,
-        gain: Gain::default(),
-        output: Output::Path(file.clone()),
-        scene,
-        show,
-        blend: None,
-        set: Vec::new(),
-        ray: None,
-        shutter: Shutter::MOMENT,
-    };
+    let output = Output::Path(file.clone());
+    let request = StillRequest { show, ..StillRequest::of(song, at, POSTER, scene, output) };
     write_still(&request, Default::default())?;
     Ok(format!("data:image/jpeg;base64,{}", STANDARD.encode(std::fs::read(file)?)))
 }

@@ -53,6 +53,25 @@ pub struct StillRequest {
     pub shutter: Shutter,
 }
 
+impl StillRequest {
+    /// A still of a scene without further options.
+    pub fn of(song: Song, at: f64, size: (u32, u32), scene: SceneChoice, output: Output) -> Self {
+        Self {
+            song,
+            at,
+            size,
+            gain: Gain::default(),
+            output,
+            scene,
+            show: None,
+            blend: None,
+            set: Vec::new(),
+            ray: None,
+            shutter: Shutter::MOMENT,
+        }
+    }
+}
+
 /// The time for which a still's shutter is open at 360 degrees: a frame of a video with 60 frames a second.
 pub const STILL_SECONDS: f64 = 1.0 / 60.0;
 

@@ -18,19 +18,8 @@ use mariana_player::song::Song;
 pub(crate) fn still(song: &Song, scene: SceneSource, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("still.png");
-    let request = StillRequest {
-        song: song.clone(),
-        at,
-        size,
-        gain: Gain::Auto,
-        output: Output::Path(path.clone()),
-        scene: scene.into(),
-        show: None,
-        blend: None,
-        set: Vec::new(),
-        ray: None,
-        shutter: Shutter::MOMENT,
-    };
+    let output = Output::Path(path.clone());
+    let request = StillRequest::of(song.clone(), at, size, scene.into(), output);
     write_still(&request, PathWatch::default())?;
     Ok(image::open(&path)?.into_rgba8())
 }
