@@ -15,7 +15,7 @@ use mariana_player::track::Repeat;
 use super::acts::{Acts, Pass};
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
-use super::picture::{Cover, KeptPicture};
+use super::picture::{Cover, draw_cover};
 use super::switches::PanelSwitches;
 use super::{assisted, marks, style};
 use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
@@ -96,7 +96,7 @@ impl Hash for Bar<'_> {
 }
 
 /// Draws the bar at the bottom of `space`. Returns the bar's area.
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, bar: &Bar<'_>, picture: &mut KeptPicture) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, bar: &Bar<'_>) -> Rect {
     let Pass { context, acts } = pass;
     style::strip(context, Id::unique("bar"), space, WIDTH_MAX, bar.seen, |ui| {
         ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
@@ -105,7 +105,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, bar: &Bar<'_>, picture: &mu
                 ui.horizontal(|ui| {
                     let side = WORDS + GAP + RAIL_HEIGHT;
                     let (square, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-                    picture.draw(ui.painter(), square, cover);
+                    draw_cover(ui.painter(), square, cover);
                     ui.add_space(COVER_GAP);
                     ui.vertical(|ui| {
                         words(ui, bar);

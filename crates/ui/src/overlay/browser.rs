@@ -1,19 +1,14 @@
 //! The scene list: a tile with a thumbnail for each scene, the search text, and filters.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use egui::{
-    Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2,
-    vec2,
-};
+use egui::{Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::{Acts, PanelAct, Pass, on};
 use super::chips::{self, Chip};
 use super::icons::{self, Icon};
-use super::picture::pixels;
-use super::{assisted, style, words};
+use super::{assisted, kept, picture, style, words};
 use image::RgbaImage;
 
 use crate::scene_browser::{ENERGIES, SceneBrowser, SceneFilter, Tile, TilePicture};
@@ -29,35 +24,14 @@ const WIDTH_MAX: f32 = 1180.0;
 /// Space below the filters.
 const FILTERS_GAP: f32 = 6.0;
 
-/// Textures of the visible tiles. The key is the address of the tile's image.
-#[derive(Default)]
-pub(super) struct TilePictures {
-    textures: HashMap<usize, (Arc<RgbaImage>, TextureHandle)>,
-    /// The selected tile at the last drawing. When the selection changes, the list scrolls to it.
-    selected: Option<usize>,
-}
-
-impl TilePictures {
-    fn texture(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
-        let key = Arc::as_ptr(image) as usize;
-        let made = || (image.clone(), context.load_texture("tile", pixels(image), TextureOptions::LINEAR));
-        self.textures.entry(key).or_insert_with(made).1.id()
-    }
-}
-
-pub(super) fn show(
-    pass: &mut Pass<'_>,
-    space: Rect,
-    browser: &SceneBrowser,
-    pictures: &mut TilePictures,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, browser: &SceneBrowser) -> Rect {
     let Pass { context, acts } = pass;
     style::panel(context, "scenes", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
         let bottom = space.bottom() - style::PADDING.y - LINE;
         heading(ui, browser, acts);
         filters(ui, browser, acts);
-        tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, acts);
+        tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, acts);
         comment(ui, browser);
     })
 }
@@ -104,7 +78,7 @@ fn filters(ui: &mut Ui, browser: &SceneBrowser, acts: &mut Acts) {
     ui.add_space(FILTERS_GAP);
 }
 
-fn tiles(ui: &mut Ui, height: f32, browser: &SceneBrowser, pictures: &mut TilePictures, acts: &mut Acts) {
+fn tiles(ui: &mut Ui, height: f32, browser: &SceneBrowser, acts: &mut Acts) {
     let lane = 10.0;
     let room = ui.available_width() - lane;
     let columns = ((room + GAP) / (TILE_MIN + GAP)).floor().max(1.0);
@@ -114,7 +88,8 @@ fn tiles(ui: &mut Ui, height: f32, browser: &SceneBrowser, pictures: &mut TilePi
     let count = browser.found();
     let rows = count.div_ceil(columns);
     let mut scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
-    if pictures.selected.replace(browser.selected) != Some(browser.selected) {
+    let before = kept::replace(ui.ctx(), Id::unique("selected scene"), browser.selected);
+    if before != Some(browser.selected) {
         let offset = style::scrolled_to(browser.selected / columns, tile_height, height);
         scroll = scroll.vertical_scroll_offset(offset);
     }
@@ -129,21 +104,12 @@ fn tiles(ui: &mut Ui, height: f32, browser: &SceneBrowser, pictures: &mut TilePi
                 let Some(tile) = browser.tile(place) else { break };
                 let left = line.left() + column as f32 * (width + GAP);
                 let rect = Rect::from_min_size(pos2(left, line.top()), vec2(width, tile_height));
-                if draw_tile(ui, rect, tile, place, browser, pictures, acts) {
+                if draw_tile(ui, rect, tile, place, browser, acts) {
                     pointed = Some(place);
                 }
             }
         }
     });
-    let kept = |image: &Arc<RgbaImage>| {
-        let is_of = |place: usize| {
-            let still = browser.tile(place).map(|tile| &tile.picture);
-            let is_still = matches!(still, Some(TilePicture::There(of)) if Arc::ptr_eq(of, image));
-            is_still || browser.frames(place).iter().any(|frame| Arc::ptr_eq(frame, image))
-        };
-        seen.clone().any(is_of)
-    };
-    pictures.textures.retain(|_, (image, _)| kept(image));
     let moving = Some(pointed.unwrap_or(browser.selected));
     let record_drawn = on(move |scenes: &mut SceneBrowser| scenes.record_drawn(seen, columns, moving));
     acts.on_panels.push(PanelAct::Scenes(record_drawn));
@@ -156,31 +122,30 @@ fn draw_tile(
     tile: &Tile,
     place: usize,
     browser: &SceneBrowser,
-    pictures: &mut TilePictures,
     acts: &mut Acts,
 ) -> bool {
-    let picture = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
-    let response = ui.interact(picture, ui.scope_id().with(("tile", place)), Sense::click());
+    let area = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
+    let response = ui.interact(area, ui.scope_id().with(("tile", place)), Sense::click());
     let star =
         Rect::from_center_size(pos2(rect.right() - 10.0, rect.bottom() - 0.5 * NAME), vec2(22.0, NAME));
     let marks = ui.interact(star, ui.scope_id().with(("star", place)), Sense::click());
     let painter = ui.painter();
-    painter.rect_filled(picture, 4.0, style::RAIL);
+    painter.rect_filled(area, 4.0, style::RAIL);
     match &tile.picture {
         TilePicture::There(image) => {
             let frame = present_frame(ui, browser.frames(place));
-            let texture = pictures.texture(ui.ctx(), frame.unwrap_or(image));
+            let texture = picture::texture(ui.ctx(), frame.unwrap_or(image));
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(texture, picture, whole, egui::Color32::WHITE);
+            painter.image(texture, area, whole, egui::Color32::WHITE);
         }
         TilePicture::Missing(reason) => {
             let galley =
-                style::lines(painter, reason, style::SMALL_SIZE, style::ERROR, picture.width() - 12.0, 4);
-            painter.galley(picture.center() - galley.rect.center().to_vec2(), galley, style::ERROR);
+                style::lines(painter, reason, style::SMALL_SIZE, style::ERROR, area.width() - 12.0, 4);
+            painter.galley(area.center() - galley.rect.center().to_vec2(), galley, style::ERROR);
         }
         TilePicture::Unseen | TilePicture::Coming => {
             for dot in -1..=1 {
-                painter.circle_filled(picture.center() + vec2(9.0 * dot as f32, 0.0), 2.5, style::DIM);
+                painter.circle_filled(area.center() + vec2(9.0 * dot as f32, 0.0), 2.5, style::DIM);
             }
         }
     }
@@ -191,7 +156,7 @@ fn draw_tile(
         (false, false) => None,
     };
     if let Some(edge) = edge {
-        painter.rect_stroke(picture, 4.0, edge, StrokeKind::Inside);
+        painter.rect_stroke(area, 4.0, edge, StrokeKind::Inside);
     }
     let color = if browser.is_present(place) { style::ACCENT } else { style::TEXT };
     let left = pos2(rect.left() + 2.0, star.center().y);

@@ -1,10 +1,10 @@
 //! Draws the controllers panel.
 
-use egui::{Color32, Order, Pos2, Rect, Response, Sense, Shape, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Id, Order, Pos2, Rect, Response, Sense, Shape, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
 use super::chips::{self, Chip};
-use super::{assisted, pairing_address, style, words};
+use super::{assisted, kept, pairing_address, style, words};
 use crate::controllers_panel::{ControllerRow, ControllersPanel, MappingField};
 use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;
@@ -16,9 +16,7 @@ const INDENT: f32 = 16.0;
 /// Width of the targets' names, as a fraction of a row.
 const NAME: f32 = 0.34;
 
-pub(super) type Seen = Option<usize>;
-
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, seen: &mut Seen) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel) -> Rect {
     let Pass { context, acts } = pass;
     style::panel(context, "hands", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
@@ -28,7 +26,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &ControllersPanel, s
             ask(Command::TogglePanel(Panel::Controllers));
         }
         let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
-        let before = seen.replace(panel.selected);
+        let before = kept::replace(ui.ctx(), Id::unique("selected controller"), panel.selected);
         let moved = before.is_some_and(|before| before != panel.selected);
         // Start at the top, because the connection code is there.
         style::scrolled(ui, height, before.is_none(), |ui| {

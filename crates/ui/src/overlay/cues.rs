@@ -1,12 +1,12 @@
 //! The entries of the show: the present one, the times of the others, and those that wait for a key.
 
-use egui::{Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::{Acts, Pass};
 use super::chips::{self, Chip};
 use super::content::{CueRow, CueSheet};
 use super::now_playing::clock_time;
-use super::style;
+use super::{kept, style};
 use mariana_commands::Command;
 
 /// Width of the panel in points, if the window is wide enough.
@@ -15,8 +15,8 @@ const ROW: f32 = 24.0;
 /// Width of the column of moments, as a part of the panel's width.
 const MOMENT: f32 = 0.4;
 
-/// Draws the panel, and scrolls to the present entry when it is no longer `seen`. Returns the panel's area.
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mut Option<usize>) -> Rect {
+/// Draws the panel, and scrolls to the present entry when another entry becomes present. Returns the panel's area.
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet) -> Rect {
     let Pass { context, acts } = pass;
     style::panel(context, "cues", Order::Middle, style::right_part(space, WIDTH), |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
@@ -24,8 +24,8 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, sheet: &CueSheet, seen: &mu
         ui.add_space(6.0);
         let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW).max(ROW);
         let mut scroll = ScrollArea::vertical().max_height(height);
-        if let Some(current) = sheet.current.filter(|current| *seen != Some(*current)) {
-            *seen = Some(current);
+        let before = kept::replace(ui.ctx(), Id::unique("present entry"), sheet.current);
+        if let Some(current) = sheet.current.filter(|_| before != Some(sheet.current)) {
             scroll = scroll.vertical_scroll_offset(style::scrolled_to(current, ROW, height));
         }
         scroll.show_rows(ui, ROW, sheet.rows.len(), |ui, rows| {

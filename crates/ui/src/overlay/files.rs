@@ -6,7 +6,7 @@ use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, ve
 use super::acts::{On, PanelAct, Pass, on};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::{assisted, style, words};
+use super::{assisted, kept, style, words};
 use crate::file_browser::{CLOSE, FileBrowser, FileEntry, FileKind, Place, PlaceKind};
 use mariana_player::decode::TrackTags;
 
@@ -24,14 +24,7 @@ const BOTH_MIN: f32 = 330.0;
 /// The part of this width for the file's name.
 const NAME_PART: f32 = 0.42;
 
-/// The rows that were selected at the last drawing. When the selection changes, the list scrolls to it.
-#[derive(Default)]
-pub(super) struct SelectedRows {
-    file: Option<usize>,
-    place: Option<usize>,
-}
-
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser, last: &mut SelectedRows) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser) -> Rect {
     let Pass { context, acts } = pass;
     style::panel(context, "files", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         let inner = ui.available_width();
@@ -51,8 +44,8 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, files: &FileBrowser, last: 
             ui.set_clip_rect(area.intersect(ui.clip_rect()));
             show(&mut ui);
         };
-        column(left, "places", &mut |ui| places(ui, files, &mut last.place, &mut ask));
-        column(right, "entries", &mut |ui| rows(ui, height, files, &mut last.file, &mut ask));
+        column(left, "places", &mut |ui| places(ui, files, &mut ask));
+        column(right, "entries", &mut |ui| rows(ui, height, files, &mut ask));
         footing(ui, files, &mut ask);
     })
 }
@@ -93,9 +86,10 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser
     marks.on_hover_text(name);
 }
 
-fn places(ui: &mut Ui, files: &FileBrowser, last: &mut Option<usize>, ask: &mut impl FnMut(On<FileBrowser>)) {
+fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser>)) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    let moved = std::mem::replace(last, files.selected_place) != files.selected_place;
+    let before = kept::replace(ui.ctx(), Id::unique("selected shortcut"), files.selected_place);
+    let moved = before.flatten() != files.selected_place;
     ScrollArea::vertical().id_salt("places").auto_shrink([false, false]).show(ui, |ui| {
         let width = (ui.available_width() - style::LANE).max(0.0);
         let mut before = None;
@@ -144,13 +138,7 @@ fn place_row(ui: &mut Ui, width: f32, place: &Place, is_selected: bool, is_shown
     response
 }
 
-fn rows(
-    ui: &mut Ui,
-    height: f32,
-    files: &FileBrowser,
-    last: &mut Option<usize>,
-    ask: &mut impl FnMut(On<FileBrowser>),
-) {
+fn rows(ui: &mut Ui, height: f32, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser>)) {
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     if let Some(trouble) = files.trouble() {
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * ROW), Sense::hover());
@@ -159,7 +147,7 @@ fn rows(
         return;
     }
     let mut scroll = ScrollArea::vertical().id_salt("entries").max_height(height).auto_shrink([false, false]);
-    if last.replace(files.selected) != Some(files.selected) {
+    if kept::replace(ui.ctx(), Id::unique("selected file"), files.selected) != Some(files.selected) {
         scroll = scroll.vertical_scroll_offset(style::scrolled_to(files.selected, ROW, height));
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {

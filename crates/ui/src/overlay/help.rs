@@ -6,7 +6,7 @@ use egui::text::LayoutJob;
 use egui::{CornerRadius, Galley, Id, Order, Painter, Rect, Response, ScrollArea, Sense, Ui, pos2, vec2};
 
 use super::acts::{PanelAct, Pass};
-use super::{assisted, style, words};
+use super::{assisted, kept, style, words};
 use crate::help_panel::HelpPanel;
 use mariana_commands::{Binding, Command, Group};
 
@@ -20,10 +20,7 @@ const CAP_PADDING: f32 = 5.0;
 const CAP_GAP: f32 = 5.0;
 const COLUMNS_MAX: usize = 2;
 
-/// The selected row at the last drawing.
-pub(super) type Seen = usize;
-
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mut Option<Seen>) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel) -> Rect {
     let Pass { context, acts } = pass;
     let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
     let room = (space.width() - 2.0 * style::PADDING.x - style::LANE).max(1.0);
@@ -39,7 +36,8 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, help: &HelpPanel, seen: &mu
         if words::heading(ui, LINE, title, hint, is_search, "close the table of keys") {
             acts.commands.push(Command::ToggleHelp);
         }
-        let moved = seen.replace(help.selected).is_some_and(|before| before != help.selected);
+        let before = kept::replace(ui.ctx(), Id::unique("selected key"), help.selected);
+        let moved = before.is_some_and(|before| before != help.selected);
         let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(ROW);
         let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]).animated(false);
         let picked = area.show(ui, |ui| table(ui, help, &widths, moved)).inner;

@@ -23,6 +23,7 @@ mod files;
 mod fonts;
 mod help;
 mod icons;
+mod kept;
 mod marks;
 mod now_playing;
 mod pairing_address;

@@ -1,6 +1,5 @@
 //! The layout of the panels: turns input and content into shapes, without a window or OpenGL.
 
-use std::mem::Discriminant;
 use std::time::{Duration, Instant};
 
 use egui::{
@@ -9,14 +8,13 @@ use egui::{
 };
 
 use super::acts::{Acts, Pass};
-use super::browser::TilePictures;
+use super::binding::OpenBinding;
 use super::content::{Notice, OverlayContent, Problem};
 use super::fonts::Fallback;
-use super::picture::KeptPicture;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params,
-    preview, problem, ray, settings, sources, style, tracks, video, welcome,
+    assisted, bar, browser, calm, controllers, corners, cues, decks, editor, files, help, params, preview,
+    problem, ray, settings, sources, style, tracks, video, welcome,
 };
 use crate::open_panel::OpenPanel;
 use mariana_render::system_fonts::SystemFonts;
@@ -38,32 +36,11 @@ const SENTENCE_WIDTH_MIN: f32 = 190.0;
 pub(super) struct Panels {
     pub(super) context: Context,
     pub(super) fallback: Fallback,
-    kept: Kept,
+    /// The slider whose sounds are listed.
+    binding: OpenBinding,
     pub(super) wants_focus: bool,
     /// True if the last layout had controls. egui focuses no control in its first layout.
     had_controls: bool,
-}
-
-#[derive(Default)]
-struct Kept {
-    of_panel: OfPanel,
-    seen_key: Option<help::Seen>,
-    binding: binding::OpenBinding,
-    next: KeptPicture,
-    cover: KeptPicture,
-    seen_cue: Option<usize>,
-}
-
-/// The state of the open panel between two layouts.
-#[derive(Default)]
-struct OfPanel {
-    of: Option<Discriminant<OpenPanel>>,
-    pictures: TilePictures,
-    selected_file: files::SelectedRows,
-    selected_track: Option<usize>,
-    seen_setting: Option<settings::Seen>,
-    seen_changed_by: controllers::Seen,
-    seen_video: video::Seen,
 }
 
 pub(super) struct LaidOut {
@@ -81,7 +58,7 @@ impl Panels {
         let context = Context::default();
         style::apply(&context);
         let fallback = Fallback::new(&context, fonts, wake);
-        Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
+        Self { context, fallback, binding: OpenBinding::default(), wants_focus: false, had_controls: false }
     }
 
     #[cfg(test)]
@@ -106,17 +83,13 @@ impl Panels {
         self.had_controls = content.bar.is_some() || content.is_interactive();
         let (mut panels, mut acts) = (Vec::new(), Acts::default());
         self.fallback.add_found(&self.context);
-        let of = content.panel.map(std::mem::discriminant);
-        let kept = &mut self.kept;
-        if kept.of_panel.of != of {
-            kept.of_panel = OfPanel { of, ..OfPanel::default() };
-        }
+        let binding = &mut self.binding;
         // egui may request another pass after it has learned sizes.
         let output = self.context.run_pass(input, |context| {
             panels.clear();
             acts = Acts::default();
             let mut pass = Pass { context, acts: &mut acts };
-            show(&mut pass, content, now, &mut panels, kept);
+            show(&mut pass, content, now, &mut panels, binding);
         });
         self.fallback.request_missing();
         let root = output.viewport_output.values().next();
@@ -135,7 +108,7 @@ fn show(
     content: &OverlayContent<'_>,
     now: Instant,
     panels: &mut Vec<Rect>,
-    kept: &mut Kept,
+    binding: &mut OpenBinding,
 ) {
     let context = pass.context;
     assisted::window(context);
@@ -150,13 +123,13 @@ fn show(
     }
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    let space = show_bar(pass, space, content, kept, panels);
+    let space = show_bar(pass, space, content, panels);
     if let Some(OpenPanel::Corners(handles)) = content.panel {
         panels.extend(corners::show(pass, screen, handles));
     }
     let mut rooms = Rooms::of(space, screen, content.picture);
     if let Some(next) = content.next {
-        let rect = preview::show(context, &rooms, next, &mut kept.next);
+        let rect = preview::show(context, &rooms, next);
         if rooms.is_desk {
             rooms.below(rect);
         }
@@ -172,11 +145,10 @@ fn show(
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let mut beside_sliders = space;
-    let help = content.help.map(|keys| help::show(pass, space, keys, &mut kept.seen_key));
-    kept.seen_key.take_if(|_| help.is_none());
+    let help = content.help.map(|keys| help::show(pass, space, keys));
     if let Some(sliders) = content.params.filter(|sliders| !sliders.is_empty()) {
         let shown = params::Shown { sliders, learning: content.learning, snapshots: content.snapshots };
-        let rect = params::show(pass, side, help, shown, &mut kept.binding);
+        let rect = params::show(pass, side, help, shown, binding);
         panels.push(rect);
         leave_beside(&mut left, rect);
         beside_sliders = beside(space, rect);
@@ -188,7 +160,7 @@ fn show(
         left.min.x = right.min(left.right());
     }
     let mut sentences = space;
-    if let Some(rect) = show_right_list(pass, space, content, kept) {
+    if let Some(rect) = show_right_list(pass, space, content) {
         panels.push(rect);
         leave_beside(&mut left, rect);
         sentences.max.x = (rect.left() - style::MARGIN).max(space.left() + SENTENCE_WIDTH_MIN);
@@ -198,10 +170,10 @@ fn show(
         panels.push(show_problem(context, &back, left, problem));
     }
     panels.extend(help);
-    let list = show_list(pass, space, beside_sliders, content, &mut kept.of_panel);
+    let list = show_list(pass, space, beside_sliders, content);
     panels.extend(list);
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
-        welcome::draw(&back, left, words, &mut kept.cover, now);
+        welcome::draw(&back, left, words, now);
     }
     let below = show_sentences(context, &front, sentences, list.is_some(), content, now);
     if let Some(list) = &content.sources {
@@ -215,19 +187,15 @@ fn show_bar(
     pass: &mut Pass<'_>,
     mut space: Rect,
     content: &OverlayContent<'_>,
-    kept: &mut Kept,
     panels: &mut Vec<Rect>,
 ) -> Rect {
     let above = |rect: Rect, space: Rect| (rect.top() - 0.5 * style::MARGIN).max(space.top());
     if let Some(bar) = &content.bar {
-        let rect = bar::show(pass, space, bar, &mut kept.cover);
+        let rect = bar::show(pass, space, bar);
         if bar.seen {
             panels.push(rect);
             space.max.y = above(rect, space);
         }
-    }
-    if content.bar.is_none() && content.welcome.is_none() {
-        kept.cover.clear();
     }
     if let Some(strip) = &content.decks {
         let rect = decks::show(pass, space, strip);
@@ -244,17 +212,12 @@ fn show_problem(context: &Context, back: &Painter, space: Rect, problem: &Proble
 }
 
 /// Shows the track list or the entries of the show at the right, if one of them is open. Returns its area.
-fn show_right_list(
-    pass: &mut Pass<'_>,
-    space: Rect,
-    content: &OverlayContent<'_>,
-    kept: &mut Kept,
-) -> Option<Rect> {
+fn show_right_list(pass: &mut Pass<'_>, space: Rect, content: &OverlayContent<'_>) -> Option<Rect> {
     if let Some(OpenPanel::Tracks(list)) = content.panel {
-        return Some(tracks::show(pass, space, list, &mut kept.of_panel.selected_track));
+        return Some(tracks::show(pass, space, list));
     }
     let sheet = content.cues.as_ref()?;
-    Some(cues::show(pass, space, sheet, &mut kept.seen_cue))
+    Some(cues::show(pass, space, sheet))
 }
 
 /// Shows the open list in the middle, and returns its area. The controllers are in `beside_sliders`, because a click on a
@@ -264,16 +227,13 @@ fn show_list(
     space: Rect,
     beside_sliders: Rect,
     content: &OverlayContent<'_>,
-    kept: &mut OfPanel,
 ) -> Option<Rect> {
     Some(match content.panel? {
-        OpenPanel::Scenes(scenes) => browser::show(pass, space, scenes, &mut kept.pictures),
-        OpenPanel::Files(list) => files::show(pass, space, list, &mut kept.selected_file),
-        OpenPanel::Settings(rows) => settings::show(pass, space, rows, &mut kept.seen_setting),
-        OpenPanel::Controllers(rows) => {
-            controllers::show(pass, beside_sliders, rows, &mut kept.seen_changed_by)
-        }
-        OpenPanel::Video(rows) => video::show(pass, space, rows, &mut kept.seen_video),
+        OpenPanel::Scenes(scenes) => browser::show(pass, space, scenes),
+        OpenPanel::Files(list) => files::show(pass, space, list),
+        OpenPanel::Settings(rows) => settings::show(pass, space, rows),
+        OpenPanel::Controllers(rows) => controllers::show(pass, beside_sliders, rows),
+        OpenPanel::Video(rows) => video::show(pass, space, rows),
         OpenPanel::Tracks(_) | OpenPanel::Corners(_) => return None,
     })
 }

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use egui::{Color32, Id, LayerId, Order, Rect, pos2, vec2};
 use image::RgbaImage;
 
-use super::picture::KeptPicture;
 use super::rooms::Rooms;
-use super::{assisted, style};
+use super::{assisted, picture, style};
 
 /// The next scene of the show.
 #[derive(Debug, Clone)]
@@ -27,12 +26,7 @@ const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
 const LEVEL: f32 = 4.0;
 
-pub(super) fn show(
-    context: &egui::Context,
-    rooms: &Rooms,
-    next: &NextScene,
-    picture: &mut KeptPicture,
-) -> Rect {
+pub(super) fn show(context: &egui::Context, rooms: &Rooms, next: &NextScene) -> Rect {
     let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
     let (place, width) = rooms.small(WIDTH, FRACTION);
     let words = format!("next: {}", next.title);
@@ -44,7 +38,7 @@ pub(super) fn show(
     style::ground(&painter, whole);
     if let Some(image) = &next.picture {
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(picture.of(context, image), place, all, Color32::WHITE);
+        painter.image(picture::texture(context, image), place, all, Color32::WHITE);
     }
     let beat = pos2(place.right() - 5.0, below + 0.5 * name.size().y);
     painter.galley(pos2(place.left(), below), name, style::TEXT);

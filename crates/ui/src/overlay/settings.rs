@@ -7,7 +7,7 @@ use egui::{Align, Id, Layout, Order, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::acts::{On, PanelAct, Pass};
 use super::chips::{self, Chip};
-use super::{assisted, params, style, words};
+use super::{assisted, kept, params, style, words};
 use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_commands::{Command, Panel};
@@ -26,7 +26,10 @@ const FADED: (f32, f32) = (0.2, 0.35);
 const NAME: (f32, f32) = (170.0, 0.34);
 /// The delays that the slider can set, and its default, in milliseconds. Keys can set larger delays.
 const RAIL_MS: [f32; 3] = [-500.0, 500.0, 0.0];
-pub(super) struct Seen {
+
+/// What the last layout has shown.
+#[derive(Clone, Copy)]
+struct Seen {
     selected: usize,
     /// Height of the panel's list.
     height: f32,
@@ -36,14 +39,10 @@ pub(super) struct Seen {
 
 const MEANING_LINES: usize = 2;
 
-pub(super) fn show(
-    pass: &mut Pass<'_>,
-    space: Rect,
-    settings: &SettingsPanel,
-    last_seen: &mut Option<Seen>,
-) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, settings: &SettingsPanel) -> Rect {
     let Pass { context, acts } = pass;
-    let gives_way = gives_way(context, settings, last_seen.as_ref());
+    let before: Option<Seen> = kept::last(context, Id::unique("seen settings"));
+    let gives_way = gives_way(context, settings, before);
     let area = style::area(Id::unique("settings"), Order::Foreground);
     let mut frame = style::frame();
     if gives_way {
@@ -61,7 +60,7 @@ pub(super) fn show(
         let mut ask = |act| acts.on_panels.push(PanelAct::Settings(act));
         let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
         let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
-        let pointed = rows(ui, height, gives_way, settings, last_seen, &mut ask);
+        let pointed = rows(ui, height, gives_way, settings, before, &mut ask);
         let row = settings.rows.get(pointed.unwrap_or(settings.selected));
         fade(ui, gives_way);
         footing(ui, row.map_or("", |row| &row.purpose), meaning);
@@ -69,7 +68,7 @@ pub(super) fn show(
 }
 
 /// True while the user turns a setting, and shortly after.
-fn gives_way(context: &egui::Context, settings: &SettingsPanel, seen: Option<&Seen>) -> bool {
+fn gives_way(context: &egui::Context, settings: &SettingsPanel, seen: Option<Seen>) -> bool {
     let left = settings.turned.and_then(|turned| LINGERS.checked_sub(clock::since(turned)));
     if let Some(left) = left {
         context.request_repaint_after(left);
@@ -97,11 +96,10 @@ fn rows(
     height: f32,
     gives_way: bool,
     settings: &SettingsPanel,
-    last_seen: &mut Option<Seen>,
+    before: Option<Seen>,
     ask: &mut impl FnMut(On<SettingsPanel>),
 ) -> Option<usize> {
     let rows = &settings.rows;
-    let before = last_seen.as_ref();
     let moved = before.is_some_and(|seen| seen.selected != settings.selected || seen.height != height);
     let mut held = false;
     let pointed = style::scrolled(ui, height, before.is_none(), |ui| {
@@ -135,7 +133,8 @@ fn rows(
         }
         pointed
     });
-    *last_seen = Some(Seen { selected: settings.selected, height, held });
+    let seen = Seen { selected: settings.selected, height, held };
+    kept::replace(ui.ctx(), Id::unique("seen settings"), seen);
     pointed
 }
 

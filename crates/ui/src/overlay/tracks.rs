@@ -6,7 +6,7 @@ use mariana_commands::Command;
 use super::acts::{Acts, PanelAct, Pass, on};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::{assisted, style, words};
+use super::{assisted, kept, style, words};
 use crate::track_panel::TrackPanel;
 
 /// The narrowest and the widest panel in points, and its part of the window.
@@ -20,14 +20,14 @@ const TITLE_PART: f32 = 0.58;
 /// Near the ends of the list, a drag scrolls by this many points in a frame.
 const DRAG_SCROLL: f32 = 9.0;
 
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &TrackPanel, last: &mut Option<usize>) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &TrackPanel) -> Rect {
     let Pass { context, acts } = pass;
     let place = style::right_part(space, (PART * space.width()).clamp(WIDTH.0, WIDTH.1));
     style::panel(context, "tracks", Order::Middle, place, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
         heading(ui, panel, acts);
         let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
-        rows(ui, height, panel, last, acts);
+        rows(ui, height, panel, acts);
         buttons(ui, panel, acts);
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let keys = if panel.is_searching() {
@@ -55,7 +55,7 @@ fn heading(ui: &mut Ui, panel: &TrackPanel, acts: &mut Acts) {
     );
 }
 
-fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, last: &mut Option<usize>, acts: &mut Acts) {
+fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, acts: &mut Acts) {
     let count = panel.rows();
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     if count == 0 {
@@ -70,7 +70,7 @@ fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, last: &mut Option<usize>, 
     let builder = egui::UiBuilder::new().max_rect(place).scope_id(Id::unique("rows of tracks"));
     let ui = &mut ui.new_child(builder);
     let mut scroll = ScrollArea::vertical().id_salt("tracks").max_height(height).auto_shrink([false, false]);
-    if last.replace(panel.selected) != Some(panel.selected) {
+    if kept::replace(ui.ctx(), Id::unique("selected track"), panel.selected) != Some(panel.selected) {
         scroll = scroll.vertical_scroll_offset(style::scrolled_to(panel.selected, ROW, height));
     }
     let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {

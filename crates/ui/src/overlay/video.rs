@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use egui::{Galley, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Galley, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
 use super::chips::{self, Chip};
-use super::{assisted, style, words};
+use super::{assisted, kept, style, words};
 use crate::video_panel::{VideoPanel, VideoRow, choose, job};
 use mariana_commands::{Command, Panel, VideoEdit};
 
@@ -22,10 +22,7 @@ const MAKE_WIDTH: f32 = 118.0;
 const GAP: f32 = 4.0;
 const MAKE: &str = "make the video";
 
-/// The selected row and the number of videos at the last layout.
-pub(super) type Seen = Option<(usize, usize)>;
-
-pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &mut Seen) -> Rect {
+pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel) -> Rect {
     let Pass { context, acts } = pass;
     style::panel(context, "videos", Order::Foreground, style::middle(space, WIDTH_MAX), |ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
@@ -37,7 +34,7 @@ pub(super) fn show(pass: &mut Pass<'_>, space: Rect, panel: &VideoPanel, seen: &
         let foot = Foot::new(ui, panel);
         let height = (space.height() - 2.0 * style::PADDING.y - LINE - foot.height()).max(LINE);
         let jobs = panel.rows.iter().filter(|row| matches!(row, VideoRow::Job { .. })).count();
-        let before = seen.replace((panel.selected, jobs));
+        let before = kept::replace(ui.ctx(), Id::unique("selected video"), (panel.selected, jobs));
         let moved = before.is_some_and(|(selected, _)| selected != panel.selected);
         // Show the queue, which is above the choices.
         let is_new = before.is_none_or(|(_, before)| before < jobs);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use egui::{Galley, Painter, Rect, Vec2, pos2, vec2};
 
-use super::picture::{Cover, KeptPicture};
+use super::picture::{Cover, draw_cover};
 use super::style;
 use mariana_commands::{Command, Switch};
 
@@ -48,13 +48,7 @@ impl Welcome<'_> {
     }
 }
 
-pub(super) fn draw(
-    painter: &Painter,
-    space: Rect,
-    welcome: &Welcome<'_>,
-    picture: &mut KeptPicture,
-    now: Instant,
-) {
+pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(welcome.opacity(now));
     let cover = welcome.cover.map_or(0.0, |_| COVER.min(0.25 * space.width()) + style::PADDING.x);
@@ -76,7 +70,7 @@ pub(super) fn draw(
     let mut at = rect.min + style::PADDING;
     if let Some(of_track) = welcome.cover {
         let square = Rect::from_min_size(at, Vec2::splat(cover - style::PADDING.x));
-        picture.draw(&painter, square, of_track);
+        draw_cover(&painter, square, of_track);
         at += vec2(cover, 0.5 * (rect.height() - 2.0 * style::PADDING.y - size.y).max(0.0));
     }
     for line in lines {

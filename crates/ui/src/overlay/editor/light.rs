@@ -2,13 +2,10 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use egui::{
-    Color32, ColorImage, Context, Id, LayerId, Mesh, Order, Pos2, Rect, Shape, TextureHandle, TextureOptions,
-    pos2,
-};
+use egui::{Color32, ColorImage, Context, Id, LayerId, Mesh, Order, Pos2, Rect, Shape, pos2};
 
 use crate::editor::{Editor, Light};
-use crate::overlay::style;
+use crate::overlay::{kept, style};
 use mariana_render::placement::{Map, inverse, led};
 
 /// Opacity of a highlight's inside, 0..255. The next constant is the opacity of its outline.
@@ -16,13 +13,6 @@ const INSIDE: u8 = 60;
 const EDGE: u8 = 190;
 /// Subdivisions of the mesh that follows the frame's corners on the screen.
 const PARTS: usize = 12;
-
-/// The texture of the last mask. A new mask is uploaded only if its fingerprint differs.
-#[derive(Clone)]
-struct Kept {
-    fingerprint: u64,
-    texture: TextureHandle,
-}
 
 /// Returns the screen position of the point `at` of the frame. `at` is in fractions to the right and down.
 pub(in crate::overlay) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
@@ -35,17 +25,11 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     if !light.cells.contains(&true) {
         return;
     }
-    let id = Id::unique("editor light");
     let mut hasher = DefaultHasher::new();
     (light.columns, &light.cells).hash(&mut hasher);
-    let fingerprint = hasher.finish();
-    let kept = context.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.fingerprint == fingerprint);
-    let kept = kept.unwrap_or_else(|| {
-        let texture = context.load_texture("editor light", mask(&light), TextureOptions::LINEAR);
-        Kept { fingerprint, texture }
-    });
-    context.data_mut(|data| data.insert_temp(id, kept.clone()));
-    let mut mesh = Mesh::with_texture(kept.texture.id());
+    // A mask is made only if the cells have changed.
+    let of_cells = Id::unique(("editor light", hasher.finish()));
+    let mut mesh = Mesh::with_texture(kept::texture(context, of_cells, (), || mask(&light)));
     let fraction = |place: usize| place as f32 / PARTS as f32;
     for row in 0..=PARTS {
         for column in 0..=PARTS {
@@ -62,7 +46,8 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
             mesh.add_triangle(first + 1, below, below + 1);
         }
     }
-    context.layer_painter(LayerId::new(Order::Background, id)).add(Shape::mesh(mesh));
+    let layer = LayerId::new(Order::Background, Id::unique("editor light"));
+    context.layer_painter(layer).add(Shape::mesh(mesh));
 }
 
 /// Pixels of the mask per cell along each axis. More than one pixel makes the outline smooth.

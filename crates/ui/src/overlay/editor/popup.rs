@@ -4,8 +4,7 @@ use egui::{Color32, Id, LayerId, Order, Pos2, Rect, Sense, Ui, WidgetInfo, pos2,
 
 use crate::editor::{ObjectPreview, Proposing};
 use crate::overlay::acts::Acts;
-use crate::overlay::picture::KeptPicture;
-use crate::overlay::{assisted, style};
+use crate::overlay::{assisted, picture, style};
 
 const ROWS: usize = 8;
 const ROW: f32 = 18.0;
@@ -64,8 +63,8 @@ pub(super) fn show(
     let parts: Vec<_> = parts.into_iter().flatten().collect();
     let height: f32 = parts.iter().map(|part| part.size().y + 3.0).sum();
     let widest = parts.iter().map(|part| part.size().x).fold(0.0, f32::max);
-    let picture = object_preview.map_or(0.0, |_| PICTURE + 6.0);
-    let size = vec2(widest.max(picture) + 16.0, height + picture + 11.0);
+    let picture_height = object_preview.map_or(0.0, |_| PICTURE + 6.0);
+    let size = vec2(widest.max(picture_height) + 16.0, height + picture_height + 11.0);
     let about = Rect::from_min_size(rect.right_top() + vec2(4.0, 0.0), size);
     style::ground(&painter, about);
     style::ground(&painter, about);
@@ -74,11 +73,8 @@ pub(super) fn show(
         let place = Rect::from_min_size(pos2(about.left() + 8.0, y + 1.0), vec2(PICTURE, PICTURE));
         painter.rect_filled(place, 4.0, style::RAIL);
         let (uv, white) = (Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        let id = Id::unique("portrait of a proposal");
-        let mut kept: KeptPicture = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        painter.image(kept.of(ui.ctx(), object_preview), place, uv, white);
-        ui.data_mut(|data| data.insert_temp(id, kept));
-        y += picture;
+        painter.image(picture::texture(ui.ctx(), object_preview), place, uv, white);
+        y += picture_height;
     }
     for part in parts {
         let height = part.size().y;
