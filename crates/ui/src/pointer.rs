@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use mariana_commands::input::{Input, PointerButton, Wheel};
+use mariana_commands::{Command, Switch};
 
 /// Maximum time between the two clicks of a double click, and maximum distance in pixels.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
@@ -10,17 +11,6 @@ const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 const DRAG_MIN: f64 = 4.0;
 /// Number of pixels of touchpad scrolling that equals one notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Gesture {
-    /// A click without movement, at a position in pixels.
-    Click([f64; 2]),
-    DoubleClick,
-    /// Movement with the button held, in pixels to the right and down.
-    Drag([f64; 2]),
-    /// Notches of the wheel, positive away from the user.
-    Zoom(f64),
-}
 
 /// The state of the mouse, from events that do not belong to the overlay.
 #[derive(Debug, Default)]
@@ -33,20 +23,21 @@ pub(crate) struct Pointer {
 }
 
 impl Pointer {
-    pub(crate) fn handle(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
+    /// Handles an event, and returns the command of the gesture that it completes.
+    pub(crate) fn handle(&mut self, input: &Input, now: Instant) -> Option<Command> {
         match input {
             Input::PointerMoved(place) => self.moved(*place),
             Input::PointerButton { button: PointerButton::Primary, pressed: true } => self.pressed(now),
             Input::PointerButton { button: PointerButton::Primary, pressed: false } => {
                 let (from, drags) = self.held.take()?;
-                (!drags).then_some(Gesture::Click(from))
+                (!drags).then_some(Command::Inspect(from))
             }
             Input::Wheel(wheel) => {
                 let notches = match wheel {
                     Wheel::Notches([_, notches]) => *notches,
                     Wheel::Pixels([_, pixels]) => pixels / NOTCH_PIXELS,
                 };
-                (notches != 0.0).then_some(Gesture::Zoom(notches))
+                (notches != 0.0).then_some(Command::ZoomCamera(notches))
             }
             Input::Focused(false) => {
                 self.held = None;
@@ -66,7 +57,7 @@ impl Pointer {
         (self.place, self.held.is_some())
     }
 
-    fn moved(&mut self, to: [f64; 2]) -> Option<Gesture> {
+    fn moved(&mut self, to: [f64; 2]) -> Option<Command> {
         self.place = to;
         let (from, drags) = self.held?;
         let way = [to[0] - from[0], to[1] - from[1]];
@@ -75,10 +66,10 @@ impl Pointer {
         }
         self.held = Some((to, true));
         self.last_click = None;
-        (way != [0.0; 2]).then_some(Gesture::Drag(way))
+        (way != [0.0; 2]).then_some(Command::TurnCamera(way))
     }
 
-    fn pressed(&mut self, now: Instant) -> Option<Gesture> {
+    fn pressed(&mut self, now: Instant) -> Option<Command> {
         let double = self.last_click.is_some_and(|(then, place)| {
             let [dx, dy] = [place[0] - self.place[0], place[1] - self.place[1]];
             now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
@@ -87,7 +78,7 @@ impl Pointer {
         // A double click starts no drag, because a double click changes the window's size under the pointer.
         self.held = (!double).then_some((self.place, false));
         self.pressed_at = self.place;
-        double.then_some(Gesture::DoubleClick)
+        double.then_some(Command::Fullscreen(Switch::Toggle))
     }
 }
 
@@ -107,18 +98,19 @@ mod tests {
     fn a_held_button_drags_and_a_still_one_clicks() {
         let (mut pointer, now) = (Pointer::default(), Instant::now());
         let (down, up) = (button(true), button(false));
-        let mut all = |events: &[&Input]| -> Vec<Option<Gesture>> {
+        let mut all = |events: &[&Input]| -> Vec<Option<Command>> {
             events.iter().map(|event| pointer.handle(event, now)).collect()
         };
-        let click = [None, None, None, Some(Gesture::Click([10.0, 10.0]))];
+        let click = [None, None, None, Some(Command::Inspect([10.0, 10.0]))];
         assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a shaking hand");
-        assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Gesture::DoubleClick)]);
-        assert_eq!(all(&[&to(90.0, 10.0), &up]), [None; 2], "the second click drags nothing");
+        assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Command::Fullscreen(Switch::Toggle))]);
+        assert_eq!(all(&[&to(90.0, 10.0), &up]), [None, None], "the second click drags nothing");
         let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);
-        let ways = [None, Some(Gesture::Drag([10.0, 3.0])), Some(Gesture::Drag([1.0, 0.0])), None, None];
+        let drag = |way| Some(Command::TurnCamera(way));
+        let ways = [None, drag([10.0, 3.0]), drag([1.0, 0.0]), None, None];
         assert_eq!(drags, ways);
         assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is not a click");
-        assert_eq!(all(&[&Input::Focused(false), &to(0.0, 0.0)]), [None; 2]);
+        assert_eq!(all(&[&Input::Focused(false), &to(0.0, 0.0)]), [None, None]);
     }
 
     #[test]
@@ -138,8 +130,8 @@ mod tests {
     fn wheels_and_touchpads_zoom() {
         let mut pointer = Pointer::default();
         let mut zoom = |wheel| pointer.handle(&Input::Wheel(wheel), Instant::now());
-        assert_eq!(zoom(Wheel::Notches([0.0, -2.0])), Some(Gesture::Zoom(-2.0)));
-        assert_eq!(zoom(Wheel::Pixels([7.0, 20.0])), Some(Gesture::Zoom(0.5)));
+        assert_eq!(zoom(Wheel::Notches([0.0, -2.0])), Some(Command::ZoomCamera(-2.0)));
+        assert_eq!(zoom(Wheel::Pixels([7.0, 20.0])), Some(Command::ZoomCamera(0.5)));
         assert_eq!(zoom(Wheel::Notches([1.0, 0.0])), None);
     }
 }

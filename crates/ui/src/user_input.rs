@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::pointer::{Gesture, Pointer};
+use crate::pointer::Pointer;
+use mariana_commands::Command;
 use mariana_commands::input::{Input, Key, Modifiers};
-use mariana_commands::{Command, Switch};
 
 /// The state of keys and mouse, from input that does not belong to the overlay.
 #[derive(Debug, Default)]
@@ -29,12 +29,7 @@ impl UserInput {
                 None
             }
             Input::Key(press) => Command::of_press(press, self.held),
-            _ => self.pointer.handle(input, now).map(|gesture| match gesture {
-                Gesture::DoubleClick => Command::Fullscreen(Switch::Toggle),
-                Gesture::Drag(way) => Command::TurnCamera(way),
-                Gesture::Zoom(notches) => Command::ZoomCamera(notches),
-                Gesture::Click(place) => Command::Inspect(place),
-            }),
+            _ => self.pointer.handle(input, now),
         }
     }
 
@@ -72,6 +67,7 @@ impl UserInput {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_commands::Switch;
     use mariana_commands::input::PointerButton;
 
     #[test]
