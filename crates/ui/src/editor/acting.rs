@@ -17,6 +17,7 @@ pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 impl Editor {
     /// Handles a key press while the modifiers `held` are held. Returns true if the editor used the key.
     pub fn handle_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+        self.revision += 1;
         let action = action_of(&press.key, press.latin, held);
         // Esc still closes an editor whose file is not read in time.
         if is_loading(self) && (action != Some(EditAction::Leave) || !self.focus.early.is_empty()) {
@@ -74,7 +75,6 @@ impl Editor {
                 Choice::Other => return false,
             },
         }
-        self.revision += 1;
         true
     }
 
@@ -169,7 +169,6 @@ impl Editor {
     /// Scrolls the text by rows, positive downwards.
     pub(crate) fn scroll(&mut self, rows: f32) {
         self.texts.documents.scroll(rows);
-        self.revision += 1;
     }
 
     /// Records how many rows are visible, and how many columns each row has.
@@ -274,7 +273,6 @@ impl Editor {
             EditAction::Profile => self.picture.toggle_profile(),
             EditAction::Leave => self.leave(),
         }
-        self.revision += 1;
     }
 
     fn leave(&mut self) {
@@ -294,7 +292,6 @@ impl Editor {
             act(document);
         }
         self.texts.documents.reveal();
-        self.revision += 1;
         true
     }
 
@@ -369,7 +366,6 @@ impl Editor {
             },
             (Question::Gone, false) => {}
         }
-        self.revision += 1;
     }
 
     fn turn_by_key(&mut self, up: bool, fine: bool) {
@@ -405,7 +401,6 @@ impl Editor {
             return;
         };
         let found = self.proposals.propose(document, asked);
-        self.revision += 1;
         if asked && !found {
             self.show_notice("no name contains these letters");
         }

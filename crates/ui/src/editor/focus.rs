@@ -26,15 +26,13 @@ pub(super) struct Focus {
 }
 
 impl Focus {
-    pub(super) fn set(&mut self, on: bool) -> bool {
-        let is_new = self.is_on != on;
-        self.ignores_repeats |= on && is_new;
+    pub(super) fn set(&mut self, on: bool) {
+        self.ignores_repeats |= on && !self.is_on;
         self.is_on = on;
         if !on {
             self.preedit.clear();
             self.early.clear();
         }
-        is_new
     }
 
     /// True if a repeated key must be ignored because it was pressed before the editor got the focus.

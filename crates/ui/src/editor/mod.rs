@@ -78,6 +78,7 @@ pub struct Editor {
     pub(crate) picture: ProbedPicture,
     pub(crate) notice: Notice,
     to_write: Option<ToWrite>,
+    /// Changes with the shown state. Changes by keys and by acts of the overlay are counted before they are made.
     pub(crate) revision: u64,
 }
 
@@ -138,8 +139,7 @@ impl Editor {
             self.held_numbers.check(&mut self.texts);
             self.revision += 1;
         }
-        let changes = [self.proposals.update(), self.notice.update()];
-        self.revision += u64::from(changes.contains(&true));
+        self.revision += u64::from(self.proposals.update());
     }
 
     /// True if keys are typed into the editor.
@@ -149,7 +149,8 @@ impl Editor {
 
     /// Gives the keyboard focus to the editor or back to the show.
     pub fn set_focus(&mut self, focused: bool) {
-        self.revision += u64::from(self.focus.set(focused));
+        self.focus.set(focused);
+        self.revision += 1;
         if !focused {
             self.close_small();
         }
@@ -192,7 +193,6 @@ impl Editor {
         self.finding.line = None;
         self.proposals.shown = None;
         self.held_numbers.close_picker(&mut self.texts);
-        self.revision += 1;
     }
 
     /// Replaces the declaration of the parameter `name` by its binding. One undo brings it back. Copies a shipped scene
@@ -245,7 +245,6 @@ impl Editor {
             self.close_small();
         }
         self.texts.select(number, range);
-        self.revision += 1;
     }
 
     /// Goes to the line that drew the clicked point.
@@ -286,7 +285,6 @@ impl Editor {
         self.set_focus(true);
         let taken = self.held_numbers.grab(numbers, line_start, &mut self.texts);
         self.show_refusal(taken);
-        self.revision += 1;
     }
 
     /// Grabs the triple at an offset, unless a triple is grabbed already. Returns true if a triple is grabbed now.
@@ -301,7 +299,6 @@ impl Editor {
     fn turn(&mut self, turn: impl FnOnce(&mut HeldNumbers, &mut Texts) -> Result<(), Refused>) {
         let done = turn(&mut self.held_numbers, &mut self.texts);
         self.show_refusal(done);
-        self.revision += 1;
     }
 
     /// Turns the grabbed number by a movement of the pointer to the right, in points.
@@ -310,7 +307,7 @@ impl Editor {
     }
 
     pub(crate) fn let_go(&mut self) {
-        self.revision += u64::from(self.held_numbers.let_go(&mut self.texts));
+        self.held_numbers.let_go(&mut self.texts);
     }
 
     pub(crate) fn pick_color(&mut self, at: usize) {
@@ -329,7 +326,6 @@ impl Editor {
 
     pub(crate) fn close_picker(&mut self) {
         self.held_numbers.close_picker(&mut self.texts);
-        self.revision += 1;
     }
 
     pub(crate) fn set_color(&mut self, color: [f64; 3]) {

@@ -20,19 +20,15 @@ impl Notice {
         self.said = None;
     }
 
-    pub(super) fn update(&mut self) -> bool {
-        let goes = self.said.as_ref().is_some_and(|(_, since)| clock::since(*since) > STAYS);
-        if goes {
-            self.said = None;
-        }
-        goes
+    fn said(&self) -> Option<&(String, Instant)> {
+        self.said.as_ref().filter(|(_, since)| clock::since(*since) < STAYS)
     }
 
     pub(crate) fn words(&self) -> Option<&str> {
-        self.said.as_ref().map(|(words, _)| words.as_str())
+        self.said().map(|(words, _)| words.as_str())
     }
 
     pub(crate) fn goes_at(&self) -> Option<Instant> {
-        self.said.as_ref().map(|(_, since)| *since + STAYS)
+        self.said().map(|(_, since)| *since + STAYS)
     }
 }

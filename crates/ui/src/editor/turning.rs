@@ -226,16 +226,15 @@ impl HeldNumbers {
         }
     }
 
-    /// Releases the numbers, so that the text defines them again. Returns true if numbers were held.
-    pub(super) fn let_go(&mut self, texts: &mut Texts) -> bool {
-        let Some(turn) = self.turn.take() else { return false };
+    /// Releases the numbers, so that the text defines them again.
+    pub(super) fn let_go(&mut self, texts: &mut Texts) {
+        let Some(turn) = self.turn.take() else { return };
         if let Some(document) = texts.documents.shown_mut() {
             document.editing.settle();
         }
         if turn.held.is_some() {
             texts.release();
         }
-        true
     }
 }
 

@@ -24,8 +24,12 @@ pub struct Acts {
 }
 
 impl Acts {
+    /// Adds a change that the editor shows.
     pub(super) fn on_editor(&mut self, act: impl FnOnce(&mut Editor) + Send + 'static) {
-        self.on_panels.push(PanelAct::Editor(Box::new(act)));
+        self.on_panels.push(PanelAct::Editor(Box::new(|editor: &mut Editor| {
+            editor.revision += 1;
+            act(editor);
+        })));
     }
 }
 

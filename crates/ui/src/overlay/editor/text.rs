@@ -14,7 +14,7 @@ use mariana_field::lang::WordKind;
 use super::page::Page;
 use super::{picker, popup};
 use crate::editor::{Document, Editor, Wrapping};
-use crate::overlay::acts::Acts;
+use crate::overlay::acts::{Acts, PanelAct};
 use crate::overlay::{assisted, style};
 
 const SIZE: f32 = 13.0;
@@ -86,7 +86,8 @@ pub(super) fn show(
     let wrapping = Wrapping::new(columns);
     let page = Page::new(rect, cell, wrapping, buffer, document.view);
     let rows = (rect.height() / cell.y).max(1.0);
-    acts.on_editor(move |editor| editor.record_drawn(rows as usize, columns));
+    acts.on_panels
+        .push(PanelAct::Editor(Box::new(move |editor| editor.record_drawn(rows as usize, columns))));
 
     let whole = Rect::from_min_max(space.min, rect.max);
     let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
