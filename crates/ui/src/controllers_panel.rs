@@ -60,7 +60,7 @@ pub enum ControllerRow {
 }
 
 /// An editable part of a mapping, from left to right.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MappingField {
     /// The position that the parameter takes at the lower end of the control.
     From,
@@ -184,7 +184,7 @@ pub struct ControllersPanel {
     /// The index of the selected row.
     pub selected: usize,
     field: usize,
-    /// A number that changes whenever the panel looks different.
+    /// A number that grows whenever the rows change.
     pub revision: u64,
 }
 
@@ -245,7 +245,6 @@ impl ControllersPanel {
             }
             _ => return None,
         }
-        self.revision += 1;
         Some(Vec::new())
     }
 

@@ -175,7 +175,7 @@ impl FileBrowser {
         }
     }
 
-    /// A number that grows whenever the list looks different.
+    /// A number that grows whenever the list or the tags change.
     pub fn revision(&self) -> u64 {
         self.revision + self.tags.revision()
     }
@@ -229,7 +229,6 @@ impl FileBrowser {
     /// plays the whole folder, and Ctrl+Shift+Enter adds it. Ctrl+D marks the folder. Escape clears the search text;
     /// without a search text it closes the list.
     pub fn handle_key(&mut self, key: &Key, held: Modifiers) -> Vec<Command> {
-        self.revision += 1;
         let command = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
         let shift = held.contains(Modifiers::SHIFT);
         match key {
@@ -344,7 +343,6 @@ impl FileBrowser {
     fn select(&mut self, place: usize) {
         self.selected = place.min(self.found.len().saturating_sub(1));
         self.selected_place = None;
-        self.revision += 1;
     }
 
     fn search(&mut self) {

@@ -15,8 +15,6 @@ pub struct HelpPanel {
     query: TextQuery,
     /// Index among the matching rows.
     pub selected: usize,
-    /// A number that grows whenever the table looks different.
-    pub revision: u64,
 }
 
 impl HelpPanel {
@@ -57,7 +55,6 @@ impl HelpPanel {
             },
         };
         self.selected = selected;
-        self.revision += 1;
         Some(Vec::new())
     }
 
@@ -65,7 +62,6 @@ impl HelpPanel {
     pub fn pick(&mut self, row: usize) -> Vec<Command> {
         let Some(binding) = self.rows().get(row).copied() else { return Vec::new() };
         self.selected = row;
-        self.revision += 1;
         match binding.command() {
             // A search for "q" and Enter, or a click on the wrong row, must not end a show.
             Some(Command::ToggleHelp | Command::Leave | Command::Quit) => vec![CLOSE],

@@ -66,12 +66,14 @@ impl Hash for OpenPanel {
     fn hash<H: Hasher>(&self, state: &mut H) {
         std::mem::discriminant(self).hash(state);
         match self {
-            Self::Tracks(panel) => (panel.revision(), panel.present).hash(state),
-            Self::Scenes(panel) => panel.revision.hash(state),
-            Self::Files(panel) => panel.revision().hash(state),
-            Self::Settings(panel) => panel.revision.hash(state),
-            Self::Controllers(panel) => panel.revision.hash(state),
-            Self::Video(panel) => panel.revision.hash(state),
+            Self::Tracks(panel) => {
+                (panel.revision(), panel.present, panel.selected, panel.query()).hash(state);
+            }
+            Self::Scenes(panel) => (panel.revision, panel.selected).hash(state),
+            Self::Files(panel) => (panel.revision(), panel.selected, panel.selected_place).hash(state),
+            Self::Settings(panel) => (panel.revision, panel.selected, panel.turned).hash(state),
+            Self::Controllers(panel) => (panel.revision, panel.selected, panel.field()).hash(state),
+            Self::Video(panel) => (panel.revision, panel.selected, panel.selected_button()).hash(state),
             Self::Corners(handles) => {
                 (handles.selected, handles.places().map(|place| place.map(f64::to_bits))).hash(state);
             }

@@ -70,7 +70,7 @@ pub struct SceneBrowser {
     /// Scenes whose thumbnail or loop is to be requested.
     wanted: Vec<SceneSource>,
     wanted_motion: Option<SceneSource>,
-    /// A number that grows whenever the list looks different.
+    /// A number that grows whenever the list or the shown scene changes.
     pub revision: u64,
 }
 
@@ -223,7 +223,6 @@ impl SceneBrowser {
     /// select, Enter shows, and Tab marks. Ctrl with M or E chooses the next mood or energy. Escape clears the search
     /// text, then the filters, and then closes the list.
     pub fn handle_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
-        self.revision += 1;
         match key {
             Key::Named(NamedKey::Escape) if self.query().is_empty() => {
                 if !self.filters.clear() {
@@ -285,7 +284,6 @@ impl SceneBrowser {
 
     fn select(&mut self, place: usize) {
         self.selected = place.min(self.found.len().saturating_sub(1));
-        self.revision += 1;
     }
 
     /// Searches and keeps the selected tile selected, if it still matches.

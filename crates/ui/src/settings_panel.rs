@@ -56,7 +56,7 @@ pub struct SettingsPanel {
     pub selected: usize,
     /// When the user last changed a setting that the image shows.
     pub turned: Option<Instant>,
-    /// A number that grows whenever the panel looks different.
+    /// A number that grows whenever the rows change.
     pub revision: u64,
 }
 
@@ -137,14 +137,11 @@ impl SettingsPanel {
             |row: &SettingRow| row.group.is_seen() && !matches!(row.values, Values::OneOfRows { .. });
         if self.rows.get(self.selected).is_some_and(is_seen) {
             self.turned = Some(clock::now());
-            self.revision += 1;
         }
     }
 
     fn select(&mut self, row: usize) -> Option<Command> {
-        let row = row.min(self.rows.len().saturating_sub(1));
-        self.revision += u64::from(row != self.selected);
-        self.selected = row;
+        self.selected = row.min(self.rows.len().saturating_sub(1));
         None
     }
 

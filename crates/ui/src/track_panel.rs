@@ -28,14 +28,13 @@ pub struct TrackPanel {
     query: Option<TextQuery>,
     /// The indices of the matching tracks, during a search.
     found: Vec<usize>,
-    revision: u64,
 }
 
 impl TrackPanel {
     /// Shows `list` and selects the track at index `present`.
     pub fn new(list: Arc<ListedTracks>, present: usize, tags: TagLibrary) -> Self {
         let selected = present.min(list.entries.len().saturating_sub(1));
-        Self { list, tags, present, selected, query: None, found: Vec::new(), revision: 0 }
+        Self { list, tags, present, selected, query: None, found: Vec::new() }
     }
 
     /// Shows a changed list or another playing track.
@@ -90,9 +89,9 @@ impl TrackPanel {
         }
     }
 
-    /// A number that grows whenever the list looks different.
+    /// A number that grows whenever the list or its tags change.
     pub fn revision(&self) -> u64 {
-        self.revision + self.tags.revision() + self.list.revision
+        self.tags.revision() + self.list.revision
     }
 
     /// Notes which rows are visible, so that their tags are read first.
@@ -160,18 +159,15 @@ impl TrackPanel {
             return Some(Vec::new());
         }
         let from = std::mem::replace(&mut self.selected, to);
-        self.revision += 1;
         Some(vec![Command::MoveTrack((from, to))])
     }
 
     /// Selects a row.
     pub fn select(&mut self, row: usize) {
         self.selected = row.min(self.rows().saturating_sub(1));
-        self.revision += 1;
     }
 
     fn search(&mut self) {
-        self.revision += 1;
         self.found.clear();
         let Some(query) = self.query.as_ref().filter(|query| !query.text().is_empty()) else { return };
         for (index, track) in self.list.entries.iter().enumerate() {

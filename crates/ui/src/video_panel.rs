@@ -62,7 +62,7 @@ pub struct VideoPanel {
     pub selected: usize,
     /// The index of the selected action or option of a row with buttons.
     button: usize,
-    /// A number that grows whenever the panel looks different.
+    /// A number that grows whenever the rows change.
     pub revision: u64,
 }
 
@@ -109,7 +109,6 @@ impl VideoPanel {
         let row = row.min(self.rows.len().saturating_sub(1));
         if row != self.selected {
             (self.selected, self.button) = (row, 0);
-            self.revision += 1;
         }
         None
     }
@@ -123,9 +122,7 @@ impl VideoPanel {
             let option = next(*chosen, options.len());
             return (option != *chosen).then_some(choose(*what, option));
         }
-        let button = next(self.button, buttons(row));
-        self.revision += u64::from(button != self.button);
-        self.button = button;
+        self.button = next(self.button, buttons(row));
         None
     }
 

@@ -217,7 +217,7 @@ impl OverlayContent<'_> {
     /// A number that changes with the content. A notice is included until it is gone, even while it fades.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (self.corner, self.problem, self.help.map(|panel| panel.revision)).hash(&mut hasher);
+        (self.corner, self.problem, self.help.map(|panel| (panel.query(), panel.selected))).hash(&mut hasher);
         (self.hint, &self.sources, self.calm).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
