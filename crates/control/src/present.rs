@@ -42,11 +42,6 @@ impl Board {
     pub fn newest(&self) -> Arc<Present> {
         lock(&self.0).clone()
     }
-
-    /// Reads the latest state.
-    pub fn read<T>(&self, read: impl FnOnce(&Present) -> T) -> T {
-        read(&self.newest())
-    }
 }
 
 #[cfg(test)]
@@ -58,6 +53,6 @@ mod tests {
         let board = Board::default();
         let other = board.clone();
         board.put(Present { tempo: 120.0, ..Present::default() });
-        assert_eq!(other.read(|present| present.tempo), 120.0);
+        assert_eq!(other.newest().tempo, 120.0);
     }
 }

@@ -207,8 +207,7 @@ impl Serving {
             Ok(Route::Picture(scene)) => match self.album.find(&scene) {
                 Some(jpeg) => answer_own(&stream, "image/jpeg", &jpeg, &[], within),
                 None => {
-                    let is_one = self.board.read(|present| present.scenes.contains(&scene));
-                    if is_one && self.album.request(&scene) {
+                    if self.board.newest().scenes.contains(&scene) && self.album.request(&scene) {
                         (self.wake)();
                     }
                     http::answer_in_words(

@@ -140,7 +140,7 @@ impl Hearing {
         if !is_pattern(&message.addr) {
             return self.obey_one(message, answers);
         }
-        let known = self.board.read(|present| addresses(present, self.actions));
+        let known = addresses(&self.board.newest(), self.actions);
         // Scene titles may contain pattern characters.
         if known.contains(&message.addr) {
             return self.obey_one(message, answers);
@@ -159,7 +159,7 @@ impl Hearing {
 
     fn obey_one(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
         if let Some(query) = Asked::queue(understand(message, self.actions), &self.input_queue) {
-            answers.extend(self.board.read(|present| answers_to(&query, present, self.actions)));
+            answers.extend(answers_to(&query, &self.board.newest(), self.actions));
             answers.truncate(limits::OSC_ANSWERS_MAX);
         }
     }

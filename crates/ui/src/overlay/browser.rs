@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use egui::{Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::{Acts, PanelAct, Pass, on};
 use super::chips::{self, Chip};
@@ -139,8 +139,9 @@ fn draw_tile(
             painter.image(texture, area, whole, egui::Color32::WHITE);
         }
         TilePicture::Missing(reason) => {
+            let width = area.width() - 12.0;
             let galley =
-                style::lines(painter, reason, style::SMALL_SIZE, style::ERROR, area.width() - 12.0, 4);
+                style::paragraph(painter, reason, style::SMALL_SIZE, style::ERROR, width, 4, Align::Center);
             painter.galley(area.center() - galley.rect.center().to_vec2(), galley, style::ERROR);
         }
         TilePicture::Unseen | TilePicture::Coming => {

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use egui::{
-    Align2, Context, Event, FullOutput, Id, Key, LayerId, Modifiers, Order, Painter, RawInput, Rect, pos2,
-    vec2,
+    Align, Align2, Context, Event, FullOutput, Id, Key, LayerId, Modifiers, Order, Painter, RawInput, Rect,
+    pos2, vec2,
 };
 
 use super::acts::{Acts, Pass};
@@ -312,7 +312,8 @@ fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> R
 
 fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let width = LINE_WIDTH_MAX * space.width();
-    let galley = style::lines(painter, text, style::HEADING_SIZE, color, width, SENTENCE_ROWS_MAX);
+    let galley =
+        style::paragraph(painter, text, style::HEADING_SIZE, color, width, SENTENCE_ROWS_MAX, Align::Center);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);

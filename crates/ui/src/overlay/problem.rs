@@ -1,7 +1,7 @@
 //! The panel for a compiler's messages. Text is laid out in columns, as in a terminal, so that underlines are below
 //! their words.
 
-use egui::{Color32, Painter, Pos2, Rect, Vec2, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, pos2, vec2};
 
 use super::content::Problem;
 use super::style;
@@ -18,9 +18,9 @@ pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rec
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(painter, problem.heading, style::HEADING_SIZE, style::ERROR, inner.x);
     let longest = problem.text.lines().map(width).max().unwrap_or(0) as f32;
-    let fits = |size: &f32| longest * cell_of(painter, *size).x <= inner.x;
+    let fits = |size: &f32| longest * style::cell(painter, *size, LINE_HEIGHT).x <= inner.x;
     let size = SIZES.into_iter().find(fits).unwrap_or(SIZES[SIZES.len() - 1]);
-    let cell = cell_of(painter, size);
+    let cell = style::cell(painter, size, LINE_HEIGHT);
 
     let above = heading.size().y + HEADING_GAP;
     let room = vec2(inner.x / cell.x, (inner.y - above) / cell.y).floor().max(vec2(1.0, 1.0));
@@ -41,13 +41,6 @@ pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rec
         }
     }
     rect
-}
-
-fn cell_of(painter: &Painter, size: f32) -> Vec2 {
-    let font = style::monospace(size);
-    painter.fonts_mut(|fonts| {
-        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
-    })
 }
 
 /// Draws text so that each character begins in its column, even if a fallback font has other widths.

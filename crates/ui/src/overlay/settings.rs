@@ -239,7 +239,8 @@ fn draw_number(ui: &mut Ui, row: &SettingRow, is_held: &mut bool) -> Option<(f64
 
 fn footing(ui: &mut Ui, words: &str, height: f32) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    let (painter, width) = (ui.painter(), place.width());
     let galley =
-        style::paragraph(ui.painter(), words, style::SMALL_SIZE, style::DIM, place.width(), MEANING_LINES);
-    ui.painter().galley(pos2(place.left() + 6.0, place.top() + 6.0), galley, style::DIM);
+        style::paragraph(painter, words, style::SMALL_SIZE, style::DIM, width, MEANING_LINES, Align::LEFT);
+    painter.galley(pos2(place.left() + 6.0, place.top() + 6.0), galley, style::DIM);
 }

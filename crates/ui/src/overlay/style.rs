@@ -7,7 +7,8 @@ use egui::epaint::RectShape;
 use egui::layers::ShapeIdx;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Color32, CornerRadius, FontId, Galley, Id, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2,
+    Align, Color32, CornerRadius, FontId, Galley, Id, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui,
+    Vec2, vec2,
 };
 
 use mariana_render::reading_order::as_seen;
@@ -66,18 +67,6 @@ pub(super) fn line_in(
     painter.layout_job(job)
 }
 
-/// Centred text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
-pub(super) fn lines(
-    painter: &Painter,
-    text: &str,
-    size: f32,
-    color: Color32,
-    width: f32,
-    rows: usize,
-) -> Arc<Galley> {
-    painter.layout_job(LayoutJob { halign: egui::Align::Center, ..wrapped(text, size, color, width, rows) })
-}
-
 /// Text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
 pub(super) fn paragraph(
     painter: &Painter,
@@ -86,14 +75,18 @@ pub(super) fn paragraph(
     color: Color32,
     width: f32,
     rows: usize,
+    halign: Align,
 ) -> Arc<Galley> {
-    painter.layout_job(wrapped(text, size, color, width, rows))
+    let mut job = LayoutJob::simple(as_seen(text).into_owned(), proportional(size), color, width.max(1.0));
+    (job.wrap.max_rows, job.halign) = (rows, halign);
+    painter.layout_job(job)
 }
 
-fn wrapped(text: &str, size: f32, color: Color32, width: f32, rows: usize) -> LayoutJob {
-    let mut job = LayoutJob::simple(as_seen(text).into_owned(), proportional(size), color, width.max(1.0));
-    job.wrap.max_rows = rows;
-    job
+/// The size of a letter's cell: the width of the digits, and the distance between lines that are `height` font lines
+/// apart.
+pub(super) fn cell(painter: &Painter, size: f32, height: f32) -> Vec2 {
+    let font = monospace(size);
+    painter.fonts_mut(|fonts| vec2(fonts.glyph_width(&font, '0'), (height * fonts.row_height(&font)).round()))
 }
 
 pub(super) fn ground(painter: &Painter, rect: Rect) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Galley, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Galley, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::acts::Pass;
 use super::chips::{self, Chip};
@@ -138,7 +138,7 @@ fn sentence(ui: &mut Ui, text: &str, color: egui::Color32) {
 }
 
 fn wrapped(ui: &Ui, text: &str, color: egui::Color32, width: f32) -> Arc<Galley> {
-    style::paragraph(ui.painter(), text, style::SMALL_SIZE, color, width, ABOUT_ROWS)
+    style::paragraph(ui.painter(), text, style::SMALL_SIZE, color, width, ABOUT_ROWS, Align::LEFT)
 }
 
 /// The lower end of the panel: the explanation of the selected option, the button that makes a video, and what is

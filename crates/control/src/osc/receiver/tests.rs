@@ -68,7 +68,7 @@ fn a_pattern_is_a_message_to_each_matching_address() {
 #[test]
 fn a_pattern_matches_at_most_the_limit_of_addresses() {
     let hearing = hearing();
-    let mut present = hearing.board.read(Present::clone);
+    let mut present = Present::clone(&hearing.board.newest());
     let param = present.params.remove(0);
     let name = |number| Slider { name: format!("p{number}"), ..param.clone() };
     present.params = (0..limits::OSC_MATCHES_MAX + 9).map(name).collect();

@@ -45,10 +45,7 @@ fn color_of(kind: WordKind) -> Color32 {
 }
 
 pub(super) fn cell(painter: &Painter) -> Vec2 {
-    let font = style::monospace(SIZE);
-    painter.fonts_mut(|fonts| {
-        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
-    })
+    style::cell(painter, SIZE, LINE_HEIGHT)
 }
 
 /// Number of columns of a row in a width. The last column is left free for a space or half of a wide letter.
