@@ -20,13 +20,13 @@ use super::{FoundMistakes, SceneError, SceneSource};
 pub struct Drafts(Arc<Mutex<Shared>>);
 
 /// Maximum number of loaded and preloaded scenes with findings.
-const FINDINGS_MAX: usize = 8;
+const FINDINGS_MAX: usize = 64;
 
 #[derive(Debug, Default)]
 struct Shared {
     texts: DraftTexts,
-    /// At most one entry for each scene.
-    findings: Vec<Findings>,
+    /// At most one entry for each scene, oldest first.
+    findings: Vec<Arc<Findings>>,
 }
 
 /// The results of loading a scene, for the editor.
@@ -81,9 +81,9 @@ impl Drafts {
         lock(&self.0).texts.clone()
     }
 
-    /// Takes the findings that arrived since the last call: only the latest for each scene.
-    pub fn drain_findings(&self) -> Vec<Findings> {
-        std::mem::take(&mut lock(&self.0).findings)
+    /// The latest findings about a scene.
+    pub fn findings(&self, source: &SceneSource) -> Option<Arc<Findings>> {
+        lock(&self.0).findings.iter().find(|findings| findings.source == *source).cloned()
     }
 
     /// Publishes findings, replacing older ones of the same scene.
@@ -93,7 +93,7 @@ impl Drafts {
         if shared.findings.len() >= FINDINGS_MAX {
             shared.findings.remove(0);
         }
-        shared.findings.push(findings);
+        shared.findings.push(Arc::new(findings));
     }
 
     fn change<T>(&self, change: impl FnOnce(&mut DraftTexts) -> T) -> u64 {

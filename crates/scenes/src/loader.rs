@@ -13,7 +13,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime};
 use std::{fs, io};
 
@@ -103,14 +103,9 @@ impl<T: Send + 'static> Loader<T> {
         }
     }
 
-    /// Returns the newest result, unless it was returned before. Never blocks.
+    /// Returns the newest result, unless it was returned before. The thread holds the lock only to store a result.
     pub fn poll(&self) -> Option<Loaded<T>> {
-        match self.newest.try_lock() {
-            Ok(mut newest) => newest.take(),
-            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
-            // The thread is storing the result and calls `wake` afterwards.
-            Err(TryLockError::WouldBlock) => None,
-        }
+        lock(&self.newest).take()
     }
 }
 

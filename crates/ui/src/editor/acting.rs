@@ -9,7 +9,7 @@ use super::focus::Early;
 use super::keys::{action_of, way_of};
 use super::params::NewParam;
 use super::proposing::Choice;
-use super::turning::KeyTurn;
+use super::turning::key_turn;
 use super::{Document, EditAction, Editor, Question};
 
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
@@ -347,7 +347,7 @@ impl Editor {
     }
 
     pub(crate) fn show_text(&mut self, number: usize) {
-        if let Some(text) = self.texts.found.text(number) {
+        if let Some(text) = self.texts.source_of(number) {
             self.close_small();
             self.texts.show(&text);
         }
@@ -373,8 +373,8 @@ impl Editor {
         if let Err(words) = document.check_open() {
             return self.show_notice(words);
         }
-        match KeyTurn::of(document, up, fine) {
-            Some(turn) => self.edit(|editing| turn.write(editing)),
+        match key_turn(document, up, fine) {
+            Some(turn) => self.edit(turn),
             None => self.show_notice("put the cursor on a number first"),
         }
     }

@@ -8,9 +8,8 @@
 //!
 //! | part | purpose |
 //! |---|---|
-//! | `Texts` | the texts of the scene; owns `Documents`, `Found` and `Outbox` |
+//! | `Texts` | the texts of the scene and the loader's findings; owns `Documents` and `Outbox` |
 //! | `Documents` | the open texts, the visible text, and its scroll position |
-//! | `Found` | the loader's findings |
 //! | `Outbox` | drafts, backups, values of turned numbers, commands |
 //! | `HeldNumbers` | turned numbers, picked colours, dragged positions |
 //! | `Finding` | the search line |
@@ -25,7 +24,6 @@ mod document;
 mod documents;
 mod finding;
 mod focus;
-mod found;
 pub mod keys;
 mod notice;
 mod object_previews;
@@ -112,7 +110,7 @@ impl Editor {
             SceneSource::Blend(blend) => &blend.to.source,
             other => other,
         };
-        if self.texts.found.source.as_ref() == Some(source) {
+        if self.texts.source.as_ref() == Some(source) {
             return;
         }
         self.let_go();
@@ -135,7 +133,7 @@ impl Editor {
         }
         binding::write_waiting(self);
         acting::replay_early_keys(self);
-        if self.texts.drain_findings() {
+        if self.texts.update_findings() {
             self.held_numbers.check(&mut self.texts);
             self.revision += 1;
         }
@@ -174,7 +172,7 @@ impl Editor {
 
     /// True if the editor shows mistakes of the scene.
     pub fn tells_mistakes(&self) -> bool {
-        self.texts.found.findings.as_ref().is_some_and(|found| !found.mistakes.is_empty())
+        self.texts.findings.as_ref().is_some_and(|found| !found.mistakes.is_empty())
     }
 
     /// Shows a message for a moment.
@@ -220,12 +218,10 @@ impl Editor {
             // The session takes it.
             Answer::Diagram(_) => {}
             Answer::TooLong => self.show_notice("this scene is too large to be inspected while it plays"),
-            Answer::RayStatistics(source, ray_statistics)
-                if Some(&source) == self.texts.found.source.as_ref() =>
-            {
+            Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.source.as_ref() => {
                 self.picture.ray_statistics = Some(ray_statistics);
             }
-            Answer::Point(probed) if Some(&probed.source) == self.texts.found.source.as_ref() => {
+            Answer::Point(probed) if Some(&probed.source) == self.texts.source.as_ref() => {
                 tracing::debug!("probed: {probed:?}");
                 self.picture.probed = Some(probed);
                 // Scroll to the line that drew the point, but leave the cursor where the user is typing.
@@ -241,7 +237,7 @@ impl Editor {
 
     fn select(&mut self, number: usize, range: Range<usize>) {
         let own = self.document().and_then(Document::file);
-        if self.texts.found.file(number).is_some_and(|file| own != Some(file)) {
+        if self.texts.file(number).is_some_and(|file| own != Some(file)) {
             self.close_small();
         }
         self.texts.select(number, range);

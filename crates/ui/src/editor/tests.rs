@@ -302,7 +302,7 @@ fn turning_a_number_does_not_parse_the_text() {
     setup.editor.let_go();
     assert_eq!(setup.reloads(), 1, "the text defines the number again");
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers, [0_usize; 0]);
+    assert_eq!(setup.editor.texts.findings.as_ref().unwrap().numbers, [0_usize; 0]);
     setup.ctrl("z");
     assert_eq!(setup.text(), BALL, "one undo step restores it");
 }
@@ -330,7 +330,7 @@ fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
     setup.editor.turn_number(-400.0, TurnSpeed::Coarse);
     assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers, [at + 1]);
+    assert_eq!(setup.editor.texts.findings.as_ref().unwrap().numbers, [at + 1]);
     let _ = setup.commands();
     setup.editor.turn_number(50.0, TurnSpeed::Usual);
     let commands = setup.commands();

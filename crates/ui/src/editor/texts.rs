@@ -2,7 +2,7 @@
 
 use std::io;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,11 +11,10 @@ use mariana_editing::{Editing, Refused};
 use mariana_field::lang::Turning;
 use mariana_files::Folders;
 use mariana_files::documents::{FileEvent, FileThread, OnDisk};
-use mariana_scenes::{Drafts, Mistake, SceneSource};
+use mariana_scenes::{Drafts, Findings, Mistake, SceneSource};
 
 use super::document::{Change, Document, Question};
 use super::documents::{Documents, Tab};
-use super::found::Found;
 use super::outbox::Outbox;
 
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
@@ -25,7 +24,9 @@ const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana w
 
 pub(crate) struct Texts {
     pub(super) documents: Documents,
-    pub(super) found: Found,
+    /// The edited scene, and the loader's findings about it.
+    pub(super) source: Option<SceneSource>,
+    pub(super) findings: Option<Arc<Findings>>,
     pub(super) outbox: Outbox,
 }
 
@@ -37,7 +38,8 @@ impl Texts {
     ) -> io::Result<Self> {
         Ok(Self {
             documents: Documents::new(),
-            found: Found::default(),
+            source: None,
+            findings: None,
             outbox: Outbox {
                 files: FileThread::start(folders, wake)?,
                 drafts,
@@ -54,17 +56,17 @@ impl Texts {
     }
 
     pub(crate) fn tabs(&self) -> Vec<Tab> {
-        self.documents.tabs(self.found.findings.as_ref())
+        self.documents.tabs(self.findings.as_deref())
     }
 
     pub(super) fn is_main(&self) -> bool {
         let shown = self.documents.shown();
-        shown.is_some_and(|document| self.found.source.as_ref() == Some(&document.source))
+        shown.is_some_and(|document| self.source.as_ref() == Some(&document.source))
     }
 
     pub(super) fn number(&self) -> usize {
         let file = self.documents.shown().and_then(Document::file);
-        file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
+        file.and_then(|file| self.findings.as_ref()?.texts.iter().position(|one| one == file)).unwrap_or(0)
     }
 
     pub(super) fn next_number(&self) -> Option<usize> {
@@ -73,8 +75,17 @@ impl Texts {
         (tabs.len() > 1).then(|| (at + 1) % tabs.len())
     }
 
+    pub(super) fn file(&self, number: usize) -> Option<&Path> {
+        self.findings.as_ref()?.texts.get(number).map(PathBuf::as_path)
+    }
+
+    /// The text with this number, which is a file of the scene.
+    pub(super) fn source_of(&self, number: usize) -> Option<SceneSource> {
+        self.file(number).map(|file| SceneSource::File(file.to_owned()))
+    }
+
     fn text(&self, number: usize) -> Option<&Document> {
-        match self.found.file(number) {
+        match self.file(number) {
             Some(file) => self.documents.of(file),
             None => self.documents.shown().filter(|_| number == 0),
         }
@@ -101,11 +112,12 @@ impl Texts {
     /// Returns the next mistake of the visible text. Without one, returns the number of another text with mistakes.
     pub(super) fn next_mistake(&self) -> Result<Mistake, Option<usize>> {
         let next = self.documents.shown().and_then(Document::next_mistake);
-        next.ok_or_else(|| self.found.findings.as_ref()?.mistakes.first().map(|one| one.text))
+        next.ok_or_else(|| self.findings.as_ref()?.mistakes.first().map(|one| one.text))
     }
 
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
-        self.found.show_scene(source);
+        self.source = Some(source.clone());
+        self.findings = self.outbox.drafts.findings(source);
         self.show(source);
     }
 
@@ -120,7 +132,7 @@ impl Texts {
     }
 
     pub(super) fn select(&mut self, number: usize, range: Range<usize>) {
-        if let Some(text) = self.found.text(number) {
+        if let Some(text) = self.source_of(number) {
             if self.show(&text) {
                 // The cursor is set when the file has been read.
                 return self.documents.carried = Some((range.start, (0.0, 0.0)));
@@ -196,7 +208,7 @@ impl Texts {
     }
 
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
-        let beside = self.found.source.as_ref().and_then(SceneSource::file).and_then(Path::parent);
+        let beside = self.source.as_ref().and_then(SceneSource::file).and_then(Path::parent);
         let files = &self.outbox.files;
         let folder = beside.or_else(|| files.own_scenes()).ok_or(NO_FOLDER)?;
         files.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
@@ -219,19 +231,18 @@ impl Texts {
         }
     }
 
-    pub(super) fn drain_findings(&mut self) -> bool {
-        let mut any = false;
-        for findings in self.outbox.drafts.drain_findings() {
-            any |= self.found.store(findings);
-        }
-        if any {
-            self.mark_mistakes();
-        }
-        any
+    /// Takes new findings about the edited scene. Returns true if there are any.
+    pub(super) fn update_findings(&mut self) -> bool {
+        let newest = self.source.as_ref().and_then(|source| self.outbox.drafts.findings(source));
+        let is_new = |one: &Arc<Findings>| self.findings.as_ref().is_none_or(|now| !Arc::ptr_eq(now, one));
+        let Some(newest) = newest.filter(is_new) else { return false };
+        self.findings = Some(newest);
+        self.mark_mistakes();
+        true
     }
 
     fn mark_mistakes(&mut self) {
-        if let Some(findings) = self.found.findings.as_ref() {
+        if let Some(findings) = self.findings.as_ref() {
             self.documents.show_mistakes(findings);
         }
     }

@@ -217,7 +217,7 @@ impl HeldNumbers {
 
     /// After new findings, checks if the numbers became inputs. Numbers that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
-        let (Some(turn), Some(findings)) = (&mut self.turn, texts.found.findings.as_ref()) else { return };
+        let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings.as_ref()) else { return };
         let Some(held) = &turn.held else { return };
         let are_inputs = held.inputs.iter().all(|input| findings.numbers.contains(&input.digits));
         if findings.version >= held.since && !are_inputs {
@@ -238,27 +238,23 @@ impl HeldNumbers {
     }
 }
 
-pub(super) struct KeyTurn {
-    range: Range<usize>,
-    text: String,
-}
-
-impl KeyTurn {
-    pub(super) fn of(document: &Document, up: bool, fine: bool) -> Option<Self> {
-        let (number, line_start) = document.number(document.editing.selection().start)?;
-        let speed = if fine { TurnSpeed::Fine } else { TurnSpeed::Usual };
-        let least = if number.turned(POINTS_OF_KEY, speed) == number.value { 2.0 } else { 1.0 };
-        let points = POINTS_OF_KEY * least * speed.factor() * if up { 1.0 } else { -1.0 };
-        let text = number.written(number.turned(points, speed), speed);
-        Some(Self { range: line_start + number.range.start..line_start + number.range.end, text })
-    }
-
-    pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
-        let start = self.range.start;
-        editing.turn(self.range, self.text.as_bytes())?;
-        editing.select_turned(start..start + self.text.len());
+/// The edit by a key that turns the number at the selection.
+pub(super) fn key_turn(
+    document: &Document,
+    up: bool,
+    fine: bool,
+) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {
+    let (number, line_start) = document.number(document.editing.selection().start)?;
+    let speed = if fine { TurnSpeed::Fine } else { TurnSpeed::Usual };
+    let least = if number.turned(POINTS_OF_KEY, speed) == number.value { 2.0 } else { 1.0 };
+    let points = POINTS_OF_KEY * least * speed.factor() * if up { 1.0 } else { -1.0 };
+    let text = number.written(number.turned(points, speed), speed);
+    let (start, end) = (line_start + number.range.start, line_start + number.range.end);
+    Some(move |editing: &mut Editing| {
+        editing.turn(start..end, text.as_bytes())?;
+        editing.select_turned(start..start + text.len());
         Ok(())
-    }
+    })
 }
 
 fn digits_value(value: f64, negated: bool) -> f32 {

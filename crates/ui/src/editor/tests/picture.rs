@@ -194,7 +194,7 @@ fn picking_a_colour_does_not_parse_the_text_and_is_one_undo_step() {
     setup.editor.set_color([0.8, 0.3, 0.1]);
     assert_eq!(turned(&mut setup), (1, vec![vec![0.8, 0.3, 0.1]]), "one load makes it three inputs");
     assert!(setup.load());
-    assert_eq!(setup.editor.texts.found.findings.as_ref().unwrap().numbers.len(), 3);
+    assert_eq!(setup.editor.texts.findings.as_ref().unwrap().numbers.len(), 3);
     for step in 1..=20 {
         setup.editor.set_color([0.8, 0.02 * f64::from(step), 0.0]);
     }
