@@ -36,6 +36,8 @@ pub(crate) struct Controllers {
     pub(super) network: Network,
     pub(super) phones: Phones,
     pub(super) midi: Midi,
+    /// The parts that could not start, as messages; `true` for bad news.
+    news: Vec<(String, bool)>,
     /// Earliest time of the next input batch.
     free: Instant,
     /// Arrival time of the first input that no frame shows yet, and the first scene revision with this input.
@@ -53,8 +55,9 @@ impl Controllers {
     pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
         let input_queue = InputQueue::new(waker.waking());
         let board = Board::default();
-        let network = Network::start(settings, &input_queue, &board, waker);
-        let phones = Phones::start(settings, &input_queue, &board, waker);
+        let mut news = Vec::new();
+        let network = Network::start(settings, &input_queue, &board, waker, &mut news);
+        let phones = Phones::start(settings, &input_queue, &board, waker, &mut news);
         let midi = Midi::start(settings, folders, &input_queue, waker);
         let now = clock::now();
         Self {
@@ -63,6 +66,7 @@ impl Controllers {
             network,
             phones,
             midi,
+            news,
             free: now,
             unseen: None,
             times: Times::default(),
@@ -75,7 +79,8 @@ impl Controllers {
 
     /// The next message about devices and networks; `true` for bad news.
     pub(crate) fn news(&mut self) -> Option<(String, bool)> {
-        self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news())
+        let of_parts = || self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news());
+        self.news.pop().or_else(of_parts)
     }
 
     /// Returns `true` if the state that controllers can read must be updated. `turned` is true after input.

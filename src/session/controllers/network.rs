@@ -19,7 +19,6 @@ pub(crate) struct Network {
     sample_due: Instant,
     /// The last reported state of the receiver, and `true` once a problem of the sender was reported.
     reported: (ReceiverState, bool),
-    trouble: Option<String>,
 }
 
 impl Network {
@@ -28,10 +27,11 @@ impl Network {
         input: &InputQueue,
         board: &Board,
         waker: &Waker,
+        news: &mut Vec<(String, bool)>,
     ) -> Self {
-        let mut trouble = None;
         let mut no_thread = |error: std::io::Error| {
-            trouble = Some(format!("cannot receive or send OSC: the system cannot start a thread ({error})"));
+            let words = format!("cannot receive or send OSC: the system cannot start a thread ({error})");
+            news.push((words, true));
         };
         let receiver = settings.osc.clone().and_then(|place| {
             let started = OscReceiver::start(
@@ -48,14 +48,11 @@ impl Network {
         });
         let interval = Duration::try_from_secs_f64(1.0 / settings.osc_rate).unwrap_or_default();
         let reported = (ReceiverState::default(), false);
-        Self { receiver, sender, interval, sample_due: clock::now(), reported, trouble }
+        Self { receiver, sender, interval, sample_due: clock::now(), reported }
     }
 
     /// The next message; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
-        if let Some(trouble) = self.trouble.take() {
-            return Some((trouble, true));
-        }
         if let Some(state) =
             self.receiver.as_ref().map(OscReceiver::state).filter(|now| *now != self.reported.0)
         {

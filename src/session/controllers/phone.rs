@@ -13,7 +13,6 @@ pub(crate) struct Phones {
     pub(crate) remote: Option<Remote>,
     pub(super) album: Album,
     reported: RemoteState,
-    trouble: Option<String>,
 }
 
 impl Phones {
@@ -22,17 +21,16 @@ impl Phones {
         input: &InputQueue,
         board: &Board,
         waker: &Waker,
+        news: &mut Vec<(String, bool)>,
     ) -> Self {
-        let mut trouble = None;
         let album = Album::default();
         let remote = settings.remote.clone().and_then(|place| {
             let table = commands::for_phones();
             let (input, board, album) = (input.clone(), board.clone(), album.clone());
             let started = Remote::start(LIMITS, place, table, input, board, album, waker.waking());
-            let words = |error| trouble = Some(format!("phones cannot connect: {error}"));
-            started.map_err(words).ok()
+            started.map_err(|error| news.push((format!("phones cannot connect: {error}"), true))).ok()
         });
-        Self { remote, album, reported: RemoteState::default(), trouble }
+        Self { remote, album, reported: RemoteState::default() }
     }
 
     pub(crate) fn record_picture(&self, looked: &Looked) {
@@ -46,9 +44,6 @@ impl Phones {
 
     /// The next message; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
-        if let Some(trouble) = self.trouble.take() {
-            return Some((trouble, true));
-        }
         self.reported = self.remote.as_ref().map(Remote::state).filter(|now| *now != self.reported)?;
         match &self.reported {
             RemoteState::Opening => None,

@@ -96,11 +96,6 @@ pub const LOOP_RATE: u32 = 8;
 /// Number of frames of a loop.
 pub const LOOP_FRAMES: u32 = 12;
 
-/// How long each frame of a loop is shown.
-pub fn frame_time() -> Duration {
-    Duration::from_secs(1) / LOOP_RATE
-}
-
 /// Returns the frames of a scene's loop; empty if the scene has no loop.
 pub(super) fn frames_of(source: &SceneSource) -> Vec<Arc<RgbaImage>> {
     match source {

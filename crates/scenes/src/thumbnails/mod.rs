@@ -10,7 +10,7 @@ mod drawing;
 use std::collections::VecDeque;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -22,10 +22,11 @@ use mariana_work::{Latest, Shared, latest};
 
 use crate::limits;
 use crate::{SceneSource, first_comment};
-pub use drawing::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, frame_time, shipped};
+pub use drawing::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, shipped};
 use drawing::{NotDrawn, draw};
 use mariana_files::atomic_file::AtomicFile;
 use mariana_files::caches::make_room;
+use mariana_files::reading::read_at_most;
 
 /// Size of a thumbnail in pixels.
 pub const SIZE: (u32, u32) = (320, 180);
@@ -295,10 +296,8 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     (VERSION, env!("CARGO_PKG_VERSION"), text).hash(&mut hasher);
     // Hash the includes and textures. The first file is the scene itself, whose text is in the hash already.
     for path in source.files(Some(&compiled)).into_iter().skip(1) {
-        let mut bytes = Vec::new();
-        let read = fs::File::open(&path)
-            .and_then(|file| file.take(limits::TEXTURE_BYTES_MAX as u64).read_to_end(&mut bytes));
-        (path.file_name(), read.is_ok(), bytes).hash(&mut hasher);
+        let bytes = read_at_most(&path, limits::TEXTURE_BYTES_MAX).ok();
+        (path.file_name(), bytes).hash(&mut hasher);
     }
     match compiled.diagnostics.first() {
         None => Ok(hasher.finish()),

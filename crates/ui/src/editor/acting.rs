@@ -7,7 +7,7 @@ use mariana_editing::{Editing, Move, Refused};
 use super::finding::QueryKey;
 use super::focus::Early;
 use super::keys::{action_of, way_of};
-use super::params::NewParam;
+use super::params::new_param;
 use super::proposing::Choice;
 use super::turning::key_turn;
 use super::{Document, EditAction, Editor, Question};
@@ -374,19 +374,19 @@ impl Editor {
             return self.show_notice(words);
         }
         match key_turn(document, up, fine) {
-            Some(turn) => self.edit(turn),
+            Some(edit) => self.edit(edit),
             None => self.show_notice("put the cursor on a number first"),
         }
     }
 
     fn make_param(&mut self) {
         let Some(document) = self.document() else { return };
-        match NewParam::of(document) {
-            Ok(param) => {
-                let reported = param.reported();
-                self.edit(|editing| param.write(editing));
+        match new_param(document) {
+            Ok((name, edit)) => {
+                self.edit(edit);
                 if self.notice.words().is_none() {
-                    self.show_notice(reported);
+                    let how = "close the editor and press Tab to see its slider";
+                    self.show_notice(format!("{name} is now a parameter: {how}"));
                 }
             }
             Err(words) => self.show_notice(words),

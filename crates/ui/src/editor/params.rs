@@ -1,53 +1,38 @@
 //! Conversion of a number in the text into a parameter.
 
-use std::ops::Range;
-
-use mariana_editing::{Buffer, Editing, Refused};
+use mariana_editing::Buffer;
 
 use super::document::Document;
+use super::texts::Edit;
 
-pub(super) struct NewParam {
-    number: Range<usize>,
-    /// Position and text of the declaration.
-    at: usize,
-    line: String,
-    name: String,
-}
-
-impl NewParam {
-    /// Prepares the parameter, or returns a message if there is no suitable number at the cursor.
-    pub(super) fn of(document: &Document) -> Result<Self, &'static str> {
-        let found = document.number(document.editing.selection().start);
-        let (number, line_start) = found.ok_or("put the cursor on a number first")?;
-        let buffer = document.editing.buffer();
-        let line = buffer.line(buffer.line_of(line_start));
-        let (name, at) = (name_for(buffer.bytes(), line, number.digits), param_place(buffer));
-        let written =
-            String::from_utf8_lossy(line.get(number.range.clone()).unwrap_or_default()).into_owned();
-        let value = number.value;
-        let (least, most) =
-            if value == 0.0 { (-1.0, 1.0) } else { (value.min(2.0 * value), value.max(2.0 * value)) };
-        let (least, most) = (if value > 0.0 { 0.0 } else { least }, if value < 0.0 { 0.0 } else { most });
-        let end = String::from_utf8_lossy(buffer.line_end()).into_owned();
-        let line = format!("param {name} = {written} in {least} .. {most}{end}");
-        let number = line_start + number.range.start..line_start + number.range.end;
-        if number.start < at {
-            return Err("this number already belongs to a parameter");
-        }
-        Ok(Self { number, at, line, name })
+/// Prepares the parameter. Returns its name and the edit that makes it, or a message if there is no suitable number at
+/// the cursor.
+pub(super) fn new_param(document: &Document) -> Result<(String, Edit), &'static str> {
+    let found = document.number(document.editing.selection().start);
+    let (number, line_start) = found.ok_or("put the cursor on a number first")?;
+    let buffer = document.editing.buffer();
+    let line = buffer.line(buffer.line_of(line_start));
+    let (name, at) = (name_for(buffer.bytes(), line, number.digits), param_place(buffer));
+    let written = String::from_utf8_lossy(line.get(number.range.clone()).unwrap_or_default()).into_owned();
+    let value = number.value;
+    let (least, most) =
+        if value == 0.0 { (-1.0, 1.0) } else { (value.min(2.0 * value), value.max(2.0 * value)) };
+    let (least, most) = (if value > 0.0 { 0.0 } else { least }, if value < 0.0 { 0.0 } else { most });
+    let end = String::from_utf8_lossy(buffer.line_end()).into_owned();
+    let line = format!("param {name} = {written} in {least} .. {most}{end}");
+    let number = line_start + number.range.start..line_start + number.range.end;
+    if number.start < at {
+        return Err("this number already belongs to a parameter");
     }
-
-    pub(super) fn reported(&self) -> String {
-        format!("{} is now a parameter: close the editor and press Tab to see its slider", self.name)
-    }
-
-    pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
-        let name = self.at + "param ".len()..self.at + "param ".len() + self.name.len();
-        let number = (self.number, self.name.into_bytes());
-        editing.replace_parts(&[number, (self.at..self.at, self.line.into_bytes())])?;
-        editing.select(name);
+    let new = name.clone().into_bytes();
+    let edit: Edit = Box::new(move |editing| {
+        let start = at + "param ".len();
+        let selected = start..start + new.len();
+        editing.replace_parts(&[(number, new), (at..at, line.into_bytes())])?;
+        editing.select(selected);
         Ok(())
-    }
+    });
+    Ok((name, edit))
 }
 
 /// Returns where to declare the parameter: after the last parameter, or else before the first code after the includes.

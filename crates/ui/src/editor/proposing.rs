@@ -1,10 +1,11 @@
 //! The completion list.
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
-use mariana_editing::{Editing, Proposal, Refused, proposals};
+use mariana_editing::{Proposal, proposals};
 
 use super::document::Document;
 use super::object_previews::{ObjectPreview, ObjectPreviews};
+use super::texts::Edit;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Proposing {
@@ -81,13 +82,10 @@ impl Proposals {
         Choice::Changed
     }
 
-    pub(super) fn accept(
-        &mut self,
-        number: usize,
-    ) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {
+    pub(super) fn accept(&mut self, number: usize) -> Option<Edit> {
         let Proposing { from, mut list, .. } = self.shown.take()?;
         let proposal = (number < list.len()).then(|| list.swap_remove(number))?;
-        Some(move |editing: &mut Editing| {
+        Some(Box::new(move |editing| {
             let cursor = editing.cursor();
             let mut text = proposal.name.into_bytes();
             let calls = editing.buffer().slice(cursor..cursor + 1) == b"(";
@@ -95,6 +93,6 @@ impl Proposals {
                 text.push(b'(');
             }
             editing.replace_part(from..cursor, &text)
-        })
+        }))
     }
 }

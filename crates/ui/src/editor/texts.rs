@@ -22,6 +22,9 @@ pub(super) const TEMPLATE: &str = include_str!("new.scene");
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
 const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
+/// An edit of the visible text, for later.
+pub(super) type Edit = Box<dyn FnOnce(&mut Editing) -> Result<(), Refused>>;
+
 pub(crate) struct Texts {
     pub(super) documents: Documents,
     /// The edited scene, and the loader's findings about it.

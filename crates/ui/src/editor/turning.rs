@@ -8,11 +8,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use mariana_commands::{Command, TurnedNumbers};
-use mariana_editing::{Editing, Number, Refused, TurnSpeed, numbers_before};
+use mariana_editing::{Number, Refused, TurnSpeed, numbers_before};
 use mariana_field::lang::Turning;
 
 use super::document::Document;
-use super::texts::Texts;
+use super::texts::{Edit, Texts};
 
 /// Pointer movement, in points, that equals one key press.
 const POINTS_OF_KEY: f64 = 10.0;
@@ -239,22 +239,18 @@ impl HeldNumbers {
 }
 
 /// The edit by a key that turns the number at the selection.
-pub(super) fn key_turn(
-    document: &Document,
-    up: bool,
-    fine: bool,
-) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {
+pub(super) fn key_turn(document: &Document, up: bool, fine: bool) -> Option<Edit> {
     let (number, line_start) = document.number(document.editing.selection().start)?;
     let speed = if fine { TurnSpeed::Fine } else { TurnSpeed::Usual };
     let least = if number.turned(POINTS_OF_KEY, speed) == number.value { 2.0 } else { 1.0 };
     let points = POINTS_OF_KEY * least * speed.factor() * if up { 1.0 } else { -1.0 };
     let text = number.written(number.turned(points, speed), speed);
     let (start, end) = (line_start + number.range.start, line_start + number.range.end);
-    Some(move |editing: &mut Editing| {
+    Some(Box::new(move |editing| {
         editing.turn(start..end, text.as_bytes())?;
         editing.select_turned(start..start + text.len());
         Ok(())
-    })
+    }))
 }
 
 fn digits_value(value: f64, negated: bool) -> f32 {

@@ -13,7 +13,7 @@ use image::RgbaImage;
 
 use crate::scene_browser::{ENERGIES, SceneBrowser, SceneFilter, Tile, TilePicture};
 use mariana_commands::{Command, Panel};
-use mariana_scenes::thumbnails::frame_time;
+use mariana_scenes::thumbnails::LOOP_RATE;
 
 /// Minimum width of a tile, in points. A row has as many tiles as fit.
 const TILE_MIN: f32 = 168.0;
@@ -186,7 +186,7 @@ fn present_frame<'a>(ui: &Ui, frames: &'a [Arc<RgbaImage>]) -> Option<&'a Arc<Rg
     if frames.is_empty() {
         return None;
     }
-    let each = frame_time().as_secs_f64();
+    let each = 1.0 / f64::from(LOOP_RATE);
     let passed = ui.input(|input| input.time) / each;
     let left = each * (1.0 - passed.fract());
     ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left.clamp(0.001, each)));
