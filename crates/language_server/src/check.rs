@@ -19,7 +19,6 @@ pub struct Check {
     pub(crate) uri: String,
     pub(crate) path: Option<PathBuf>,
     pub(crate) text: Arc<str>,
-    pub(crate) revision: u64,
     pub(crate) snapshot: Snapshot,
     /// True if the client shows related locations of a diagnostic.
     pub(crate) shows_related: bool,
@@ -28,7 +27,6 @@ pub struct Check {
 /// The result of a [`Check`].
 pub struct Checked {
     pub(crate) uri: String,
-    pub(crate) revision: u64,
     /// The diagnostics of each file of the scene, by its address.
     pub(crate) diagnostics: BTreeMap<String, Vec<Value>>,
     /// The files that the scene includes.
@@ -52,7 +50,7 @@ impl Check {
                 diagnostics.entry(uri).or_default().push(value);
             }
         }
-        Checked { uri: self.uri.clone(), revision: self.revision, diagnostics, included }
+        Checked { uri: self.uri.clone(), diagnostics, included }
     }
 
     fn compile(&self, text: &str) -> Compiled {

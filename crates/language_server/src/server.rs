@@ -45,11 +45,8 @@ pub struct Server {
 /// Which documents are to be compiled, and the diagnostics that the client has.
 #[derive(Default)]
 struct Diagnosing {
-    /// The newest version of each document that is not yet compiled.
+    /// The documents whose newest version is not yet being compiled.
     wanted: BTreeSet<String>,
-    /// The number of the last change of each document or of its includes.
-    revisions: BTreeMap<String, u64>,
-    revision: u64,
     /// The last result for each document.
     results: BTreeMap<String, Checked>,
     /// The diagnostics that the client shows, by document.
@@ -231,8 +228,7 @@ impl Server {
             (State::Ready, "textDocument/didClose") => return self.close(params),
             (State::Ready, "workspace/didChangeWatchedFiles") => {
                 self.documents.parsed.clear();
-                let uris: Vec<String> = self.documents.open.keys().cloned().collect();
-                uris.iter().for_each(|uri| self.diagnosing.request(uri));
+                self.diagnosing.wanted.extend(self.documents.open.keys().cloned());
             }
             _ => {}
         }
@@ -282,33 +278,30 @@ impl Server {
         // Scenes that include the document now read the file. Documents that it includes are checked alone.
         self.changed(uri);
         let included = self.diagnosing.results.remove(uri).map(|result| result.included).unwrap_or_default();
-        let alone: Vec<String> =
-            self.documents.open.keys().filter(|uri| is_among(uri, &included)).cloned().collect();
-        alone.iter().for_each(|uri| self.diagnosing.request(uri));
+        let alone = self.documents.open.keys().filter(|uri| is_among(uri, &included));
+        self.diagnosing.wanted.extend(alone.cloned());
         self.diagnosing.wanted.remove(uri);
-        self.diagnosing.revisions.remove(uri);
         self.publish(uri)
     }
 
     /// Requests diagnostics of a document and of all scenes that include it.
     fn changed(&mut self, uri: &str) {
-        self.diagnosing.request(uri);
+        let Diagnosing { wanted, results, .. } = &mut self.diagnosing;
+        wanted.insert(uri.to_owned());
         let Some(path) = path_of(uri) else { return };
-        let roots = self.diagnosing.results.values().filter(|result| result.included.contains(&path));
-        let roots: Vec<String> = roots.map(|result| result.uri.clone()).collect();
-        for root in roots.iter().filter(|root| self.documents.open.contains_key(*root)) {
-            self.diagnosing.request(root);
-        }
+        let roots = results.values().filter(|result| result.included.contains(&path));
+        let roots = roots.map(|result| &result.uri).filter(|root| self.documents.open.contains_key(*root));
+        wanted.extend(roots.cloned());
     }
 
-    /// Returns a document that is to be compiled. The caller passes the result to [`Server::checked`].
+    /// Returns a document that is to be compiled. The caller passes the result to [`Server::checked`], and then asks for
+    /// the next document.
     pub fn next_check(&mut self) -> Option<Check> {
         while let Some(uri) = self.diagnosing.wanted.pop_first() {
             let Some(document) = self.documents.open.get(&uri) else { continue };
             return Some(Check {
                 path: document.path.clone(),
                 text: document.text.clone(),
-                revision: self.diagnosing.revisions.get(&uri).copied().unwrap_or_default(),
                 snapshot: self.documents.snapshot(),
                 shows_related: has(&self.client, "/textDocument/publishDiagnostics/relatedInformation"),
                 uri,
@@ -320,11 +313,10 @@ impl Server {
     /// Takes the result of a check, and returns the diagnostics for the client. A result for a text that has changed
     /// since is ignored.
     pub fn checked(&mut self, result: Checked) -> Vec<Value> {
-        let newest = self.diagnosing.revisions.get(&result.uri);
-        if newest != Some(&result.revision) || !self.documents.open.contains_key(&result.uri) {
+        let uri = result.uri.clone();
+        if self.diagnosing.wanted.contains(&uri) || !self.documents.open.contains_key(&uri) {
             return Vec::new();
         }
-        let uri = result.uri.clone();
         self.diagnosing.results.insert(uri.clone(), result);
         self.publish(&uri)
     }
@@ -374,14 +366,6 @@ impl Server {
         let path = path_of(uri);
         let open = self.documents.open.keys().find(|open| path.is_some() && path_of(open) == path);
         open.cloned().unwrap_or_else(|| uri.to_owned())
-    }
-}
-
-impl Diagnosing {
-    fn request(&mut self, uri: &str) {
-        self.revision += 1;
-        self.revisions.insert(uri.to_owned(), self.revision);
-        self.wanted.insert(uri.to_owned());
     }
 }
 
