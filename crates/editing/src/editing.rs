@@ -135,7 +135,7 @@ impl Editing {
         let typed = text.len() <= 4 && !text.contains(&b'\n') && self.selection().is_empty();
         let joins = if typed { Joins::Typing } else { Joins::Nothing };
         let text = self.with_own_line_ends(text);
-        self.replace(self.selection(), &text, joins)?;
+        self.replace(&[(self.selection(), text.as_slice())], joins)?;
         // White space ends an undo step, so that words are undone one by one.
         if text.iter().all(u8::is_ascii_whitespace) {
             self.history.close();
@@ -156,7 +156,7 @@ impl Editing {
         if line.iter().rev().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
             text.extend_from_slice(INDENT);
         }
-        self.replace(self.selection(), &text, Joins::Nothing)
+        self.replace(&[(self.selection(), text.as_slice())], Joins::Nothing)
     }
 
     /// Deletes the selection. Without a selection, deletes the text from the cursor to the target of the move `way`.
@@ -168,7 +168,7 @@ impl Editing {
         }
         if !range.is_empty() {
             // A deletion cannot exceed the limit.
-            let _ = self.replace(range, b"", Joins::Deleting);
+            let _ = self.replace(&[(range, b"".as_slice())], Joins::Deleting);
         }
     }
 
@@ -177,28 +177,15 @@ impl Editing {
     /// # Errors
     /// [`Refused`] if the result would be too long.
     pub fn replace_part(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
-        self.replace(range, new, Joins::Nothing)
+        self.replace(&[(range, new)], Joins::Nothing)
     }
 
     /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor after the first range.
     ///
     /// # Errors
     /// [`Refused`] if the result would be too long. The text then stays unchanged.
-    pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
-        let (max, bytes) = (limits::TEXT_BYTES_MAX, parts.iter().map(|(_, new)| new.len()).sum());
-        if self.buffer.len() + bytes > max {
-            return Err(Refused { bytes, max });
-        }
-        let before = (self.anchor, self.cursor);
-        let mut at = self.cursor;
-        let mut changes = Vec::new();
-        for (range, new) in parts {
-            at = range.start + new.len();
-            changes.push(self.apply(range.clone(), new));
-        }
-        (self.anchor, self.cursor, self.goal) = (at, at, None);
-        self.history.record(Step { changes, before, after: (at, at), joins: Joins::Nothing });
-        Ok(())
+    pub fn replace_parts(&mut self, parts: &[(Range<usize>, &[u8])]) -> Result<(), Refused> {
+        self.replace(parts, Joins::Nothing)
     }
 
     /// Like [`Editing::replace_part`], for a turned number. All turns until [`Editing::settle`] form one undo step.
@@ -206,7 +193,7 @@ impl Editing {
     /// # Errors
     /// [`Refused`] if the result would be too long.
     pub fn turn(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
-        self.replace(range, new, Joins::Turning)
+        self.replace(&[(range, new)], Joins::Turning)
     }
 
     /// Selects a turned number without ending the undo step of the turn.
@@ -226,7 +213,7 @@ impl Editing {
     /// [`Refused`] if the result would be too long.
     pub fn replace_all(&mut self, text: &[u8]) -> Result<(), Refused> {
         let cursor = self.cursor;
-        self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
+        self.replace(&[(0..self.buffer.len(), text)], Joins::Nothing)?;
         self.move_to(cursor, false);
         Ok(())
     }
@@ -344,18 +331,23 @@ impl Editing {
         true
     }
 
-    fn replace(&mut self, range: Range<usize>, new: &[u8], joins: Joins) -> Result<(), Refused> {
-        let end = range.end.min(self.buffer.len());
-        let range = range.start.min(end)..end;
-        let (max, bytes) = (limits::TEXT_BYTES_MAX, new.len());
-        if self.buffer.len() - range.len() + bytes > max && bytes > range.len() {
+    fn replace(&mut self, parts: &[(Range<usize>, &[u8])], joins: Joins) -> Result<(), Refused> {
+        let (length, max) = (self.buffer.len(), limits::TEXT_BYTES_MAX);
+        let inside = |range: &Range<usize>| range.start.min(range.end).min(length)..range.end.min(length);
+        let bytes: usize = parts.iter().map(|(_, new)| new.len()).sum();
+        let removed: usize = parts.iter().map(|(range, _)| inside(range).len()).sum();
+        if length - removed + bytes > max && bytes > removed {
             return Err(Refused { bytes, max });
         }
         let before = (self.anchor, self.cursor);
-        let at = range.start + bytes;
-        let change = self.apply(range, new);
+        let (mut at, mut changes) = (self.cursor, Vec::new());
+        for (range, new) in parts {
+            let range = inside(range);
+            at = range.start + new.len();
+            changes.push(self.apply(range, new));
+        }
         (self.anchor, self.cursor, self.goal) = (at, at, None);
-        self.history.record(Step { changes: vec![change], before, after: (at, at), joins });
+        self.history.record(Step { changes, before, after: (at, at), joins });
         Ok(())
     }
 

@@ -28,7 +28,7 @@ pub(super) fn new_param(document: &Document) -> Result<(String, Edit), &'static 
     let edit: Edit = Box::new(move |editing| {
         let start = at + "param ".len();
         let selected = start..start + new.len();
-        editing.replace_parts(&[(number, new), (at..at, line.into_bytes())])?;
+        editing.replace_parts(&[(number, new.as_slice()), (at..at, line.as_bytes())])?;
         editing.select(selected);
         Ok(())
     });
