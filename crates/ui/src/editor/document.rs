@@ -10,9 +10,10 @@ use std::sync::Arc;
 use mariana_editing::{About, Colors, Editing, Number, Triple, TripleKind, about, triples};
 use mariana_field::lang::Word;
 
+use super::outbox::Outbox;
 use super::wrapping::RowPosition;
 use mariana_files::documents::{Bytes, Kept, OnDisk};
-use mariana_scenes::{Mistake, SceneSource};
+use mariana_scenes::{Findings, Mistake, SceneSource};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
@@ -20,14 +21,6 @@ pub(crate) enum Question {
     /// Another program wrote the file while this document had unsaved edits.
     Conflict(OnDisk),
     Gone,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Change {
-    None,
-    Taken,
-    Gone,
-    Unreadable(String),
 }
 
 pub(crate) struct Document {
@@ -38,10 +31,10 @@ pub(crate) struct Document {
     /// The file's contents when last read; `None` while the file is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
-    /// The version of the text that the loader checked last, and the mistakes in this version.
-    found: (u64, Vec<Mistake>),
-    /// The warnings in this version.
-    warned: Vec<Mistake>,
+    /// The version of the text that the loader checked last.
+    checked: u64,
+    /// The findings about this version, and the number of the text in them.
+    found: Option<(Arc<Findings>, usize)>,
     /// The last version of the text that had no mistakes. The frame shows this version.
     shown: u64,
     /// For each draft sent to the loader, oldest first: the version of all drafts, and the version of this text.
@@ -69,8 +62,8 @@ impl Document {
             colors: RefCell::default(),
             disk,
             question: None,
-            found: (0, Vec::new()),
-            warned: Vec::new(),
+            checked: 0,
+            found: None,
             shown: 0,
             sent: VecDeque::from([(0, 0)]),
             noted: 0,
@@ -135,7 +128,8 @@ impl Document {
         is_needless
     }
 
-    pub(super) fn read_change(&mut self, holds: OnDisk) -> Change {
+    /// Takes a change of the file by another program. Returns a message, if the user must know.
+    pub(super) fn read_change(&mut self, holds: OnDisk, outbox: &mut Outbox) -> Option<String> {
         match holds {
             OnDisk::Bytes(bytes) if *bytes == *self.editing.buffer().bytes() => {
                 self.question = None;
@@ -146,20 +140,23 @@ impl Document {
                 // If the new text is too long, keep the old text.
                 if self.editing.replace_all(&bytes).is_ok() {
                     self.disk = Some(OnDisk::Bytes(bytes));
-                    return Change::Taken;
+                    outbox.pass_on(self);
+                    return Some("reloaded: another program has changed the file".to_owned());
                 }
             }
             OnDisk::Bytes(bytes) => self.question = Some(Question::Conflict(OnDisk::Bytes(bytes))),
             OnDisk::Missing => {
                 self.question = Some(Question::Gone);
                 self.disk = Some(OnDisk::Missing);
-                return Change::Gone;
+                // The file is gone, but its text stays in the drafts, so the scene stays on screen.
+                outbox.keep(self);
+                outbox.draft(self);
             }
             OnDisk::Unreadable(reason) => {
-                return Change::Unreadable(format!("cannot read {} again: {reason}", self.name()));
+                return Some(format!("cannot read {} again: {reason}", self.name()));
             }
         }
-        Change::None
+        None
     }
 
     pub(super) fn record_change(&mut self) -> bool {
@@ -192,15 +189,14 @@ impl Document {
         self.sent.push_back((drafts, self.editing.version()));
     }
 
-    pub(crate) fn show_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>, warnings: Vec<Mistake>) {
-        let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
-        self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
-        self.warned = warnings;
-    }
-
-    /// Records that the version that the loader checked last has no mistakes, so the frame shows this version.
-    pub(crate) fn record_shown(&mut self) {
-        self.shown = self.found.0;
+    /// Shows the mistakes in the text, which has this number among the texts of the scene.
+    pub(crate) fn show_findings(&mut self, findings: &Arc<Findings>, number: usize) {
+        let sent = self.sent.iter().rev().find(|(version, _)| *version <= findings.version);
+        self.checked = sent.map_or(0, |(_, version)| *version);
+        if findings.mistakes.is_empty() {
+            self.shown = self.checked;
+        }
+        self.found = Some((findings.clone(), number));
     }
 
     /// Maps `range` from the version that the frame shows to the present text; `None` if that part was edited since.
@@ -210,17 +206,19 @@ impl Document {
 
     /// The mistakes at their present positions. Leaves out mistakes whose text has been edited.
     pub(crate) fn mistakes(&self) -> impl Iterator<Item = Mistake> {
-        self.marked(&self.found.1)
+        self.marked(|found| &found.mistakes)
     }
 
     /// The warnings at their present positions. Leaves out warnings whose text has been edited.
     pub(crate) fn warnings(&self) -> impl Iterator<Item = Mistake> {
-        self.marked(&self.warned)
+        self.marked(|found| &found.warnings)
     }
 
-    fn marked<'a>(&'a self, found: &'a [Mistake]) -> impl Iterator<Item = Mistake> + 'a {
-        found.iter().filter_map(|one| {
-            let range = self.editing.place(self.found.0, one.range.clone())?;
+    fn marked(&self, of: fn(&Findings) -> &[Mistake]) -> impl Iterator<Item = Mistake> {
+        let found = self.found.as_ref();
+        let (found, number) = found.map_or((&[][..], 0), |(found, number)| (of(found), *number));
+        found.iter().filter(move |one| one.text == number).filter_map(|one| {
+            let range = self.editing.place(self.checked, one.range.clone())?;
             Some(Mistake { range, ..one.clone() })
         })
     }

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use mariana_files::documents::{Kept, OnDisk};
-use mariana_scenes::{Findings, Mistake, SceneSource};
+use mariana_scenes::{Findings, SceneSource};
 
 use super::document::Document;
 use super::wrapping::{RowPosition, Wrapping, row_of};
@@ -68,23 +69,16 @@ impl Documents {
         Some(self.of_mut(file)?.load(holds, kept, carried))
     }
 
-    pub(super) fn show_mistakes(&mut self, findings: &Findings) {
-        let of_text = |all: &[Mistake], text: usize| -> Vec<Mistake> {
-            all.iter().filter(|one| one.text == text).cloned().collect()
-        };
-        let Findings { mistakes, warnings, version, .. } = findings;
+    pub(super) fn show_findings(&mut self, findings: &Arc<Findings>) {
         for (number, file) in findings.texts.iter().enumerate() {
             if let Some(document) = self.of_mut(file) {
-                document.show_mistakes(*version, of_text(mistakes, number), of_text(warnings, number));
-                if mistakes.is_empty() {
-                    document.record_shown();
-                }
+                document.show_findings(findings, number);
             }
         }
         if findings.texts.is_empty()
             && let Some(document) = self.shown_mut()
         {
-            document.show_mistakes(*version, of_text(mistakes, 0), of_text(warnings, 0));
+            document.show_findings(findings, 0);
         }
     }
 

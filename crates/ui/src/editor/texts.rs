@@ -13,7 +13,7 @@ use mariana_files::Folders;
 use mariana_files::documents::{FileEvent, FileThread, OnDisk};
 use mariana_scenes::{Drafts, Findings, Mistake, SceneSource};
 
-use super::document::{Change, Document, Question};
+use super::document::{Document, Question};
 use super::documents::{Documents, Tab};
 use super::outbox::Outbox;
 
@@ -246,7 +246,7 @@ impl Texts {
 
     fn mark_mistakes(&mut self) {
         if let Some(findings) = self.findings.as_ref() {
-            self.documents.show_mistakes(findings);
+            self.documents.show_findings(findings);
         }
     }
 
@@ -280,30 +280,14 @@ impl Texts {
                 self.documents.carried = None;
                 Some(reason)
             }
-            FileEvent::Changed { file, holds } => self.read_change(&file, holds),
+            FileEvent::Changed { file, holds } => {
+                self.documents.of_mut(&file)?.read_change(holds, &mut self.outbox)
+            }
             FileEvent::Created(file) => {
                 let words = format!("created {}", file.display());
                 self.outbox.commands.push(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)
             }
-        }
-    }
-
-    fn read_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
-        let document = self.documents.of_mut(file)?;
-        match document.read_change(holds) {
-            Change::None => None,
-            Change::Taken => {
-                self.outbox.pass_on(document);
-                Some("reloaded: another program has changed the file".to_owned())
-            }
-            Change::Gone => {
-                // The file is gone, but its text stays in the drafts, so the scene stays on screen.
-                self.outbox.keep(document);
-                self.outbox.draft(document);
-                None
-            }
-            Change::Unreadable(words) => Some(words),
         }
     }
 }
