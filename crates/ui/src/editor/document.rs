@@ -101,13 +101,14 @@ impl Document {
         }
     }
 
-    /// Loads the contents of the file. Returns true if the backup of an earlier run is no longer needed.
+    /// Loads the contents of the file, and the backup of an earlier run.
     pub(super) fn load(
         &mut self,
         holds: OnDisk,
         kept: Option<Kept>,
         carried: Option<(usize, RowPosition)>,
-    ) -> bool {
+        outbox: &Outbox,
+    ) {
         if let OnDisk::Bytes(bytes) = &holds {
             self.editing = Editing::new(bytes.to_vec());
             self.noted = 0;
@@ -117,15 +118,14 @@ impl Document {
                 self.view = view;
             }
         }
-        let is_other = |text: &[u8]| !matches!(&holds, OnDisk::Bytes(bytes) if **bytes == *text);
-        let mut is_needless = false;
-        match kept {
-            Some(kept) if is_other(&kept.text) => self.question = Some(Question::Kept(kept)),
-            Some(_) => is_needless = true,
-            None => {}
-        }
+        let is_same = |kept: &Kept| matches!(&holds, OnDisk::Bytes(bytes) if **bytes == *kept.text);
+        let is_needless = kept.as_ref().is_some_and(is_same);
         self.disk = Some(holds);
-        is_needless
+        if is_needless {
+            outbox.keep(self);
+        } else {
+            self.question = kept.map(Question::Kept);
+        }
     }
 
     /// Takes a change of the file by another program. Returns a message, if the user must know.

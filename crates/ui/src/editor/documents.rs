@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mariana_files::documents::{Kept, OnDisk};
 use mariana_scenes::{Findings, SceneSource};
 
 use super::document::Document;
@@ -61,12 +60,6 @@ impl Documents {
             self.all.push(Document::of(source));
         }
         known.is_none() && source.file().is_some()
-    }
-
-    /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.
-    pub(super) fn load(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
-        let carried = self.carried.take();
-        Some(self.of_mut(file)?.load(holds, kept, carried))
     }
 
     pub(super) fn show_findings(&mut self, findings: &Arc<Findings>) {

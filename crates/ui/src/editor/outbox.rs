@@ -1,9 +1,6 @@
 //! Output of the editor: drafts for the loader, backups, values of turned numbers, and commands for the show.
 
-use std::path::Path;
-
 use mariana_commands::Command;
-use mariana_field::lang::Turning;
 use mariana_files::documents::FileThread;
 use mariana_scenes::Drafts;
 
@@ -46,23 +43,8 @@ impl Outbox {
         self.record_sent(version, document);
     }
 
-    fn record_sent(&mut self, version: u64, document: &mut Document) {
+    pub(super) fn record_sent(&mut self, version: u64, document: &mut Document) {
         document.record_sent(version);
         self.commands.push(Command::ReloadScene);
-    }
-
-    pub(super) fn hold(&mut self, file: &Path, turning: &[Turning], document: &mut Document) -> u64 {
-        if document.is_dirty() {
-            self.drafts.set(file, document.bytes());
-        }
-        let since = self.drafts.turn(Some((file, turning)));
-        self.turns = true;
-        self.record_sent(since, document);
-        since
-    }
-
-    pub(super) fn release(&mut self) {
-        self.drafts.turn(None);
-        self.turns = false;
     }
 }

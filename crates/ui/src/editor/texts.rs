@@ -224,11 +224,19 @@ impl Texts {
     }
 
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
-        Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
+        let document = self.documents.shown_mut()?;
+        if document.is_dirty() {
+            self.outbox.drafts.set(file, document.bytes());
+        }
+        let since = self.outbox.drafts.turn(Some((file, turning)));
+        self.outbox.turns = true;
+        self.outbox.record_sent(since, document);
+        Some(since)
     }
 
     pub(super) fn release(&mut self) {
-        self.outbox.release();
+        self.outbox.drafts.turn(None);
+        self.outbox.turns = false;
         if let Some(document) = self.documents.shown_mut() {
             self.outbox.draft(document);
         }
@@ -253,9 +261,8 @@ impl Texts {
     pub(super) fn receive_event(&mut self, file_events: FileEvent) -> Option<String> {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
-                if self.documents.load(&file, holds, kept)? {
-                    self.outbox.files.keep(&file, None);
-                }
+                let carried = self.documents.carried.take();
+                self.documents.of_mut(&file)?.load(holds, kept, carried, &self.outbox);
                 self.documents.reveal();
                 self.mark_mistakes();
                 None
