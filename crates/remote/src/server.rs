@@ -210,12 +210,8 @@ impl Serving {
                     if self.board.newest().scenes.contains(&scene) && self.album.request(&scene) {
                         (self.wake)();
                     }
-                    http::answer_in_words(
-                        &stream,
-                        "404 Not Found",
-                        "there is no image of this scene yet",
-                        within,
-                    );
+                    let words = "there is no image of this scene yet";
+                    http::answer_in_words(&stream, "404 Not Found", words, within);
                 }
             },
             Ok(Route::Slash) => {

@@ -19,9 +19,9 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
         rows.push(ControllerRow::Clock(facts.clock));
     }
     let mut is_shown = vec![false; facts.mappings.len()];
-    let mut add = |rows: &mut Vec<ControllerRow>, target: Target, name: String, about: String, stands| {
+    let mut add = |rows: &mut Vec<ControllerRow>, target: Target, name: String, about: &str, stands| {
         let learns = facts.learning == Some(&target);
-        let about = if learns { "move a knob, or press a key or a pad".to_owned() } else { about };
+        let about = (if learns { "move a knob, or press a key or a pad" } else { about }).to_owned();
         rows.push(ControllerRow::Target { target: target.clone(), name, about, learns });
         let mapped = facts.mappings.iter().zip(&mut is_shown).filter(|(one, _)| one.target == target);
         rows.extend(mapped.map(|(mapping, is_shown)| {
@@ -35,34 +35,23 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     for slider in facts.sliders {
         let target = Target::Param { scene: facts.scene.clone(), name: slider.name.clone() };
         let about = format!("{} · {}", slider.value_text(), slider.changed_by.name());
-        add(&mut rows, target, slider.name.clone(), about, Some(slider.param().fraction_of(slider.value)));
+        add(&mut rows, target, slider.name.clone(), &about, Some(slider.param().fraction_of(slider.value)));
     }
     rows.push(words("Actions".to_owned()));
     for row in commands::for_controllers() {
         let action = |value: Option<String>| Target::Action { name: row.name.to_owned(), value };
         if row.takes == ValueType::Choice {
             let here = action(Some(facts.scene.clone()));
-            add(
-                &mut rows,
-                here,
-                format!("{} {}", row.name, facts.scene),
-                "show this scene with a pad".to_owned(),
-                None,
-            );
-            add(
-                &mut rows,
-                action(None),
-                "scenes".to_owned(),
-                "choose a scene by program change".to_owned(),
-                None,
-            );
+            let name = format!("{} {}", row.name, facts.scene);
+            add(&mut rows, here, name, "show this scene with a pad", None);
+            add(&mut rows, action(None), "scenes".to_owned(), "choose a scene by program change", None);
         } else if let ValueType::Index(most) = row.takes {
             for number in (1..=most).map(|number| number.to_string()) {
                 let name = format!("{} {number}", row.name.replace('_', " "));
-                add(&mut rows, action(Some(number)), name, row.meaning.to_owned(), None);
+                add(&mut rows, action(Some(number)), name, row.meaning, None);
             }
         } else {
-            add(&mut rows, action(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
+            add(&mut rows, action(None), row.name.replace('_', " "), row.meaning, None);
         }
     }
     let others: Vec<&Mapping> =

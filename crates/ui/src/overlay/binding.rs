@@ -47,12 +47,8 @@ pub(super) fn button(ui: &Ui, rect: Rect, slider: &Slider, open: &mut OpenBindin
     let color = style::lit(is_active, response.hovered() || is_open, style::DIM);
     style::light(ui.painter(), rect, is_open);
     ui.painter().add(Shape::line(wave(rect.shrink(2.0)), Stroke::new(1.6, color)));
-    assisted::selected(
-        &response,
-        egui::Role::Button,
-        is_open,
-        format_args!("bind {} to a sound", slider.name),
-    );
+    let name = format!("bind {} to a sound", slider.name);
+    assisted::selected(&response, egui::Role::Button, is_open, name);
     if response.clicked() {
         open.toggle(&slider.name);
     }

@@ -102,13 +102,8 @@ fn header(ui: &mut Ui, space: Rect, editor: &Editor, document: &Document, acts: 
             (false, true) => style::TEXT,
             (false, false) => style::DIM,
         };
-        let galley = style::line(
-            ui.painter(),
-            &format!("{}{sign}", tab.name),
-            style::TEXT_SIZE,
-            color,
-            (right - left).max(20.0),
-        );
+        let (words, width) = (format!("{}{sign}", tab.name), (right - left).max(20.0));
+        let galley = style::line(ui.painter(), &words, style::TEXT_SIZE, color, width);
         let rect = Rect::from_min_size(pos2(left, line.top()), vec2(galley.size().x, LINE));
         let at = rect.left_center() - vec2(0.0, 0.5 * galley.size().y);
         ui.painter().galley(at, galley, color);

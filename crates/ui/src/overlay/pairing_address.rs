@@ -1,7 +1,6 @@
 //! The connection code for phones: a QR code, and its address as text.
 
-use egui::text::{LayoutJob, TextWrapping};
-use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::style;
 use mariana_remote::{Code, PairingAddress};
@@ -37,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -
     ];
     let mut at = pos2(left, drawn.top());
     for (text, size, color) in lines {
-        let galley = wrapped(ui.painter(), text, size, color, width);
+        let galley = style::paragraph(ui.painter(), text, size, color, width, usize::MAX, Align::LEFT);
         let next = at.y + galley.size().y + 5.0;
         ui.painter().galley(at, galley, color);
         at.y = next;
@@ -45,19 +44,6 @@ pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -
     let words = format!("open {} on a phone. {about}", pairing_address.url);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &words));
     response
-}
-
-/// Lays out wrapped text. Addresses may break anywhere.
-fn wrapped(
-    painter: &Painter,
-    text: &str,
-    size: f32,
-    color: Color32,
-    width: f32,
-) -> std::sync::Arc<egui::Galley> {
-    let mut job = LayoutJob::simple(text.to_owned(), style::proportional(size), color, width);
-    job.wrap = TextWrapping { break_anywhere: text.starts_with("http"), ..job.wrap };
-    painter.layout_job(job)
 }
 
 fn squares(code: &Code) -> usize {

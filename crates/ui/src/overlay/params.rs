@@ -82,13 +82,8 @@ fn row(ui: &mut Ui, mut slider: Slider, is_learning: bool, open: &mut OpenBindin
         vec2(RESET_SIZE, RESET_SIZE),
     );
     let wave = reset.translate(vec2(-RESET_SIZE - 4.0, 0.0));
-    let value = painter.text(
-        pos2(wave.left() - 6.0, line.center().y),
-        Align2::RIGHT_CENTER,
-        slider.value_text(),
-        style::monospace(style::SMALL_SIZE),
-        style::TEXT,
-    );
+    let (right, font) = (pos2(wave.left() - 6.0, line.center().y), style::monospace(style::SMALL_SIZE));
+    let value = painter.text(right, Align2::RIGHT_CENTER, slider.value_text(), font, style::TEXT);
     let room = value.left() - line.left() - 8.0;
     let name = style::line(painter, &slider.name, style::TEXT_SIZE, style::TEXT, room);
     let size = name.size();

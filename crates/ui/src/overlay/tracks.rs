@@ -47,12 +47,8 @@ fn heading(ui: &mut Ui, panel: &TrackPanel, acts: &mut Acts) {
     if words::heading(ui, ROW, &title, &hint, panel.is_searching(), "close the list of tracks") {
         acts.commands.push(Command::TogglePanel(mariana_commands::Panel::Tracks));
     }
-    assisted::text(
-        ui.ctx(),
-        "length of the list",
-        format!("{title} {hint}").trim_end(),
-        panel.is_searching(),
-    );
+    let words = format!("{title} {hint}");
+    assisted::text(ui.ctx(), "length of the list", words.trim_end(), panel.is_searching());
 }
 
 fn rows(ui: &mut Ui, height: f32, panel: &TrackPanel, acts: &mut Acts) {

@@ -208,13 +208,8 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
         let word = start + triple.word.start..start + triple.word.end;
         let mut rect = page.rect_of(document.editing.buffer(), &word);
         rect.min.y = rect.bottom() - 3.5;
-        painter.rect(
-            rect,
-            1.5,
-            picker::screen_color(triple.values()),
-            Stroke::new(0.5, style::AHEAD),
-            StrokeKind::Outside,
-        );
+        let (color, stroke) = (picker::screen_color(triple.values()), Stroke::new(0.5, style::AHEAD));
+        painter.rect(rect, 1.5, color, stroke, StrokeKind::Outside);
     }
 }
 
