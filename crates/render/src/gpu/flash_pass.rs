@@ -19,8 +19,7 @@ use glow::HasContext;
 
 use super::error::{GpuError, Result};
 use super::gl::Gl;
-use super::object::VertexArray;
-use super::passes::Block;
+use super::passes::{Block, Passes};
 use super::program::{Program, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
@@ -65,7 +64,7 @@ const GROUP: usize = 16;
 pub struct FlashPass {
     programs: FlashPrograms,
     memory: FlashMemory,
-    cells: CellDraws,
+    passes: Passes,
     step_block: Block,
     steps: Steps,
     /// True before the first frame and after [`FlashPass::forget`].
@@ -102,12 +101,6 @@ struct FlashMemory {
     shown: Target,
 }
 
-struct CellDraws {
-    gl: Gl,
-    place_block: Block,
-    vertices: VertexArray,
-}
-
 impl FlashPass {
     /// Compiles the shaders.
     ///
@@ -117,11 +110,7 @@ impl FlashPass {
         let pass = Self {
             programs: FlashPrograms::new(gl, library)?,
             memory: FlashMemory::new(gl)?,
-            cells: CellDraws {
-                gl: gl.clone(),
-                place_block: Block::new(gl, "PostBlock")?,
-                vertices: VertexArray::new(gl)?,
-            },
+            passes: Passes::new(gl)?,
             step_block: Block::new(gl, "FlashBlock")?,
             steps: Steps::default(),
             is_fresh: true,
@@ -142,7 +131,7 @@ impl FlashPass {
         self.begin(0.0);
         let passes = (0..PASSES).take_while(|_| is_wanted());
         passes.for_each(|number| {
-            self.cells.reset_state();
+            self.passes.prepare();
             self.pass(number, picture);
         });
         // The first frame is never dimmed, so this draw does not change the window.
@@ -166,53 +155,53 @@ impl FlashPass {
         self.step_block.set(&[step.seconds as f32, flag(step.forgets), flag(is_fresh), 0.0]);
         self.memory.followed.swap(0, 1);
         self.memory.noted.swap(0, 1);
-        self.cells.reset_state();
+        self.passes.prepare();
     }
 
     /// Draws one of the [`PASSES`]. Draw them in order: each uses bindings and results of the previous passes.
     fn pass(&self, number: usize, finished: &Target) {
-        let Self { programs, memory, cells, .. } = self;
+        let Self { programs, memory, .. } = self;
         let [followed, followed_before] = &memory.followed;
         let [noted, noted_before] = &memory.noted;
         let [own, along_rows, spread] = &memory.ceilings;
         match number {
             0 => {
                 finished.bind_color(0, unit_of("picture"));
-                cells.draw(&programs.measure, &memory.measured);
+                self.draw(&programs.measure, &memory.measured);
             }
             1 => {
                 memory.measured.bind_color(0, unit_of("cells"));
                 bind_halves(followed_before, &FOLLOWED);
                 bind_halves(noted_before, &NOTED);
-                cells.draw_halves(&programs.follow, followed);
+                self.draw_halves(&programs.follow, followed);
             }
             2 => {
                 bind_halves(followed, &FOLLOWED);
-                cells.draw(&programs.gather, &memory.marks);
+                self.draw(&programs.gather, &memory.marks);
             }
-            3 => cells.draw_from(&memory.marks, "marked_rows", &programs.find_fields, &memory.covered),
-            4 => cells.draw_from(&memory.covered, "covered_rows", &programs.find_areas, &memory.areas),
-            5 => cells.draw_from(&memory.areas, "crowded_rows", &programs.decide, own),
+            3 => self.draw_from(&memory.marks, "marked_rows", &programs.find_fields, &memory.covered),
+            4 => self.draw_from(&memory.covered, "covered_rows", &programs.find_areas, &memory.areas),
+            5 => self.draw_from(&memory.areas, "crowded_rows", &programs.decide, own),
             6 => self.spread_along([1.0, 0.0], own, along_rows),
             7 => self.spread_along([0.0, 1.0], along_rows, spread),
             8 => {
                 finished.bind_color(0, unit_of("picture"));
                 bind(spread, &["ceilings"]);
-                cells.draw(&programs.measure_shown, &memory.shown);
+                self.draw(&programs.measure_shown, &memory.shown);
             }
             _ => {
                 bind(&memory.shown, &["shown_cells"]);
                 bind(own, &["own_ceilings"]);
                 // Its unit has held the ceilings in between.
                 bind(&memory.areas, &["crowded_rows"]);
-                cells.draw_halves(&programs.note, noted);
+                self.draw_halves(&programs.note, noted);
             }
         }
     }
 
     fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
-        self.cells.place_block.set(&[0.0, 0.0, right, up]);
-        self.cells.draw_from(ceilings, "ceilings", &self.programs.spread, target);
+        self.passes.post.set(&[0.0, 0.0, right, up]);
+        self.draw_from(ceilings, "ceilings", &self.programs.spread, target);
     }
 
     /// Dims cells in `target`, which shows the last `finished` image that was measured.
@@ -223,7 +212,7 @@ impl FlashPass {
 
     /// Dims cells in the window's framebuffer, which has `window` pixels.
     pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
-        self.cells.gl.bind_output(self.cells.gl.window(), window);
+        self.passes.gl.bind_output(self.passes.gl.window(), window);
         self.dim_cells(finished, window);
     }
 
@@ -239,7 +228,34 @@ impl FlashPass {
         let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
         finished.bind_color(0, unit_of("picture"));
         bind(self.memory.spread_ceilings(), &["ceilings"]);
-        self.cells.draw_cells(if finished.size() == size { limit } else { limit_enlarged }, size);
+        self.draw_cells(if finished.size() == size { limit } else { limit_enlarged }, size);
+    }
+
+    fn draw(&self, program: &Program, target: &Target) {
+        target.bind();
+        program.bind();
+        // SAFETY: draws without attributes into the target bound above, with objects of the current context.
+        let draw = || unsafe { self.passes.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
+        if target.colors() == 1 { self.passes.gl.replacing(draw) } else { draw() }
+    }
+
+    /// Draws from one texture, which the program reads as `name`.
+    fn draw_from(&self, texture: &Target, name: &str, program: &Program, target: &Target) {
+        bind(texture, &[name]);
+        self.draw(program, target);
+    }
+
+    fn draw_halves(&self, programs: &[Program; 2], halves: &Halves) {
+        programs.iter().zip(halves).for_each(|(program, half)| self.draw(program, half));
+    }
+
+    fn draw_cells(&self, program: &Program, size: (u32, u32)) {
+        self.passes.prepare();
+        self.passes.post.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
+        program.bind();
+        // SAFETY: draws without attributes into the bound framebuffer, with objects of the current context.
+        let draw = || unsafe { self.passes.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
+        self.passes.gl.replacing(draw);
     }
 }
 
@@ -289,48 +305,6 @@ impl FlashMemory {
     fn spread_ceilings(&self) -> &Target {
         let [.., spread] = &self.ceilings;
         spread
-    }
-}
-
-impl CellDraws {
-    fn reset_state(&self) {
-        // SAFETY: sets state of the current context and binds a vertex array of `self`.
-        unsafe {
-            for state in
-                [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::DEPTH_TEST, glow::CULL_FACE, glow::BLEND]
-            {
-                self.gl.disable(state);
-            }
-            self.gl.store_colors_unchanged();
-            self.gl.bind_vertex_array(Some(self.vertices.native()));
-        }
-    }
-
-    fn draw(&self, program: &Program, target: &Target) {
-        target.bind();
-        program.bind();
-        // SAFETY: draws without attributes into the target bound above, with objects of the current context.
-        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
-        if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
-    }
-
-    /// Draws from one texture, which the program reads as `name`.
-    fn draw_from(&self, texture: &Target, name: &str, program: &Program, target: &Target) {
-        bind(texture, &[name]);
-        self.draw(program, target);
-    }
-
-    fn draw_halves(&self, programs: &[Program; 2], halves: &Halves) {
-        programs.iter().zip(halves).for_each(|(program, half)| self.draw(program, half));
-    }
-
-    fn draw_cells(&self, program: &Program, size: (u32, u32)) {
-        self.reset_state();
-        self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
-        program.bind();
-        // SAFETY: draws without attributes into the bound framebuffer, with objects of the current context.
-        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
-        self.gl.replacing(draw);
     }
 }
 

@@ -16,25 +16,19 @@ const BAND_PIXELS: u32 = 1 << 21;
 pub(super) struct Passes {
     pub(super) gl: Gl,
     vertices: VertexArray,
-    pub(super) picture: Block,
-    post: Block,
+    pub(super) post: Block,
 }
 
 impl Passes {
     pub(super) fn new(gl: &Gl) -> Result<Self> {
-        Ok(Self {
-            gl: gl.clone(),
-            vertices: VertexArray::new(gl)?,
-            picture: Block::new(gl, "PictureBlock")?,
-            post: Block::new(gl, "PostBlock")?,
-        })
+        Ok(Self { gl: gl.clone(), vertices: VertexArray::new(gl)?, post: Block::new(gl, "PostBlock")? })
     }
 
     pub(super) fn prepare(&self) {
-        self.bind_vertices();
-        // SAFETY: sets state of the current context.
+        // SAFETY: sets state of the current context, to which the vertex array of `self` belongs.
         unsafe {
             let gl = &*self.gl;
+            gl.bind_vertex_array(Some(self.vertices.native()));
             gl.disable(glow::DEPTH_TEST);
             gl.disable(glow::CULL_FACE);
             gl.disable(glow::SCISSOR_TEST);
@@ -43,11 +37,6 @@ impl Passes {
             gl.disable(glow::BLEND);
         }
         self.gl.store_colors_unchanged();
-    }
-
-    pub(super) fn bind_vertices(&self) {
-        // SAFETY: `self` owns the vertex array, which belongs to the current context.
-        unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
     }
 
     pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<()> {
@@ -62,24 +51,10 @@ impl Passes {
         window: (u32, u32),
         area: Option<[i32; 4]>,
     ) -> Result<()> {
-        self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
-        program.bind(&self.gl)?;
-        // SAFETY: sets state and draws without attributes into the window's framebuffer, in the current context.
-        unsafe {
-            let gl = &self.gl;
-            gl.store_colors_unchanged();
-            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND] {
-                gl.disable(state);
-            }
-            gl.bind_output(gl.window(), window);
-            if let Some([x, y, width, height]) = area {
-                gl.enable(glow::SCISSOR_TEST);
-                gl.scissor(x, y, width.max(0), height.max(0));
-            }
-            gl.replacing(|| gl.draw_arrays(glow::TRIANGLES, 0, 3));
-            gl.disable(glow::SCISSOR_TEST);
-        }
-        Ok(())
+        self.prepare();
+        self.gl.bind_output(self.gl.window(), window);
+        let whole = [0, 0, window.0.cast_signed(), window.1.cast_signed()];
+        self.draw_area(program, window, [0.0; 2], area.unwrap_or(whole))
     }
 
     pub(super) fn draw_with(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<()> {
@@ -92,16 +67,26 @@ impl Passes {
         program: &LazyProgram,
         target: &Target,
         numbers: [f32; 2],
+        area: [i32; 4],
+    ) -> Result<()> {
+        target.bind();
+        self.draw_area(program, target.size(), numbers, area)
+    }
+
+    /// Draws over an area of the bound framebuffer, which has `size` pixels.
+    fn draw_area(
+        &self,
+        program: &LazyProgram,
+        size: (u32, u32),
+        numbers: [f32; 2],
         [x, y, width, height]: [i32; 4],
     ) -> Result<()> {
-        let (across, down) = target.size();
-        self.post.set(&[1.0 / across as f32, 1.0 / down as f32, numbers[0], numbers[1]]);
-        target.bind();
+        self.post.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, numbers[0], numbers[1]]);
         program.bind(&self.gl)?;
-        // SAFETY: sets state and draws without attributes into the target bound above, in the current context.
+        // SAFETY: sets state and draws without attributes into the bound framebuffer, in the current context.
         unsafe {
             self.gl.enable(glow::SCISSOR_TEST);
-            self.gl.scissor(x, y, width, height);
+            self.gl.scissor(x, y, width.max(0), height.max(0));
             self.gl.replacing(|| self.gl.draw_arrays(glow::TRIANGLES, 0, 3));
             self.gl.disable(glow::SCISSOR_TEST);
         }

@@ -20,7 +20,7 @@ use mariana_field::world::ToneMap;
 use super::edge_samples::EdgeSamples;
 use super::error::Result;
 use super::gl::Gl;
-use super::passes::Passes;
+use super::passes::{Block, Passes};
 use super::program::{LazyProgram, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
@@ -60,6 +60,7 @@ pub const POST_SHADERS: [(&str, &[&str]); 27] = [
 
 pub(super) struct Post {
     pub(super) passes: Passes,
+    picture: Block,
     resolve: LazyProgram,
     resolve_all: LazyProgram,
     lens: LensBlur,
@@ -98,6 +99,7 @@ impl Post {
         let [of_stencil, of_list] = [next()?, next()?];
         let post = Self {
             passes: Passes::new(gl)?,
+            picture: Block::new(gl, "PictureBlock")?,
             resolve: if gl.info().software { of_list } else { of_stencil },
             resolve_all: next()?,
             lens: LensBlur { down: next()?, blur: next()?, mix: next()? },
@@ -118,7 +120,7 @@ impl Post {
     /// Sets the image's settings and the edge contrasts for all passes, including the passes of the scene.
     pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
         let [surfaces, inner] = samples.contrasts();
-        self.passes.picture.set(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
+        self.picture.set(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
     /// Resolves the bound samples to light. `block` is the width and height of a pixel's block of further samples.

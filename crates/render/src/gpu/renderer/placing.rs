@@ -53,7 +53,6 @@ impl Placing {
         part: Area,
     ) -> Result<()> {
         self.block.set(&numbers(map, part));
-        passes.prepare();
         picture.bind_color(0, unit_of("picture"));
         let [left, top, right, bottom] = area;
         let edge = |fraction: f64, side: u32| (fraction * f64::from(side)).round() as i32;

@@ -59,7 +59,6 @@ impl Presenter {
     ) -> Result<()> {
         let Some(upscale) = &self.upscale else { return Ok(()) };
         picture.bind_color(0, unit_of("picture"));
-        passes.bind_vertices();
         passes.draw_in_window(upscale, window, area)
     }
 
