@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::{ReadyScene, SceneSource};
-use mariana_field::ray_probe::{Deciding, Ray, RayProbe, RayStatistics, RayStatisticsOptions};
+use mariana_field::ray_probe::{Deciding, Ray, RayProbe, RayStatistics};
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 use mariana_render::frame::Frame;
@@ -270,9 +270,10 @@ pub fn ray_diagram(
 pub fn ray_statistics_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<RayStatistics> {
     let (width, height) = scenery.frame.camera.tan_half;
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
-    let options = RayStatisticsOptions { columns: COLUMNS, rows };
     let ray = |x: f64, y: f64| ray_at(&scenery.frame, [x, y], 1.0);
-    with_ray_probe(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
+    with_ray_probe(scenery, is_wanted, |ray_probe| {
+        RayStatistics::of(ray_probe, COLUMNS, rows, ray, is_wanted)
+    })?
 }
 
 #[cfg(test)]

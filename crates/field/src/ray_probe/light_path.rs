@@ -12,6 +12,7 @@ use crate::lang::{Light, LightKind, Material};
 use crate::rays;
 use crate::region::gradient;
 use crate::vectors::{cross, difference, dot, length, sum};
+use crate::world::FrameValues;
 
 /// Maximum number of surfaces on a path.
 const SURFACES_MAX: usize = 5;
@@ -19,15 +20,6 @@ const SURFACES_MAX: usize = 5;
 const FRACTION_MIN: f32 = 0.004;
 /// Minimum distance from a surface to the start of its mirror ray.
 const MIRROR_START: f32 = 0.002;
-
-/// The inputs of a frame that light needs.
-#[derive(Debug, Clone, Copy)]
-pub struct FrameLight<'a> {
-    /// The lights.
-    pub lights: &'a [Light<f32>],
-    /// The distance within which objects block ambient light.
-    pub reach: f32,
-}
 
 /// An evaluation of the distance along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,8 +70,8 @@ pub struct OcclusionProbe {
 }
 
 impl RayProbe<'_> {
-    /// Follows a ray from the eye over mirrors, and examines the light on each surface.
-    pub fn light_path(&self, ray: &Ray, light: FrameLight<'_>) -> Vec<PathRay> {
+    /// Follows a ray from the eye over mirrors, and examines the light of a frame on each surface.
+    pub fn light_path(&self, ray: &Ray, values: &FrameValues) -> Vec<PathRay> {
         let mut path = Vec::new();
         let (mut ray, mut travelled, mut throughput) = (*ray, 0.0, 1.0);
         for _ in 0..SURFACES_MAX {
@@ -91,7 +83,7 @@ impl RayProbe<'_> {
             };
             travelled += hit.distance;
             let cone = ray.spread * travelled;
-            let surface = self.surface(&ray, hit, cone, light);
+            let surface = self.surface(&ray, hit, cone, values);
             let (normal, is_plane) = (surface.normal, hit.plane.is_some());
             throughput *= surface.reflectance;
             path.push(PathRay { ray, steps, evaluations, surface: Some(surface) });
@@ -118,15 +110,15 @@ impl RayProbe<'_> {
         self.steps.take().unwrap_or_default()
     }
 
-    fn surface(&self, ray: &Ray, hit: Hit, cone: f32, light: FrameLight<'_>) -> PathSurface {
+    fn surface(&self, ray: &Ray, hit: Hit, cone: f32, values: &FrameValues) -> PathSurface {
         let normal = self.normal(ray, &hit);
-        let occlusion = self.occlusion(ray, &hit, normal, light.reach);
+        let occlusion = self.occlusion(ray, &hit, normal, values.reach);
         let blocked = occlusion
             .iter()
             .zip(rays::PROBE_WEIGHTS)
             .map(|(probe, weight)| weight * ((probe.height - probe.distance) / probe.height).clamp(0.0, 1.0));
         let weights: f32 = rays::PROBE_WEIGHTS.iter().sum();
-        let shadows = light.lights.iter().enumerate();
+        let shadows = values.lights.iter().enumerate();
         PathSurface {
             hit,
             normal,
@@ -390,7 +382,7 @@ mod tests {
         let values = world.frame_tape.values(&frame);
         let regions = RegionPlan::new(world).build(&frame, &RegionOptions::default());
         let probe = RayProbe::new(world, &regions, &frame, &values.planes);
-        probe.light_path(&ray, FrameLight { lights: &values.lights, reach: values.reach })
+        probe.light_path(&ray, &values)
     }
 
     const FORWARD: Ray = Ray { origin: [0.0, 0.0, -5.0], direction: [0.0, 0.0, 1.0], spread: 1e-3 };

@@ -18,10 +18,10 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 pub use deciding::Deciding;
-pub use light_path::{FrameLight, OcclusionProbe, PathRay, PathSurface, RayStep, ShadowRay, ShadowStep};
+pub use light_path::{OcclusionProbe, PathRay, PathSurface, RayStep, ShadowRay, ShadowStep};
 pub use preview::preview;
 pub use ray_faults::{RayFaults, ray_faults};
-pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
+pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics};
 
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, NodeId};

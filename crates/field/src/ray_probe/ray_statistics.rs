@@ -8,15 +8,6 @@ use super::{Deciding, Ray, RayProbe, Traced};
 use crate::graph::NodeId;
 use crate::lang::TextPlace;
 
-/// The grid of rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RayStatisticsOptions {
-    /// Number of columns of rays.
-    pub columns: usize,
-    /// Number of rows of rays.
-    pub rows: usize,
-}
-
 /// The hits and costs of a grid of rays.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RayStatistics {
@@ -94,18 +85,20 @@ impl RayStatistics {
         self.sky.1 + self.objects.iter().map(|object| object.run).sum::<u64>()
     }
 
-    /// Follows a ray for each cell of a grid, in rows from the upper left. `ray_at` returns the ray for fractions of
-    /// the image's width and height. Calls `is_wanted` between rows, and returns `None` once it returns false.
+    /// Follows a ray for each cell of a grid of `columns` by `rows`, in rows from the upper left. `ray_at` returns the
+    /// ray for fractions of the image's width and height. Calls `is_wanted` between rows, and returns `None` once it
+    /// returns false.
     pub fn of(
         ray_probe: &RayProbe<'_>,
-        options: RayStatisticsOptions,
+        columns: usize,
+        rows: usize,
         ray_at: impl Fn(f64, f64) -> Ray,
         is_wanted: impl Fn() -> bool,
     ) -> Option<Self> {
         let scene = &ray_probe.world.scene;
         let deciding: Vec<Deciding<'_>> =
             scene.objects.iter().map(|object| Deciding::new(&scene.graph, object.shape)).collect();
-        let mut ray_statistics = Self { columns: options.columns, ..Self::default() };
+        let mut ray_statistics = Self { columns, ..Self::default() };
         for (object, deciding) in scene.objects.iter().zip(&deciding) {
             let numbers = scene.materials.get(object.material).map(|one| one.numbers()).unwrap_or_default();
             let of_material = scene.graph.order(&numbers);
@@ -119,13 +112,13 @@ impl RayStatistics {
         }
         // Equal paths lead to the same part.
         let mut known: HashMap<(usize, Vec<NodeId>), u16> = HashMap::new();
-        for row in 0..options.rows {
+        for row in 0..rows {
             if !is_wanted() {
                 return None;
             }
-            for column in 0..options.columns {
+            for column in 0..columns {
                 let fraction = |place: usize, of: usize| (place as f64 + 0.5) / of as f64;
-                let ray = ray_at(fraction(column, options.columns), fraction(row, options.rows));
+                let ray = ray_at(fraction(column, columns), fraction(row, rows));
                 let traced = ray_probe.trace(&ray);
                 let Some(hit) = traced.hit else {
                     ray_statistics.sky = (ray_statistics.sky.0 + 1, ray_statistics.sky.1 + traced.clauses);

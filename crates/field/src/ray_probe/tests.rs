@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{Deciding, Ray, RayProbe, RayStatistics, RayStatisticsOptions, Traced};
+use super::{Deciding, Ray, RayProbe, RayStatistics, Traced};
 use crate::graph::{FrameInputs, Point};
 use crate::region::{RegionOptions, RegionPlan, RegionStats};
 use crate::world::World;
@@ -210,7 +210,7 @@ fn surveyed(world: &World, columns: usize, rows: usize) -> RayStatistics {
             let (x, y) = (2.0 * x as f32 - 1.0, 1.0 - 2.0 * y as f32);
             Ray { spread: 0.01, ..ray(eye, [eye[0] + x, eye[1] + y, eye[2] + 1.0]) }
         };
-        RayStatistics::of(ray_probe, RayStatisticsOptions { columns, rows }, ray_at, || true).unwrap()
+        RayStatistics::of(ray_probe, columns, rows, ray_at, || true).unwrap()
     })
 }
 
@@ -286,13 +286,12 @@ fn unwanted_statistics_are_cancelled() {
     let world = world_of(SPEAKERS);
     with_ray_probe(&world, 1.0, true, |ray_probe| {
         let ray_at = |_: f64, _: f64| ray([0.0, 3.0, -3.0], [0.0, 3.0, 10.0]);
-        let options = RayStatisticsOptions { columns: 4, rows: 1_000_000_000 };
         let rounds = std::cell::Cell::new(0);
         let is_wanted = || {
             rounds.set(rounds.get() + 1);
             rounds.get() < 5
         };
-        assert_eq!(RayStatistics::of(ray_probe, options, ray_at, is_wanted), None);
+        assert_eq!(RayStatistics::of(ray_probe, 4, 1_000_000_000, ray_at, is_wanted), None);
     });
 }
 

@@ -8,7 +8,7 @@ mod section;
 
 use glam::{DVec3, Vec2, vec2};
 use mariana_field::lang::{Light, LightKind};
-use mariana_field::ray_probe::{FrameLight, PathRay, PathSurface, Ray, RayProbe, ShadowRay};
+use mariana_field::ray_probe::{PathRay, PathSurface, Ray, RayProbe, ShadowRay};
 
 use crate::frame::Frame;
 use crate::frame::camera::Camera;
@@ -134,8 +134,7 @@ impl RayDiagram {
     /// Draws the diagram of the ray through a point, given as fractions of the image from the upper left corner. `size`
     /// is the image's width and height in pixels.
     pub fn of(probe: &RayProbe<'_>, frame: &Frame, ray: &Ray, names: &[String], size: (u32, u32)) -> Self {
-        let light = FrameLight { lights: &frame.values.lights, reach: frame.values.reach };
-        let path = probe.light_path(ray, light);
+        let path = probe.light_path(ray, &frame.values);
         let size = vec2(size.0 as f32, size.1 as f32);
         let unit = (size.y * LETTERS_FRACTION).clamp(LETTERS.0, LETTERS.1).round();
         let mut drawing = Drawing { probe, camera: &frame.camera, size, unit, groups: Vec::new() };
