@@ -134,11 +134,6 @@ impl Graph {
         self.nodes[id.index()]
     }
 
-    /// Returns all nodes built so far, used or not. Operands precede the nodes that use them.
-    pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
-        self.nodes.iter().copied()
-    }
-
     /// True if any node, used or not, reads the time, a number that describes the song, or a table of the sound. These
     /// inputs, and motions, may change even while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {

@@ -53,15 +53,17 @@ impl Side {
         let medium = media::sum(&mut scene);
         let own = Own::of(graph, alignment);
         // In distances, the input for the normal's x holds the penumbra (see `Roots`).
-        let [moved, turned] =
-            [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
+        let [moved, turned] = [own, own.turned(graph, alignment)].map(|own| {
+            let every = (0..scene.graph.len()).map(NodeId::at);
+            copied(graph, &scene.graph, every, before, &|input| own.value(input))
+        });
         // The sky's point is the picture's pixel, which stays in its place.
         let in_sky = Own { point: position(graph), ..own.turned(graph, alignment) };
         let in_sky =
             copied_roots(graph, &scene.graph, &scene.sky.color, before, &|input| in_sky.value(input));
         let color = scene.sky.color.map(|id| at_index(&in_sky, id));
-        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
-        let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
+        let at = |id: NodeId| at_index(&moved, id);
+        let on_surface = |id: NodeId| at_index(&turned, id);
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
         let planes = planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
@@ -170,16 +172,6 @@ impl Own {
     }
 }
 
-fn copied(graph: &mut Graph, from: &Graph, before: Before, own: &Own) -> Vec<NodeId> {
-    let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
-    for node in from.nodes() {
-        let motion = copied_motion(graph, from, node, &moved);
-        let copy = copy(graph, node, before, &|input| motion.or_else(|| own.value(input)), &moved);
-        moved.push(copy);
-    }
-    moved
-}
-
 /// Copies `root` and its operands, with the point at `place`.
 pub(super) fn copied_at(
     graph: &mut Graph,
@@ -200,54 +192,50 @@ fn copied_roots(
     before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
 ) -> Vec<NodeId> {
-    let mut moved = vec![NodeId::default(); from.len()];
     // The operands of motions, which the roots do not name. A motion reads only motions before it.
     let operands = from.motions().iter().map(|motion| motion.operands.as_slice());
-    for roots in operands.chain([roots]) {
-        for id in from.order(roots) {
-            let motion = copied_motion(graph, from, from.node(id), &moved);
-            let copy = copy(graph, from.node(id), before, &|input| motion.or_else(|| value(input)), &moved);
-            if let Some(place) = moved.get_mut(id.index()) {
-                *place = copy;
+    let order = operands.chain([roots]).flat_map(|roots| from.order(roots));
+    copied(graph, from, order, before, value)
+}
+
+/// Copies nodes in an order in which operands come first; `value` returns the replacement of an input. Returns the
+/// copies by the index of their nodes.
+fn copied(
+    graph: &mut Graph,
+    from: &Graph,
+    order: impl Iterator<Item = NodeId>,
+    before: Before,
+    value: &dyn Fn(Input) -> Option<NodeId>,
+) -> Vec<NodeId> {
+    let mut moved = vec![NodeId::default(); from.len()];
+    for id in order {
+        let at = |id: NodeId| at_index(&moved, id);
+        let copy = match from.node(id) {
+            Node::Constant(value) => graph.constant(value),
+            Node::Input(Input::Param(number)) => graph.input(Input::Param(number + before.params as u16)),
+            Node::Input(input @ Input::Motion(number)) => match from.motions().get(usize::from(number)) {
+                Some(motion) => graph.motion(Motion { operands: motion.operands.map(at), ..*motion }),
+                None => graph.input(input),
+            },
+            Node::Input(input) => value(input).unwrap_or_else(|| graph.input(input)),
+            Node::Unary(Op::ShapeNumber, a) => {
+                let own = at(a);
+                let index =
+                    graph.as_constant(own).map(|index| index + (SHAPE_NUMBERS * before.shapes) as f32);
+                let index = index.map_or(own, |index| graph.constant(index));
+                graph.unary(Op::ShapeNumber, index)
             }
+            Node::Unary(op, a) => graph.unary(op, at(a)),
+            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+            Node::Texture { texture, channel, u, v } => {
+                graph.texture(texture + before.textures as u16, channel, at(u), at(v))
+            }
+        };
+        if let Some(place) = moved.get_mut(id.index()) {
+            *place = copy;
         }
     }
     moved
-}
-
-/// Copies the motion that a node reads, if it reads one. The copies of the motion's operands are at `moved`.
-fn copied_motion(graph: &mut Graph, from: &Graph, node: Node, moved: &[NodeId]) -> Option<NodeId> {
-    let Node::Input(Input::Motion(number)) = node else { return None };
-    let motion = from.motions().get(usize::from(number))?;
-    let operands = motion.operands.map(|operand| at_index(moved, operand));
-    Some(graph.motion(Motion { operands, ..*motion }))
-}
-
-/// Copies a node whose operands are at `moved`; `value` returns the replacement of an input.
-fn copy(
-    graph: &mut Graph,
-    node: Node,
-    before: Before,
-    value: &dyn Fn(Input) -> Option<NodeId>,
-    moved: &[NodeId],
-) -> NodeId {
-    let at = |id: NodeId| at_index(moved, id);
-    match node {
-        Node::Constant(value) => graph.constant(value),
-        Node::Input(Input::Param(number)) => graph.input(Input::Param(number + before.params as u16)),
-        Node::Input(input) => value(input).unwrap_or_else(|| graph.input(input)),
-        Node::Unary(Op::ShapeNumber, a) => {
-            let own = at(a);
-            let index = graph.as_constant(own).map(|index| index + (SHAPE_NUMBERS * before.shapes) as f32);
-            let index = index.map_or(own, |index| graph.constant(index));
-            graph.unary(Op::ShapeNumber, index)
-        }
-        Node::Unary(op, a) => graph.unary(op, at(a)),
-        Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
-        Node::Texture { texture, channel, u, v } => {
-            graph.texture(texture + before.textures as u16, channel, at(u), at(v))
-        }
-    }
 }
 
 pub(super) fn position(graph: &mut Graph) -> Vector {
