@@ -30,6 +30,7 @@ use std::time::Duration;
 use super::edge_samples::EdgeSamples;
 use super::error::Result;
 pub use super::evaluations::{Counting, Evaluations};
+use super::feedback;
 pub use super::feedback::FeedbackRequest;
 use super::flash_pass::FlashPass;
 use super::gl::Gl;
@@ -49,8 +50,8 @@ use crate::placement::{Area, Map, Placement};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
 pub(super) use canvas::Canvas;
-use making::Product;
 pub use making::Progress;
+use making::{Product, Tools, rehearse_passes};
 use mariana_field::world::ToneMap;
 use painter::Painter;
 pub use path_picture::PathPicture;
@@ -60,6 +61,10 @@ use placing::Placing;
 pub use presenter::UPSCALE_SHADER;
 use presenter::{Fade, Flashes, Presenter};
 pub use sampling::EDGE_SHADER;
+
+/// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile separate variants
+/// for powers of two, so no side of the image or of its bloom levels is a power of two.
+const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
 /// Samples of a reference image along each side of a pixel.
 const REFERENCE_SIDE: u32 = 8;
@@ -148,7 +153,11 @@ impl Renderer {
 
     /// Sets the number of further samples at edges; the default is four.
     pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
-        self.painter.set_edge_samples(samples);
+        if self.painter.sampling.edge_samples != samples {
+            tracing::debug!("{} further samples at edges", samples.count());
+            self.painter.sampling.edge_samples = samples;
+            self.painter.canvas.put_targets_away();
+        }
     }
 
     /// Draws an invisible empty image with every pass of a window's first frame, because many drivers finish a program
@@ -157,8 +166,15 @@ impl Renderer {
     /// # Errors
     /// Same errors as [`Renderer::draw`].
     pub fn warm_up(&mut self, picture: &Picture, is_wanted: &mut dyn FnMut() -> bool) -> Result<()> {
-        if let Some(targets) = self.painter.warm_up(picture)? {
-            self.presenter.warm_up(&self.painter.post.passes, &targets.post.finished, is_wanted)?;
+        let painter = &mut self.painter;
+        if painter.canvas.is_empty() {
+            painter.need_targets(WARM_UP_SIZE, picture)?;
+            let Some(mut targets) = painter.canvas.targets.take() else { return Ok(()) };
+            let Painter { sampling, post, .. } = &*painter;
+            post.bind_picture(picture, sampling.edge_samples);
+            post.passes.prepare();
+            rehearse_passes(&Tools { sampling, post, fade: None }, &mut targets, picture)?;
+            self.presenter.warm_up(&post.passes, &targets.post.finished, is_wanted)?;
         }
         self.gl.check("drawing an empty image")
     }
@@ -236,7 +252,8 @@ impl Renderer {
         scene.feedback()?.request(song, time, size, stereo, ahead)
     }
 
-    /// Draws a frame of feedback. `frame` is the frame at its moment and of its size. A frame in progress is lost.
+    /// Draws a frame of feedback for each group of histories with its own last frame. `frame` is the frame at its
+    /// moment and of its size. A frame in progress is lost.
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
@@ -247,7 +264,31 @@ impl Renderer {
         scene: &SceneResources,
         program: &Program,
     ) -> Result<()> {
-        self.painter.draw_feedback(request, frame, scene, program)
+        let painter = &mut self.painter;
+        let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+        let (groups, mut canvas) = (feedback.groups(request)?, std::mem::take(&mut feedback.canvas));
+        drop(feedback);
+        let edges = std::mem::replace(&mut painter.sampling.edge_samples, feedback::EDGES);
+        let drawn = scene.without_cells(|| {
+            groups.iter().try_for_each(|slots| {
+                let read = slots.first().copied().unwrap_or_default();
+                scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
+                painter.elsewhere(&mut canvas, |painter| {
+                    painter.begin_without_trails(Product::Light, frame, scene)?;
+                    painter.resume(&scene.names(), program, &scene.costs, Duration::MAX)?;
+                    let Some(targets) = &painter.canvas.targets else { return Ok(()) };
+                    let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+                    let (passes, trails) = (&painter.post.passes, &painter.post.trails);
+                    feedback.keep(passes, trails, frame, &targets.post.light, slots)
+                })
+            })
+        });
+        painter.sampling.edge_samples = edges;
+        if let Some(mut feedback) = scene.feedback() {
+            feedback.canvas = canvas;
+            feedback.record_drawn(request);
+        }
+        drawn
     }
 
     /// Selects the frame of feedback that images at `time` seconds of the song show.
@@ -361,7 +402,7 @@ impl Renderer {
         let edges = std::mem::replace(&mut painter.sampling.edge_samples, EdgeSamples::Two);
         let sent = painter.elsewhere(&mut sketch.0, |painter| {
             painter.draw(frame, scene, program, &scene.costs)?;
-            let (Some(picture), Some(placing)) = (painter.finished(), &self.presenter.placing) else {
+            let (Some(picture), Some(placing)) = (painter.canvas.finished(), &self.presenter.placing) else {
                 return Ok(false);
             };
             let whole = Placement::default();
@@ -440,7 +481,7 @@ impl Renderer {
 
     /// Width and height of the displayed image, in pixels.
     pub fn shape(&self) -> Option<(u32, u32)> {
-        self.painter.finished().map(Target::size)
+        self.painter.canvas.finished().map(Target::size)
     }
 
     /// The brightness of the displayed image, 0..1.
@@ -454,7 +495,7 @@ impl Renderer {
     /// # Errors
     /// Fails if there is no memory for a copy of the image.
     pub fn dim(&mut self, gain: f32) -> Result<()> {
-        self.presenter.dim(&self.painter.post.passes, self.painter.finished(), gain)?;
+        self.presenter.dim(&self.painter.post.passes, self.painter.canvas.finished(), gain)?;
         self.gl.check("dimming an image")
     }
 
@@ -463,7 +504,7 @@ impl Renderer {
     /// # Errors
     /// Fails if there is no memory for a copy of the image. Windows need no copy.
     pub fn limit_flashes(&mut self, seconds: f64) -> Result<()> {
-        self.presenter.limit_flashes(&self.gl, self.painter.finished(), seconds)?;
+        self.presenter.limit_flashes(&self.gl, self.painter.canvas.finished(), seconds)?;
         self.gl.check("limiting flashes")
     }
 
@@ -483,7 +524,7 @@ impl Renderer {
     /// # Errors
     /// Fails if the driver reports an error.
     pub fn show(&self, window: (u32, u32)) -> Result<()> {
-        self.presenter.show(&self.painter.post.passes, self.painter.finished(), window)?;
+        self.presenter.show(&self.painter.post.passes, self.painter.canvas.finished(), window)?;
         self.gl.check_context("showing a frame")
     }
 
@@ -494,7 +535,7 @@ impl Renderer {
     /// # Errors
     /// Fails if the driver reports an error, or if there is no memory for a copy with limited flashes.
     pub fn show_in_part(&mut self, window: (u32, u32), area: Area, map: &Map, part: Area) -> Result<()> {
-        let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
+        let (passes, finished) = (&self.painter.post.passes, self.painter.canvas.finished());
         if let Some((placing, picture)) = self.presenter.placed(passes, finished)? {
             placing.place(passes, picture, window, area, map, part)?;
         }
@@ -507,7 +548,7 @@ impl Renderer {
     /// # Errors
     /// Same errors as [`Renderer::show_in_part`].
     pub fn send_placed(&mut self, reader: &mut PictureReader, map: &Map, part: Area) -> Result<bool> {
-        let (passes, finished) = (&self.painter.post.passes, self.painter.finished());
+        let (passes, finished) = (&self.painter.post.passes, self.painter.canvas.finished());
         let placed = self.presenter.placed(passes, finished)?;
         if let Some((placing, picture)) = placed {
             placing.place_in(passes, picture, &reader.target, map, part)?;
@@ -518,7 +559,7 @@ impl Renderer {
 
     /// The finished image with limited flashes, four bytes per pixel, top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        self.presenter.read(self.painter.finished())
+        self.presenter.read(self.painter.canvas.finished())
     }
 
     /// Distance evaluations of the last image, divided by a number of pixels; zero without [`Counting::On`].

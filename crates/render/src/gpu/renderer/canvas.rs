@@ -29,7 +29,7 @@ impl Canvas {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<()> {
-        if !self.targets.as_ref().is_some_and(|targets| targets.fit(kind)) {
+        if !self.targets.as_ref().is_some_and(|targets| targets.kind == kind) {
             Target::check_size(gl, kind.size)?;
             self.put_targets_away();
             self.targets = Some(Targets::new(gl, kind, samples, counting)?);

@@ -5,18 +5,16 @@ use std::time::Duration;
 use web_time::Instant;
 
 use super::canvas::Canvas;
-use super::making::{Making, Product, Progress, Tools, rehearse_passes};
+use super::making::{Making, Product, Progress, Tools};
 use super::paths::PathResults;
 use super::presenter::Fade;
 use super::sampling::Sampling;
-use super::targets::{Targets, TargetsKind};
+use super::targets::TargetsKind;
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
-use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::Result;
 use crate::gpu::evaluations::Counting;
-use crate::gpu::feedback::{self, FeedbackRequest};
 use crate::gpu::gl::Gl;
 use crate::gpu::post::Post;
 use crate::gpu::program::Program;
@@ -25,10 +23,6 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::target::Target;
 use crate::gpu::tiles::{Costs, Tile};
 use crate::gpu::timer::PictureClock;
-
-/// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile separate variants
-/// for powers of two, so no side of the image or of its bloom levels is a power of two.
-const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
 pub(super) struct Painter {
     pub(super) gl: Gl,
@@ -58,33 +52,6 @@ impl Painter {
         })
     }
 
-    pub(super) fn finished(&self) -> Option<&Target> {
-        self.canvas.finished()
-    }
-
-    pub(super) fn set_edge_samples(&mut self, samples: EdgeSamples) {
-        if self.sampling.edge_samples != samples {
-            tracing::debug!("{} further samples at edges", samples.count());
-            self.sampling.edge_samples = samples;
-            self.canvas.put_targets_away();
-        }
-    }
-
-    /// Draws an empty image with every pass that follows a scene's samples, if no image was drawn before. Returns the
-    /// image's targets.
-    pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>> {
-        if !self.canvas.is_empty() {
-            return Ok(None);
-        }
-        self.need_targets(WARM_UP_SIZE, picture)?;
-        let Some(mut targets) = self.canvas.targets.take() else { return Ok(None) };
-        self.post.bind_picture(picture, self.sampling.edge_samples);
-        self.post.passes.prepare();
-        let tools = Tools { sampling: &self.sampling, post: &self.post, fade: None };
-        rehearse_passes(&tools, &mut targets, picture)?;
-        Ok(Some(targets))
-    }
-
     pub(super) fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<()> {
         let kind = TargetsKind { size, has_lens: picture.lens.is_some(), has_media: picture.has_media };
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
@@ -98,7 +65,7 @@ impl Painter {
         Ok(())
     }
 
-    fn begin_without_trails(
+    pub(super) fn begin_without_trails(
         &mut self,
         product: Product,
         frame: &Frame,
@@ -107,40 +74,6 @@ impl Painter {
         let block = scene.block_of(frame);
         scene.upload_inputs(frame)?;
         self.begin_block(product, frame.size, &block, &frame.picture)
-    }
-
-    /// Draws a frame of feedback for each group of histories with its own last frame.
-    pub(super) fn draw_feedback(
-        &mut self,
-        request: &FeedbackRequest,
-        frame: &Frame,
-        scene: &SceneResources,
-        program: &Program,
-    ) -> Result<()> {
-        let Some(mut feedback) = scene.feedback() else { return Ok(()) };
-        let (groups, mut canvas) = (feedback.groups(request)?, std::mem::take(&mut feedback.canvas));
-        drop(feedback);
-        let edges = std::mem::replace(&mut self.sampling.edge_samples, feedback::EDGES);
-        let drawn = scene.without_cells(|| {
-            groups.iter().try_for_each(|slots| {
-                let read = slots.first().copied().unwrap_or_default();
-                scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
-                self.elsewhere(&mut canvas, |painter| {
-                    painter.begin_without_trails(Product::Light, frame, scene)?;
-                    painter.resume(&scene.names(), program, &scene.costs, Duration::MAX)?;
-                    let Some(targets) = &painter.canvas.targets else { return Ok(()) };
-                    let Some(mut feedback) = scene.feedback() else { return Ok(()) };
-                    let (passes, trails) = (&painter.post.passes, &painter.post.trails);
-                    feedback.keep(passes, trails, frame, &targets.post.light, slots)
-                })
-            })
-        });
-        self.sampling.edge_samples = edges;
-        if let Some(mut feedback) = scene.feedback() {
-            feedback.canvas = canvas;
-            feedback.record_drawn(request);
-        }
-        drawn
     }
 
     pub(super) fn begin_block(

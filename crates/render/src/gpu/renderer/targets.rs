@@ -20,7 +20,7 @@ pub(super) struct TargetsKind {
 }
 
 pub(super) struct Targets {
-    kind: TargetsKind,
+    pub(super) kind: TargetsKind,
     pub(super) media: Option<MediaTargets>,
     pub(super) first: Target,
     pub(super) edges: Edges,
@@ -73,10 +73,6 @@ impl Targets {
             edges,
             post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })
-    }
-
-    pub(super) fn fit(&self, kind: TargetsKind) -> bool {
-        self.kind == kind
     }
 
     /// Returns the counts, divided by a number of pixels.
