@@ -113,23 +113,10 @@ impl FeedbackColor {
         Some(Self { colors: Tape::new(graph, &roots), place: Tape::new(graph, &read?) })
     }
 
-    fn lit<'a>(&'a self, frames: &'a [FrameInputs; 2]) -> LitReader<'a> {
-        let [dim, bright] = frames;
-        let colors = [dim, bright].map(|inputs| Batch::new(&self.colors, inputs));
-        LitReader { colors, place: Batch::new(&self.place, bright) }
-    }
-}
-
-/// A colour below even last frames of [`BRIGHTNESSES`].
-struct LitReader<'a> {
-    colors: [Batch<'a>; 2],
-    place: Batch<'a>,
-}
-
-impl LitReader<'_> {
-    /// Returns the factors by which the colour changes the light of two even last frames, for points of the picture.
-    fn gains(&mut self, places: &[[f32; 2]]) -> Vec<f32> {
-        let [dim, bright] = self.colors.each_mut().map(|batch| run(batch, places));
+    /// Returns the factors by which the colour changes the light of even last frames of [`BRIGHTNESSES`], for points of
+    /// the picture.
+    fn gains(&self, frames: &[FrameInputs; 2], places: &[[f32; 2]]) -> Vec<f32> {
+        let [dim, bright] = frames.each_ref().map(|inputs| run(&self.colors, inputs, places));
         let more = (BRIGHTNESSES[1] - BRIGHTNESSES[0]) * LAST_LIGHT_MAX;
         let mut gains = vec![0.0; places.len()];
         for (dim, bright) in dim.iter().zip(&bright) {
@@ -141,23 +128,23 @@ impl LitReader<'_> {
     }
 
     /// Returns the texture coordinates that the colour reads, for points of the picture.
-    fn read(&mut self, places: &[[f32; 2]]) -> Vec<[f32; 2]> {
-        let read = run(&mut self.place, places);
+    fn read(&self, inputs: &FrameInputs, places: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let read = run(&self.place, inputs, places);
         let [u, v] = [0, 1].map(|part| read.get(part).map_or(&[][..], Vec::as_slice));
         u.iter().zip(v).map(|(u, v)| [*u, *v].map(|part| part.clamp(0.0, 1.0))).collect()
     }
 
     /// Returns the largest fraction of light that is left after `count` frames at one of some places, whose light comes
     /// from other places from frame to frame. Ends as soon as no light is visible any more.
-    fn left(&mut self, places: &[[f32; 2]], count: u32) -> f32 {
+    fn left(&self, frames: &[FrameInputs; 2], places: &[[f32; 2]], count: u32) -> f32 {
         let (mut places, mut lefts) = (places.to_vec(), vec![1.0; places.len()]);
         let (mut still, mut frame) = (0.0_f32, 0);
         while frame < count && !places.is_empty() {
-            let next = self.read(&places);
+            let next = self.read(&frames[1], &places);
             let moved = places.iter().zip(&next).flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]);
             let most = moved.map(f32::abs).fold(0.0, f32::max);
             let steps = ((STEP / most) as u32).clamp(1, STEPS).min(count - frame);
-            let gains = self.gains(&places);
+            let gains = self.gains(frames, &places);
             let mut rays = Vec::new();
             for (((place, next), left), gain) in places.iter().zip(next).zip(&lefts).zip(gains) {
                 if next == *place {
@@ -168,7 +155,7 @@ impl LitReader<'_> {
             }
             (places, lefts) = rays.into_iter().unzip();
             for _ in 1..steps {
-                places = self.read(&places);
+                places = self.read(&frames[1], &places);
             }
             frame += steps;
         }
@@ -177,12 +164,12 @@ impl LitReader<'_> {
 }
 
 /// Runs a tape of the sky or of a surface for points of the picture, 0..1.
-fn run(batch: &mut Batch<'_>, places: &[[f32; 2]]) -> Vec<Vec<f32>> {
+fn run(tape: &Tape, inputs: &FrameInputs, places: &[[f32; 2]]) -> Vec<Vec<f32>> {
     let side = |part: usize, size: u16| places.iter().map(|at| at[part] * f32::from(size)).collect();
     let (x, y): (Vec<f32>, Vec<f32>) = (side(0, TRIED_SIZE.0), side(1, TRIED_SIZE.1));
     let normal = [0.0, 0.6, 0.8].map(|part| vec![part; places.len()]);
     let [nx, ny, nz] = normal.each_ref().map(Vec::as_slice);
-    batch.run(Points { position: [&x, &y, nx], normal: Some([nx, ny, nz]) })
+    Batch::new(tape, inputs).run(Points { position: [&x, &y, nx], normal: Some([nx, ny, nz]) })
 }
 
 impl World {
@@ -207,18 +194,17 @@ impl World {
         let (mut most, mut left): (f32, f32) = (0.0, 0.0);
         for sound in [SoundInputs::SILENCE, SoundInputs::each(|input| input.range().1.min(1.0))] {
             let frames = BRIGHTNESSES.map(|fraction| self.tried_inputs(number, fraction, sound));
-            let gain = |reader: &mut LitReader| reader.gains(&places).into_iter().fold(0.0, f32::max);
+            let gain = |color: &FeedbackColor| color.gains(&frames, &places).into_iter().fold(0.0, f32::max);
             if let Some(emission) = &emission {
-                let gain = gain(&mut emission.lit(&frames));
+                let gain = gain(emission);
                 // Which pixel shows a surface is not known.
                 (most, left) = (most.max(gain), left.max(gain.powf(count as f32)));
             }
             if let Some(sky) = &sky {
-                let mut sky = sky.lit(&frames);
-                let gain = gain(&mut sky);
+                let gain = gain(sky);
                 most = most.max(gain);
                 if gain.powf(count as f32) > left.max(VISIBLE) {
-                    left = left.max(sky.left(&places, count));
+                    left = left.max(sky.left(&frames, &places, count));
                 }
             }
         }
