@@ -75,24 +75,19 @@ impl Inputs {
         };
         let least = end("MIN", f64::min).unwrap_or(0.0);
         let most = end("MAX", f64::max).unwrap_or(least + 1.0);
-        let of = match text("TYPE") {
+        let (of, components) = match text("TYPE") {
             "audio" => return self.sampler(name, Channel::Waveform),
             "audioFFT" => return self.sampler(name, Channel::Spectrum),
-            "float" => "float",
-            "long" => "int",
-            "bool" | "event" => "bool",
-            "point2D" => "vec2",
-            "color" => "vec4",
+            "float" => ("float", 1),
+            "long" => ("int", 1),
+            "bool" | "event" => ("bool", 1),
+            "point2D" => ("vec2", 2),
+            "color" => ("vec4", 4),
             _ => return self.sampler(name, Channel::Picture),
         };
         if !self.is_free(name) {
             return;
         }
-        let components = match of {
-            "vec2" => 2,
-            "vec4" => 4,
-            _ => 1,
-        };
         let default = list(input, "DEFAULT");
         let values = (0..components).map(|index| default.get(index).and_then(number).unwrap_or(least));
         let values: Vec<f64> = values.map(|value| value.clamp(-NUMBER_MAX, NUMBER_MAX)).collect();
