@@ -126,13 +126,6 @@ pub(super) struct Counts {
     pub breaks: usize,
 }
 
-impl Counts {
-    /// Statements that may leave a switch for a place after its end.
-    pub(super) fn leaves(self) -> (usize, usize) {
-        (self.returns, self.continues)
-    }
-}
-
 /// Executes the statements of a file's functions.
 pub(super) struct Executor<'m, 'g> {
     pub file: &'m GlslFile,

@@ -428,9 +428,11 @@ impl<'m> Executor<'m, '_> {
         }
         let Some(target) = self.frame.targets.pop() else { return Ok(()) };
         self.memory.undo(mark);
+        let now = self.frame.counts;
         self.live = match target.breaks.mask {
             None => self.zero,
-            Some(_) if self.frame.counts.leaves() == counts.leaves() => before,
+            // Only these statements may leave a switch for a place after its end.
+            Some(_) if (now.returns, now.continues) == (counts.returns, counts.continues) => before,
             Some(mask) => mask,
         };
         self.memory.apply(target.breaks.changed);
