@@ -159,19 +159,16 @@ impl SceneFeedback {
     pub(super) fn show(&mut self, passes: &Passes, trails: &Trails, time: f64) -> Result<()> {
         let shown = newest_before(time).and_then(|newest| self.order.shown(newest));
         let of = |slot: usize| self.histories[slot].as_ref().map(|kept| kept.last.clone());
-        self.last = match shown {
-            None => self.black.clone(),
-            Some(shown) => {
-                match (of(shown.older), shown.younger.and_then(|(slot, part)| Some((of(slot)?, part)))) {
-                    (Some(older), Some((younger, fraction))) => {
-                        let mixed = self.mixed.take().map_or_else(|| self.target(older.size()), Ok)?;
-                        trails.mix(passes, &older, &younger, fraction, &mixed)?;
-                        self.mixed = Some(mixed.clone());
-                        mixed
-                    }
-                    (older, _) => older.unwrap_or_else(|| self.black.clone()),
-                }
+        let older = shown.and_then(|shown| of(shown.older));
+        let younger = shown.and_then(|shown| shown.younger).and_then(|(slot, part)| Some((of(slot)?, part)));
+        self.last = match (older, younger) {
+            (Some(older), Some((younger, fraction))) => {
+                let mixed = self.mixed.take().map_or_else(|| self.target(older.size()), Ok)?;
+                trails.mix(passes, &older, &younger, fraction, &mixed)?;
+                self.mixed = Some(mixed.clone());
+                mixed
             }
+            (older, _) => older.unwrap_or_else(|| self.black.clone()),
         };
         Ok(())
     }

@@ -448,7 +448,7 @@ impl Renderer {
         let mean = Target::new(&painter.gl, size, &[Texel::Rgba32F], None)?;
         painter.post.passes.prepare();
         painter.post.bind_picture(picture, painter.sampling.edge_samples);
-        let fade = painter.fade.as_ref().map(Fade::mixed_in);
+        let fade = painter.fade.as_ref().map(|fade| (&fade.light, fade.fraction));
         let earlier = earlier.as_ref().map(|mean| (mean, 1.0 / (number as f32 + 1.0)));
         painter.post.add_exposure(&targets.post, picture, &targets.first, fade, earlier, &mean)?;
         painter.mean = Some(mean);

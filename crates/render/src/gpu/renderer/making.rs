@@ -261,7 +261,7 @@ impl Making {
         if self.product == Product::Light {
             return Ok(());
         }
-        let fade = tools.fade.map(Fade::mixed_in);
+        let fade = tools.fade.map(|fade| (&fade.light, fade.fraction));
         tools.post.finish(&targets.post, &self.picture, &targets.first, fade)
     }
 }

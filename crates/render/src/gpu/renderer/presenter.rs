@@ -104,12 +104,6 @@ pub(super) struct Fade {
     pub(super) fraction: f32,
 }
 
-impl Fade {
-    pub(super) fn mixed_in(&self) -> (&Target, f32) {
-        (&self.light, self.fraction)
-    }
-}
-
 // Limits the flashes of finished images, in the window or in a copy.
 
 #[derive(Default)]
