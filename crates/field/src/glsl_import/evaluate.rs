@@ -102,43 +102,40 @@ impl Executor<'_, '_> {
     fn evaluate_here(&mut self, of: ExprId) -> Result<()> {
         let function = self.frame.function;
         let Ok(expression) = function.expressions.try_get(of) else { return Ok(()) };
-        match expression {
+        let value = match expression {
             Expression::LocalVariable(variable) => {
                 let (locals, start) = (&function.local_variables, self.frame.base as u32);
-                let pointer = self.pointer_to(locals, *variable, start, |local| local.ty);
-                self.put(of, Argument::Pointer(pointer));
-                return Ok(());
+                Argument::Pointer(self.pointer_to(locals, *variable, start, |local| local.ty))
             }
             Expression::GlobalVariable(variable) => {
                 let globals = &self.file.module.global_variables;
-                let pointer = self.pointer_to(globals, *variable, 0, |global| global.ty);
-                self.put(of, Argument::Pointer(pointer));
-                return Ok(());
+                Argument::Pointer(self.pointer_to(globals, *variable, 0, |global| global.ty))
             }
             Expression::FunctionArgument(index) => {
-                match self.frame.arguments.get(*index as usize).cloned() {
-                    Some(argument) => self.put(of, argument),
-                    None => return Err(Diagnostic::new(self.here, "an argument is missing")),
-                }
-                return Ok(());
+                let argument = self.frame.arguments.get(*index as usize).cloned();
+                argument.ok_or_else(|| Diagnostic::new(self.here, "an argument is missing"))?
             }
-            Expression::AccessIndex { base, index } => return self.access(of, *base, *index),
+            Expression::AccessIndex { base, index } => self.access(*base, *index)?,
             Expression::Access { base, index } => {
                 let part = self.part(*index, 0)?;
-                if let Some(index) = self.whole(part) {
-                    return self.access(of, *base, u32::try_from(index).unwrap_or(0));
+                match self.whole(part) {
+                    Some(index) => self.access(*base, u32::try_from(index).unwrap_or(0))?,
+                    None => {
+                        let index = self.node_of(*index, 0)?;
+                        self.access_computed(*base, index)?
+                    }
                 }
-                let index = self.node_of(*index, 0)?;
-                return self.access_computed(of, *base, index);
             }
             Expression::CallResult(_) => {
                 return Err(Diagnostic::unsupported(self.here, "this call has no result"));
             }
-            _ => {}
-        }
-        let parts = self.value(expression)?;
-        self.step(parts.len())?;
-        self.put(of, Argument::Parts(parts));
+            _ => {
+                let parts = self.value(expression)?;
+                self.step(parts.len())?;
+                Argument::Parts(parts)
+            }
+        };
+        self.put(of, value);
         Ok(())
     }
 
@@ -239,7 +236,7 @@ impl Executor<'_, '_> {
     }
 
     /// Selects an element with a known index.
-    fn access(&mut self, of: ExprId, base: ExprId, index: u32) -> Result<()> {
+    fn access(&mut self, base: ExprId, index: u32) -> Result<Argument> {
         self.ready(base)?;
         let info = self.info(base)?;
         let (offset, len) = if info.count > 0 {
@@ -256,7 +253,7 @@ impl Executor<'_, '_> {
             };
             found
         };
-        let value = match self.argument(base)? {
+        Ok(match self.argument(base)? {
             Argument::Pointer(Pointer { start, indices, .. }) => {
                 Argument::Pointer(Pointer { start: start + offset, len, indices })
             }
@@ -265,13 +262,11 @@ impl Executor<'_, '_> {
                 self.step(1)?;
                 Argument::Parts(parts.get(offset..offset + len).unwrap_or_default().to_vec())
             }
-        };
-        self.put(of, value);
-        Ok(())
+        })
     }
 
     /// Selects an element with a computed index.
-    fn access_computed(&mut self, of: ExprId, base: ExprId, index: NodeId) -> Result<()> {
+    fn access_computed(&mut self, base: ExprId, index: NodeId) -> Result<Argument> {
         self.ready(base)?;
         let info = self.info(base)?;
         if info.count == 0 {
@@ -281,8 +276,7 @@ impl Executor<'_, '_> {
             Argument::Pointer(mut pointer) => {
                 pointer.len = info.stride;
                 pointer.indices.push((index, info.count, info.stride));
-                self.put(of, Argument::Pointer(pointer));
-                return Ok(());
+                return Ok(Argument::Pointer(pointer));
             }
             Argument::Parts(parts) => parts,
         };
@@ -297,8 +291,7 @@ impl Executor<'_, '_> {
                 *before = self.select(chosen, part, *before)?;
             }
         }
-        self.put(of, Argument::Parts(result));
-        Ok(())
+        Ok(Argument::Parts(result))
     }
 
     pub(super) fn literal(&mut self, literal: Literal) -> Result<Part> {
