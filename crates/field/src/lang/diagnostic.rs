@@ -103,16 +103,17 @@ impl Diagnostic {
             .max()
             .unwrap_or(1);
         let kind = match self.fault {
-            Fault::Warning => paint.warning("warning"),
-            _ => paint.error("error"),
+            Fault::Warning => paint.with(WARNING, "warning"),
+            _ => paint.with(ERROR, "error"),
         };
-        out.push_str(&format!("{kind}{}\n", paint.strong(&format!(": {}", self.message))));
+        out.push_str(&format!("{kind}{}\n", paint.with(STRONG, &format!(": {}", self.message))));
         excerpt(&mut out, sources, self.span, &self.label, '^', gutter, paint);
         for (span, text) in &self.notes {
             excerpt(&mut out, sources, *span, text, '-', gutter, paint);
         }
         if let Some(hint) = &self.hint {
-            let _ = writeln!(out, "{:gutter$} {} {}", "", paint.frame("="), paint.strong("help: ") + hint);
+            let (sign, help) = (paint.with(FRAME, "="), paint.with(STRONG, "help: "));
+            let _ = writeln!(out, "{:gutter$} {sign} {help}{hint}", "");
         }
         out
     }
@@ -140,8 +141,8 @@ fn excerpt(
     paint: Paint,
 ) {
     let Some(place) = sources.place(span.start) else { return };
-    let bar = paint.frame("|");
-    let arrow = paint.frame(if mark == '^' { "-->" } else { ":::" });
+    let bar = paint.with(FRAME, "|");
+    let arrow = paint.with(FRAME, if mark == '^' { "-->" } else { ":::" });
     let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
     let _ = writeln!(out, "{:gutter$} {bar}", "");
 
@@ -176,11 +177,11 @@ fn excerpt(
     if cut {
         shown.push('…');
     }
-    let number = paint.frame(&format!("{:>gutter$}", place.line));
+    let number = paint.with(FRAME, &format!("{:>gutter$}", place.line));
     let _ = writeln!(out, "{number} {bar} {}", shown.trim_end());
     let marks = mark.to_string().repeat(under.max(1));
     let text = if label.is_empty() { marks } else { format!("{marks} {label}") };
-    let text = if mark == '^' { paint.error(&text) } else { paint.frame(&text) };
+    let text = paint.with(if mark == '^' { ERROR } else { FRAME }, &text);
     let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
 }
 
@@ -212,6 +213,11 @@ fn cell(character: char) -> (Option<&'static str>, usize) {
     }
 }
 
+const ERROR: &str = "1;31";
+const WARNING: &str = "1;33";
+const FRAME: &str = "1;34";
+const STRONG: &str = "1";
+
 #[derive(Clone, Copy)]
 struct Paint {
     color: bool,
@@ -220,18 +226,6 @@ struct Paint {
 impl Paint {
     fn with(self, code: &str, text: &str) -> String {
         if self.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
-    }
-    fn error(self, text: &str) -> String {
-        self.with("1;31", text)
-    }
-    fn warning(self, text: &str) -> String {
-        self.with("1;33", text)
-    }
-    fn frame(self, text: &str) -> String {
-        self.with("1;34", text)
-    }
-    fn strong(self, text: &str) -> String {
-        self.with("1", text)
     }
 }
 

@@ -66,10 +66,7 @@ impl BlockLowering<'_, '_> {
         for index in 0..count {
             let id = ExprId(self.outer.ast.extra(first + index));
             let span = self.outer.ast.span(id);
-            if self.has_ended() || !self.outer.step(span) {
-                return;
-            }
-            if !self.outer.descend(span) {
+            if self.has_ended() || !self.outer.step(span) || !self.outer.descend(span) {
                 return;
             }
             self.statement(id, span);
