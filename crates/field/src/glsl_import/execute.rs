@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use naga::{Block, Expression, Function, Statement, SwitchValue};
+use naga::{BinaryOperator, Block, Expression, Function, Statement, SwitchValue};
 
 use super::Result;
 use super::calls::{Argument, Executor, Pointer, Target};
@@ -400,7 +400,9 @@ impl<'m> Executor<'m, '_> {
                     continue;
                 }
             };
-            let equal = self.at(place, |this| this.equal_whole(selector, value))?;
+            let equal = self.at(place, |this| {
+                this.whole_binary(BinaryOperator::Equal, selector, value).and_then(|part| this.node(part))
+            })?;
             let unequal = self.graph.not(equal);
             otherwise = self.and(otherwise, unequal);
             conditions.push(Some(equal));

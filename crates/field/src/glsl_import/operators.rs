@@ -204,18 +204,6 @@ impl Executor<'_, '_> {
         self.session.scrambled.insert(node);
         Ok(Part::Node(node))
     }
-
-    pub(super) fn equal_whole(&mut self, a: Part, b: Part) -> Result<NodeId> {
-        let part = match (a, b) {
-            (Part::Int(a), Part::Int(b)) => truth(self.graph, a == b),
-            (Part::Uint(a), Part::Uint(b)) => truth(self.graph, a == b),
-            _ => {
-                let (a, b) = (self.node(a)?, self.node(b)?);
-                Part::Node(self.graph.binary(Op::Equal, a, b))
-            }
-        };
-        self.node(part)
-    }
 }
 
 /// a - b. naga writes `mod` and `fract` out as differences; the operators of the graph have tighter bounds.
