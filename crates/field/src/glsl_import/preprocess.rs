@@ -204,11 +204,8 @@ impl<'a> Preprocessor<'a> {
             while active.last().is_some_and(|(_, length)| left.len() < *length) {
                 active.pop();
             }
-            if !token.is_word() || token.final_name {
-                out.push(token);
-                continue;
-            }
-            let Some(of) = self.macros.get(token.text).cloned() else {
+            let may_be_macro = token.is_word() && !token.final_name;
+            let Some(of) = self.macros.get(token.text).filter(|_| may_be_macro).cloned() else {
                 out.push(token);
                 continue;
             };
