@@ -72,11 +72,7 @@ impl ShaderLibrary {
         let generated = &variant.generated;
         let mut assembly =
             Assembly { library: self, generated, included: HashSet::new(), text: preamble.to_owned() };
-        for define in &variant.defines {
-            assembly.text.push_str("#define ");
-            assembly.text.push_str(define);
-            assembly.text.push('\n');
-        }
+        assembly.text.extend(variant.defines.iter().map(|define| format!("#define {define}\n")));
         assembly.append(name, "the program", 0)?;
         Ok(assembly.text)
     }
