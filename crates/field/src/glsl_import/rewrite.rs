@@ -367,10 +367,7 @@ fn settings<'a>(body: &[Token<'a>], unset: &BTreeSet<String>) -> Vec<Vec<Token<'
     let mut found: BTreeMap<&str, Vec<Token<'a>>> = BTreeMap::new();
     let mut rest = body.get(1..body.len().saturating_sub(1)).unwrap_or_default();
     while !rest.is_empty() {
-        let length = match closing(rest, |token| token.is(";")) {
-            Some(at) => at + 1,
-            None => rest.len(),
-        };
+        let length = closing(rest, |token| token.is(";")).map_or(rest.len(), |at| at + 1);
         let statement = rest.get(..length).unwrap_or_default();
         if let [name, equals, ..] = statement
             && equals.is("=")
