@@ -60,14 +60,6 @@ impl From<Crop> for [f64; 4] {
     }
 }
 
-impl Crop {
-    /// The left, top, right and bottom edge of the remaining part, as fractions of the image.
-    fn rest(self) -> [f64; 4] {
-        let [left, top, right, bottom] = self.0.map(|percent| percent / 100.0);
-        [left, top, 1.0 - right, 1.0 - bottom]
-    }
-}
-
 /// The screen positions of the visible part's corners, as fractions of the screen to the right and down: upper left,
 /// upper right, lower right, lower left.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -137,14 +129,14 @@ impl Placement {
 
     /// The size of the image whose visible part covers a screen of `screen` pixels, pixel for pixel.
     pub fn picture_size(&self, screen: (u32, u32)) -> (u32, u32) {
-        let [left, top, right, bottom] = self.crop.rest();
+        let [left, top, right, bottom] = self.part();
         let side = |side: u32, fraction: f64| (f64::from(side) / fraction).round().clamp(1.0, 1e6) as u32;
         (side(screen.0, right - left), side(screen.1, bottom - top))
     }
 
     /// The size of the visible part of an image of `size` pixels.
     pub fn rest_of(&self, size: (u32, u32)) -> (u32, u32) {
-        let [left, top, right, bottom] = self.crop.rest();
+        let [left, top, right, bottom] = self.part();
         let side = |side: u32, fraction: f64| (f64::from(side) * fraction).round().max(1.0) as u32;
         (side(size.0, right - left), side(size.1, bottom - top))
     }
@@ -152,7 +144,7 @@ impl Placement {
     /// Returns the map from positions on the screen to positions in the image, both as fractions to the right and down.
     /// The screen is black where the third number is not positive or the position is outside the visible part.
     pub fn map(&self) -> Map {
-        let [left, top, right, bottom] = self.crop.rest();
+        let [left, top, right, bottom] = self.part();
         let (turns_x, turns_y) = self.flip.turns();
         let (x, width) = if turns_x { (right, left - right) } else { (left, right - left) };
         let (y, height) = if turns_y { (bottom, top - bottom) } else { (top, bottom - top) };
@@ -160,9 +152,10 @@ impl Placement {
         product(&part, &inverse(&square_to(self.corners.0)))
     }
 
-    /// The left, top, right and bottom edge of the visible part of the image.
+    /// The left, top, right and bottom edge of the visible part, as fractions of the image.
     pub fn part(&self) -> [f64; 4] {
-        self.crop.rest()
+        let [left, top, right, bottom] = self.crop.0.map(|percent| percent / 100.0);
+        [left, top, 1.0 - right, 1.0 - bottom]
     }
 }
 
@@ -288,7 +281,9 @@ mod tests {
         for crop in [[-1.0, 0.0, 0.0, 0.0], [50.0, 0.0, 41.0, 0.0], [0.0, 91.0, 0.0, 0.0], [f64::NAN; 4]] {
             assert!(Crop::try_from(crop).is_err(), "{crop:?}");
         }
-        assert_eq!(Crop::try_from([45.0, 0.0, CROP_MAX - 45.0, 0.0]).unwrap().part_width(), 0.1);
+        let crop = Crop::try_from([45.0, 0.0, CROP_MAX - 45.0, 0.0]).unwrap();
+        let [left, _, right, _] = Placement { crop, ..Placement::default() }.part();
+        assert!((right - left - 0.1).abs() < 1e-9);
         let far = 1.0 + CORNER_OUTSIDE_MAX;
         assert!(Corners::default().with(2, [far, far]).is_some());
         assert_eq!(Corners::default().with(2, [far + 0.01, far]), None);
@@ -303,12 +298,5 @@ mod tests {
         let map = within([0.25, 0.0, 0.75, 1.0], &Placement::default().map());
         assert_eq!(led(&map, [0.5, 0.5]), Some([0.5, 0.5]));
         assert_eq!(led(&map, [0.25, 1.0]), Some([0.0, 1.0]));
-    }
-
-    impl Crop {
-        fn part_width(self) -> f64 {
-            let [left, _, right, _] = self.rest();
-            ((right - left) * 1e9).round() / 1e9
-        }
     }
 }
