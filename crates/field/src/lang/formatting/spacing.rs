@@ -27,20 +27,14 @@ fn is_binary(kind: PieceKind) -> bool {
     matches!(kind, PieceKind::Token(kind) if BinaryOp::infix(kind).is_some())
 }
 
+fn is_any(piece: &Piece<'_>, kinds: &[Kind]) -> bool {
+    kinds.iter().any(|kind| piece.is(*kind))
+}
+
 /// True if a piece after a complete expression continues this expression.
 pub(super) fn continues(piece: &Piece<'_>) -> bool {
-    let sign = matches!(
-        piece.kind,
-        PieceKind::Token(
-            Kind::Dot
-                | Kind::Range
-                | Kind::Colon
-                | Kind::Assign
-                | Kind::Comma
-                | Kind::CloseParen
-                | Kind::OpenBrace
-        )
-    );
+    use Kind::{Assign, CloseParen, Colon, Comma, Dot, OpenBrace, Range};
+    let sign = is_any(piece, &[Dot, Range, Colon, Assign, Comma, CloseParen, OpenBrace]);
     sign || is_binary(piece.kind) || ["then", "else", "in", "while"].iter().any(|word| piece.is_word(word))
 }
 
@@ -63,8 +57,7 @@ pub(super) fn role(
     if this.is(Kind::Not) || this.is(Kind::Minus) && !before.is_some_and(Piece::ends_operand) {
         return Role::Prefix;
     }
-    let may_be_tight =
-        [Kind::Star, Kind::Slash, Kind::Percent, Kind::Caret, Kind::Range].iter().any(|kind| this.is(*kind));
+    let may_be_tight = is_any(this, &[Kind::Star, Kind::Slash, Kind::Percent, Kind::Caret, Kind::Range]);
     if is_binary(this.kind) || this.is(Kind::Range) {
         let tight = may_be_tight && !first && this.blanks == 0 && after.is_some_and(is_glued);
         return if tight { Role::Tight } else { Role::Spaced };
@@ -88,10 +81,8 @@ pub(super) fn blanks(before: (&Piece<'_>, Role), this: (&Piece<'_>, Role)) -> us
         Role::FirstMinus => return written.min(1),
         _ => {}
     }
-    if b.is(Kind::Comma) || b.is(Kind::Semicolon) || b.is(Kind::Colon) {
-        return 0;
-    }
-    if a.is(Kind::OpenParen) || b.is(Kind::CloseParen) {
+    let ends = [Kind::Comma, Kind::Semicolon, Kind::Colon, Kind::CloseParen];
+    if is_any(b, &ends) || a.is(Kind::OpenParen) {
         return 0;
     }
     if a.is(Kind::Dot) || b.is(Kind::Dot) {
@@ -109,9 +100,7 @@ pub(super) fn blanks(before: (&Piece<'_>, Role), this: (&Piece<'_>, Role)) -> us
     }
     let one = b.is(Kind::CloseBrace)
         || b.is(Kind::OpenBrace) && a.is(Kind::CloseParen)
-        || a.is(Kind::Comma)
-        || a.is(Kind::Colon)
-        || a.is(Kind::Assign)
+        || is_any(a, &[Kind::Comma, Kind::Colon, Kind::Assign])
         || matches!(role_a, Role::Spaced | Role::ItemWord)
         || matches!(role_b, Role::Spaced | Role::Compound)
         || a.kind == PieceKind::Reserved && !a.ends_operand();
