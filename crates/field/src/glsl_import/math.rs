@@ -53,6 +53,7 @@ impl Executor<'_, '_> {
         first: ExprId,
         others: [Option<ExprId>; 3],
     ) -> Result<Option<Vec<Part>>> {
+        use MathFunction::{Abs, Clamp, Dot, Max, Min, Sign};
         let len = self.info(first)?.len as usize;
         let mut result = Vec::with_capacity(len);
         for index in 0..len {
@@ -63,24 +64,14 @@ impl Executor<'_, '_> {
                 }
             }
             let part = match (of, values) {
-                (MathFunction::Abs, [Part::Int(a), ..]) => Part::Int(a.wrapping_abs()),
-                (MathFunction::Sign, [Part::Int(a), ..]) => Part::Int(a.signum()),
-                (MathFunction::Min, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.min(b)),
-                (MathFunction::Max, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.max(b)),
-                (MathFunction::Clamp, [Part::Int(a), Part::Int(b), Part::Int(c)]) => {
-                    Part::Int(a.max(b).min(c))
-                }
-                (MathFunction::Min, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.min(b)),
-                (MathFunction::Max, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.max(b)),
-                (
-                    MathFunction::Abs
-                    | MathFunction::Sign
-                    | MathFunction::Min
-                    | MathFunction::Max
-                    | MathFunction::Clamp
-                    | MathFunction::Dot,
-                    _,
-                ) => return Ok(None),
+                (Abs, [Part::Int(a), ..]) => Part::Int(a.wrapping_abs()),
+                (Sign, [Part::Int(a), ..]) => Part::Int(a.signum()),
+                (Min, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.min(b)),
+                (Max, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.max(b)),
+                (Clamp, [Part::Int(a), Part::Int(b), Part::Int(c)]) => Part::Int(a.max(b).min(c)),
+                (Min, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.min(b)),
+                (Max, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.max(b)),
+                (Abs | Sign | Min | Max | Clamp | Dot, _) => return Ok(None),
                 _ => return Err(super::operators::bits(self.here)),
             };
             result.push(part);
