@@ -72,13 +72,8 @@ impl Holds {
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,
-            Holds::Number
-            | Holds::ToneMap
-            | Holds::Material
-            | Holds::Text
-            | Holds::TransitionStyle
-            | Holds::Shape => 1,
             Holds::Range | Holds::Place => 2,
+            _ => 1,
         }
     }
 }
