@@ -91,7 +91,8 @@ impl RayProbe<'_> {
                 break;
             }
             let off = if is_plane { 0.0 } else { cone.max(MIRROR_START) };
-            let mirrored = reflected(ray.direction, normal);
+            let along = 2.0 * dot(ray.direction, normal);
+            let mirrored = difference(ray.direction, normal.map(|part| along * part));
             // Keep the mirrored ray from entering the surface.
             let lift = (0.02 - dot(mirrored, normal)).max(0.0);
             ray = Ray {
@@ -288,11 +289,6 @@ impl RayProbe<'_> {
         }
         1.0
     }
-}
-
-fn reflected(direction: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
-    let along = 2.0 * dot(direction, normal);
-    std::array::from_fn(|axis| direction[axis] - along * normal[axis])
 }
 
 // Shadow rays, with the triangulation between their steps (`shaders/shadow.glsl`; Abt 2022, figure 11).
