@@ -177,7 +177,7 @@ fn crossings(corners: [f32; 4]) -> Vec<Vec2> {
 impl RayDiagram {
     /// Draws the diagram over an image of RGBA bytes, top row first, that has the diagram's size.
     pub fn draw_over(&self, rgba: &mut [u8]) {
-        let mut letters = Letters::new();
+        let mut letters = Letters::default();
         let width = self.size.x as usize;
         for group in &self.groups {
             let mut canvas = Canvas { rgba, width, size: self.size, group };

@@ -81,7 +81,7 @@ impl Caption {
         let room = area.right.saturating_sub(area.left);
         let side = size.0.min(size.1) as f32;
         let letters_size = (side * LETTERS_FRACTION).clamp(LETTERS.0, LETTERS.1).round();
-        let mut letters = Letters::new();
+        let mut letters = Letters::default();
         let mut bottom = area.bottom;
         let mut lines = Vec::new();
         // Start with the last line, because lines are placed from the bottom up.

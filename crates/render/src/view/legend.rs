@@ -74,6 +74,7 @@ const FRACTION_MAX: (f32, f32) = (0.7, 0.7);
 const ROWS_MAX: usize = 6;
 
 /// Draws legends, and caches the last legend.
+#[derive(Default)]
 pub struct LegendPainter {
     letters: Letters,
     last: Option<Known>,
@@ -83,12 +84,6 @@ struct Known {
     legend: Legend,
     size: (u32, u32),
     drawn: Option<Arc<LegendPicture>>,
-}
-
-impl Default for LegendPainter {
-    fn default() -> Self {
-        Self { letters: Letters::new(), last: None }
-    }
 }
 
 impl LegendPainter {

@@ -24,11 +24,13 @@ pub(crate) struct Line {
     pub cover: Vec<u8>,
 }
 
-impl Letters {
-    pub(crate) fn new() -> Self {
+impl Default for Letters {
+    fn default() -> Self {
         Self::with_fonts(SystemFonts::default())
     }
+}
 
+impl Letters {
     fn with_fonts(system: SystemFonts) -> Self {
         let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
         Self { fonts, system, looked_for: BTreeSet::new() }
