@@ -53,12 +53,15 @@ impl Lowering<'_> {
             };
             *slot = Some(vector);
         }
+        if matches!(row.builtin, Builtin::Table(_)) {
+            self.used(uses::FRAME, row.name, span);
+        }
         match (row.builtin, vectors) {
-            (Builtin::Each(op) | Builtin::OneOrTwo(op, _), [Some(a), None, ..]) => {
+            (Builtin::Each(op) | Builtin::OneOrTwo(op, _) | Builtin::Table(op), [Some(a), None, ..]) => {
                 Value::Vector(a.map(|part| self.graph.unary(op, part)))
             }
             (Builtin::Float, [Some(a), ..]) if a.len() == 1 => Value::Vector(a),
-            (Builtin::Pair(op) | Builtin::OneOrTwo(_, op), [Some(a), Some(b), ..]) => {
+            (Builtin::Pair(op) | Builtin::OneOrTwo(_, op) | Builtin::Table(op), [Some(a), Some(b), ..]) => {
                 self.pair(op, a, b, row.name, span)
             }
             (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
@@ -76,13 +79,6 @@ impl Lowering<'_> {
             }
             (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
             (Builtin::Levels(list), [Some(a), ..]) => self.level(list, a, span),
-            (Builtin::Table(op), [Some(a), b, ..]) => {
-                self.used(uses::FRAME, row.name, span);
-                match b {
-                    Some(b) => self.pair(op, a, b, row.name, span),
-                    None => Value::Vector(a.map(|part| self.graph.unary(op, part))),
-                }
-            }
             _ => {
                 let arguments = vectors.iter().flatten();
                 let types: Vec<&str> = arguments.map(|&vector| Value::Vector(vector).described()).collect();
