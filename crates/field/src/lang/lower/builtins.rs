@@ -147,15 +147,13 @@ impl Lowering<'_> {
         self.used(uses::FRAME, name, span);
         if index.len() != 1 {
             let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
-            self.reports.add(Diagnostic::new(span, message));
-            return None;
+            return self.reports.refuse(Diagnostic::new(span, message));
         }
         let part = index.first();
         let Some(number) = self.known(part) else { return Some(Number::Computed(part)) };
         if number < 0.0 || number >= list.count() as f32 || number.fract() != 0.0 {
             let message = format!("there is no {} {number}", list.what());
-            self.reports.add(Diagnostic::new(span, message).hint(list.numbers()));
-            return None;
+            return self.reports.refuse(Diagnostic::new(span, message).hint(list.numbers()));
         }
         Some(Number::Known(number as usize))
     }

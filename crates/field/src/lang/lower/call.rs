@@ -133,8 +133,8 @@ impl Lowering<'_> {
         };
         let Some(value) = value else {
             let wrong = Diagnostic::unsupported(span, "a loop's bounds must be constants");
-            self.reports.add(wrong.hint("write whole numbers; to skip iterations use `if` in the loop"));
-            return None;
+            let hint = "write whole numbers; to skip iterations use `if` in the loop";
+            return self.reports.refuse(wrong.hint(hint));
         };
         self.reports.whole_bound(value, span)
     }

@@ -186,8 +186,7 @@ impl Lowering<'_> {
                     }
                     _ => wrong,
                 };
-                self.reports.add(wrong);
-                None
+                self.reports.refuse(wrong)
             }
         }
     }

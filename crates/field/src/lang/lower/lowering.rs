@@ -340,16 +340,13 @@ impl<'a> Lowering<'a> {
             Value::Unknown => None,
             Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),
             other => {
-                let wrong = Diagnostic::new(
-                    span,
-                    format!("{what} must be a number, but this is {}", other.described()),
-                );
-                self.reports.add(match other {
+                let message = format!("{what} must be a number, but this is {}", other.described());
+                let wrong = Diagnostic::new(span, message);
+                self.reports.refuse(match other {
                     Value::Vector(_) => wrong.hint(hint),
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
                     _ => wrong.hint("write a number or a formula"),
-                });
-                None
+                })
             }
         }
     }

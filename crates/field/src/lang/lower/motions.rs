@@ -54,8 +54,7 @@ impl MotionCall<'_, '_> {
             let message = format!("`{}` remembers numbers of the sound, not {what}", self.row.name);
             let hint = "it takes numbers, levels and parts of the sound, the time and parameters: `band(i)` \
                         instead of `spectrum(u)`";
-            self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
-            return None;
+            return self.outer.reports.refuse(Diagnostic::new(place, message).hint(hint));
         }
         Some(vector)
     }
@@ -86,8 +85,7 @@ impl MotionCall<'_, '_> {
         if graph.motions().len() > max {
             let message = format!("the scene has more than {max} numbers with inertia");
             let hint = "let several things follow the same number";
-            self.outer.reports.add(Diagnostic::over_limit(self.call.span, message).hint(hint));
-            return None;
+            return self.outer.reports.refuse(Diagnostic::over_limit(self.call.span, message).hint(hint));
         }
         Some(value)
     }

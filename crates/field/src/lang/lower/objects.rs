@@ -114,8 +114,7 @@ impl SceneBuilder<'_> {
                     "write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun",
                 ),
             };
-        self.report(Diagnostic::new(place, message).hint(hint));
-        None
+        self.lowering.reports.refuse(Diagnostic::new(place, message).hint(hint))
     }
 
     /// Notes a sun whose light always rises, which leaves floors and the tops of objects dark.

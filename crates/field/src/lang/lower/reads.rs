@@ -38,8 +38,7 @@ impl Read<'_, '_> {
             other => {
                 let message = format!("`{}` takes {what}, not {}", self.name, other.described());
                 let wrong = Diagnostic::new(self.place(argument), message).hint(hint);
-                self.outer.reports.add(wrong);
-                None
+                self.outer.reports.refuse(wrong)
             }
         }
     }
@@ -52,8 +51,7 @@ impl Read<'_, '_> {
             other => {
                 let message =
                     format!("`{}` takes a vec2 as its position, not {}", self.name, other.described());
-                self.outer.reports.add(Diagnostic::new(self.place(argument), message).hint(hint));
-                None
+                self.outer.reports.refuse(Diagnostic::new(self.place(argument), message).hint(hint))
             }
         }
     }
@@ -112,8 +110,7 @@ impl Read<'_, '_> {
         if self.outer.declared.textures.len() >= max {
             let message = format!("the scene reads more than {max} images; the last frame counts as one");
             let wrong = Diagnostic::over_limit(texture.span, message);
-            self.outer.reports.add(wrong.hint("combine several images into one file"));
-            return None;
+            return self.outer.reports.refuse(wrong.hint("combine several images into one file"));
         }
         self.outer.declared.textures.push(texture);
         Some((self.outer.declared.textures.len() - 1) as u16)
@@ -175,8 +172,7 @@ impl Read<'_, '_> {
                 } else {
                     return Some(ShapeSource::Text { text, font });
                 };
-                self.outer.reports.add(wrong);
-                None
+                self.outer.reports.refuse(wrong)
             }
         }
     }
@@ -190,8 +186,7 @@ impl Read<'_, '_> {
         if shapes.len() >= max {
             let message = format!("the scene has more than {max} different texts and pictures as shapes");
             let wrong = Diagnostic::over_limit(span, message).hint("write several words as one text");
-            self.outer.reports.add(wrong);
-            return None;
+            return self.outer.reports.refuse(wrong);
         }
         shapes.push(ShapeRef { source, span, baker: None });
         Some(shapes.len() - 1)

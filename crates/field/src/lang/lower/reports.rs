@@ -38,6 +38,13 @@ impl Reports<'_> {
         Value::Unknown
     }
 
+    /// Like [`Self::add`], and returns `None`.
+    #[cold]
+    pub(super) fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
+        self.add(diagnostic);
+        None
+    }
+
     #[cold]
     pub(super) fn stop(&mut self, span: Span, message: String, hint: &str) -> Value {
         let value = self.add(Diagnostic::over_limit(span, message).hint(hint));
@@ -82,11 +89,8 @@ impl Reports<'_> {
     /// Returns a loop's bound. Reports a number that is not whole or too large.
     pub(super) fn whole_bound(&mut self, value: f32, span: Span) -> Option<i64> {
         if value.fract() != 0.0 || value.abs() > 1e6 {
-            self.add(Diagnostic::new(
-                span,
-                format!("a loop's bounds must be whole numbers up to 1000000, but this is {value}"),
-            ));
-            return None;
+            let message = format!("a loop's bounds must be whole numbers up to 1000000, but this is {value}");
+            return self.refuse(Diagnostic::new(span, message));
         }
         Some(value as i64)
     }

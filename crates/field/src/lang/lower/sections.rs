@@ -430,8 +430,7 @@ impl SceneBuilder<'_> {
         let near = suggest::nearest(self.lowering.name(symbol), names);
         let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.lowering.name(symbol)));
         let hint = format!("declare it: `material {} {{ color = vec3(0.5) }}`", self.lowering.name(symbol));
-        self.report(unknown.hint(hint).did_you_mean(near));
-        None
+        self.lowering.reports.refuse(unknown.hint(hint).did_you_mean(near))
     }
 }
 

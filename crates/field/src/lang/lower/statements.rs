@@ -53,8 +53,7 @@ impl Lowering<'_> {
             other => {
                 let message = format!("{what} needs a condition, but this is {}", other.described());
                 let wrong = Diagnostic::new(self.ast.span(id), message);
-                self.reports.add(wrong.hint("compare it, as in `a > 0`"));
-                None
+                self.reports.refuse(wrong.hint("compare it, as in `a > 0`"))
             }
         }
     }
@@ -314,8 +313,7 @@ impl BlockLowering<'_, '_> {
             Value::Unknown => return None,
             other => {
                 let message = format!("a loop's end must be a number, but this is {}", other.described());
-                self.outer.reports.add(Diagnostic::new(span, message));
-                return None;
+                return self.outer.reports.refuse(Diagnostic::new(span, message));
             }
         };
         if let Some(known) = self.outer.known(end) {
@@ -325,8 +323,7 @@ impl BlockLowering<'_, '_> {
         if most > self.outer.limits.scene_loop_max as f32 || !most.is_finite() {
             let wrong = Diagnostic::unsupported(span, "the largest number of iterations is not known");
             let hint = "let a loop's end depend on parameters only, as in `param rounds = 8 in 1 .. 12`, or clamp it";
-            self.outer.reports.add(wrong.hint(hint));
-            return None;
+            return self.outer.reports.refuse(wrong.hint(hint));
         }
         Some((most.ceil() as i64, Some(end)))
     }
