@@ -166,9 +166,8 @@ impl Lowering<'_> {
             let value = self.expr_below(ExprId(self.ast.extra(first + 2 * index + 1)), span);
             if fields.iter().any(|(known, _)| *known == name) {
                 let message = format!("the record has two values called `{}`", self.name(name));
-                return self
-                    .reports
-                    .add(Diagnostic::new(span, message).hint("choose another name for one of them"));
+                let hint = "choose another name for one of them";
+                return self.reports.add(Diagnostic::new(span, message).hint(hint));
             }
             fields.push((name, value));
         }

@@ -139,10 +139,9 @@ impl Lowering<'_> {
                 value
             }
             Expr::For(_) => {
-                let wrong =
-                    Diagnostic::unsupported(span, "a loop has many values, but a single one is needed here");
-                self.reports
-                    .add(wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"))
+                let message = "a loop has many values, but a single one is needed here";
+                let hint = "combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`";
+                self.reports.add(Diagnostic::unsupported(span, message).hint(hint))
             }
             Expr::Record(first, count) => self.record(first, count, span),
             _ => Value::Unknown,
@@ -179,14 +178,13 @@ impl Lowering<'_> {
                 let message =
                     format!("{} works on numbers and vectors, but this is {}", what(), other.described());
                 let wrong = Diagnostic::new(span, message);
-                let wrong = match other {
+                self.reports.refuse(match other {
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
                     Value::Record(record) => {
                         wrong.hint(self.scope.composites.fields_in_words(record, self.names))
                     }
                     _ => wrong,
-                };
-                self.reports.refuse(wrong)
+                })
             }
         }
     }
@@ -225,9 +223,8 @@ impl Lowering<'_> {
     fn comparison(&mut self, op: BinaryOp, a: Vector, b: Vector, span: Span) -> Value {
         if matches!(op, BinaryOp::And | BinaryOp::Or) {
             let message = format!("`{}` joins conditions, but these are numbers", op.sign());
-            return self
-                .reports
-                .add(Diagnostic::new(span, message).hint("compare them, as in `a > 0 && b > 0`"));
+            let hint = "compare them, as in `a > 0 && b > 0`";
+            return self.reports.add(Diagnostic::new(span, message).hint(hint));
         }
         if a.len() != 1 || b.len() != 1 {
             let message = format!("`{}` compares numbers, not vectors", op.sign());
@@ -291,10 +288,8 @@ impl Lowering<'_> {
         if !is_swizzle(text) {
             let message =
                 format!("`.{}` does not name components", text.chars().take(20).collect::<String>());
-            let wrong = Diagnostic::new(span, message);
-            return self
-                .reports
-                .add(wrong.hint("write up to four letters of `xyzw` or of `rgba`, as in `.xz`"));
+            let hint = "write up to four letters of `xyzw` or of `rgba`, as in `.xz`";
+            return self.reports.add(Diagnostic::new(span, message).hint(hint));
         }
         let mut parts = [vector.first(); 4];
         for (part, byte) in parts.iter_mut().zip(text.bytes()) {
@@ -314,9 +309,8 @@ impl Lowering<'_> {
         let short: String = name.chars().take(60).collect();
         let unknown = Diagnostic::new(span, format!("there is no `{short}` here"));
         if self.is_function(symbol) {
-            return self
-                .reports
-                .add(unknown.hint(format!("`{name}` is a function: call it, as in `{name}(…)`")));
+            let hint = format!("`{name}` is a function: call it, as in `{name}(…)`");
+            return self.reports.add(unknown.hint(hint));
         }
         if self.part(symbol).is_some() {
             let hint =

@@ -257,26 +257,23 @@ impl SceneBuilder<'_> {
     ///
     /// Numbers that are being edited are no constants here, and so remain inputs.
     pub(super) fn warn_of_values(&mut self, section: Section, values: &Values) {
-        let mut warnings = Vec::new();
         for field in fields(section) {
             let Some((Value::Vector(value), span)) = values.given(field.name) else { continue };
             let name = field.name;
             let clamped = field.range.and_then(|range| {
                 let numbers = value.parts().iter().filter_map(|part| self.lowering.graph.as_constant(*part));
-                let mut clamped = numbers.map(|number| (number, range.clamp(number)));
-                clamped
-                    .find(|(number, clamped)| !number.is_nan() && number != clamped)
-                    .map(|found| (range, found))
+                let mut clamped = numbers.map(|number| (range, number, range.clamp(number)));
+                clamped.find(|(_, number, clamped)| !number.is_nan() && number != clamped)
             });
-            if let Some((range, (number, clamped))) = clamped {
+            if let Some((range, number, clamped)) = clamped {
                 let message = format!("`{name}` cannot be {number}: it counts as {clamped}");
                 let screen = if field.is_color() && number > 1.0 {
                     "; colours of 0 to 255 become light by `srgb(vec3(255, 0, 0) / 255)`"
                 } else {
                     ""
                 };
-                warnings
-                    .push(Diagnostic::warning(span, message).hint(format!("write a number {range}{screen}")));
+                let hint = format!("write a number {range}{screen}");
+                self.lowering.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(hint));
             }
             for (_, _, needs) in NEEDS.iter().filter(|row| row.0 == section && row.1 == name) {
                 if needs.iter().any(|need| self.may_be_positive(section, need, values)) {
@@ -286,11 +283,8 @@ impl SceneBuilder<'_> {
                 let all: Vec<String> = others.map(|need| format!("`{need}`")).collect();
                 let message = format!("`{name}` shows nothing without {} above 0", all.join(" or "));
                 let hint = format!("set {}, or remove `{name}`", all.join(" or "));
-                warnings.push(Diagnostic::warning(span, message).hint(hint));
+                self.lowering.reports.diagnostics.warn(Diagnostic::warning(span, message).hint(hint));
             }
-        }
-        for warning in warnings {
-            self.lowering.reports.diagnostics.warn(warning);
         }
     }
 
