@@ -226,10 +226,9 @@ impl Parser<'_> {
         }
         let inner = self.within(true, Self::expression);
         if self.kind() == Kind::Comma {
-            let wrong = self.expected("`)`");
             let hint = "write a vector as `vec2(…)`, `vec3(…)` or `vec4(…)`; several results need names: \
                         `(near = a, index = b)`";
-            self.report(wrong.hint(hint));
+            self.report_missing("`)`", hint);
         }
         if self.close_paren(open, "`)`") { inner } else { self.error_node() }
     }

@@ -87,11 +87,8 @@ impl Parser<'_> {
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
                 if matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
-                    let wrong = Diagnostic::new(
-                        self.token().span,
-                        format!("{} has no opening bracket", self.found()),
-                    );
-                    self.report(wrong.hint("leave it out"));
+                    let message = format!("{} has no opening bracket", self.found());
+                    self.report(Diagnostic::new(self.token().span, message).hint("leave it out"));
                     self.advance();
                 }
             }
@@ -156,25 +153,20 @@ impl Parser<'_> {
             self.advance();
             return Some(Name { symbol: token.symbol, span: token.span });
         }
-        let wrong = self.expected(what);
-        let wrong = if token.is_reserved() {
-            wrong.hint("this word is reserved: choose another name")
+        if token.is_reserved() {
+            self.report_missing(what, "this word is reserved: choose another name");
         } else {
-            wrong
-        };
-        self.report(wrong);
+            self.report_expected(what);
+        }
         None
     }
 
     pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
-        let Some(name) = self.name("a name after `let`") else {
+        let name = self.name("a name after `let`").filter(|_| self.demand(Kind::Assign, "after the name"));
+        let Some(name) = name else {
             self.skip_line();
             return None;
         };
-        if !self.demand(Kind::Assign, "after the name") {
-            self.skip_line();
-            return None;
-        }
         let value = self.expression();
         self.ast.record(NameEvent::Declares(NameKind::Let, name));
         self.end_of_entry();
@@ -189,8 +181,7 @@ impl Parser<'_> {
             Kind::Assign => "`=` gives a name its value; to compare write `==`",
             _ => return,
         };
-        let wrong = self.expected("the end of the expression").hint(hint);
-        self.report(wrong);
+        self.report_missing("the end of the expression", hint);
         if kind == Kind::Assign {
             self.skip_line();
         } else {
@@ -232,9 +223,8 @@ impl Parser<'_> {
             false if text == "uniform" => format!("declare a slider: `param {name} = 0.5 in 0 .. 1`"),
             false => format!("write `let {name} = …`"),
         };
-        self.report(
-            Diagnostic::unsupported(token.span, "a declaration does not begin with a type").hint(hint),
-        );
+        let unknown = Diagnostic::unsupported(token.span, "a declaration does not begin with a type");
+        self.report(unknown.hint(hint));
         for _ in 0..words {
             self.advance();
         }
@@ -258,10 +248,8 @@ impl Parser<'_> {
         if self.eat_word(word::IN) {
             let first = self.expression();
             if !self.eat(Kind::Range) {
-                self.report_missing(
-                    "`..` and the parameter's largest value",
-                    "write a parameter as `param melt = 1.3 in 0.1 .. 3`",
-                );
+                let hint = "write a parameter as `param melt = 1.3 in 0.1 .. 3`";
+                self.report_missing("`..` and the parameter's largest value", hint);
                 return self.broken(name);
             }
             range = Some((first, self.expression()));
@@ -308,8 +296,7 @@ impl Parser<'_> {
             }
         }
         if !self.eat(Kind::CloseParen) {
-            let wrong = self.expected("`,` or `)`").note(open, "for this `(`");
-            self.report(wrong);
+            self.report(self.expected("`,` or `)`").note(open, "for this `(`"));
             return self.broken(name);
         }
         let body = if self.kind() == Kind::OpenBrace {
@@ -361,9 +348,7 @@ impl Parser<'_> {
     /// Consumes the name of a section, or reports that it is missing.
     fn name_of(&mut self, word: &str) -> Option<Name> {
         if self.kind() == Kind::OpenBrace {
-            let missing =
-                self.expected("a name").hint(format!("each {word} has a name: `{word} first {{ … }}`"));
-            self.report(missing);
+            self.report_missing("a name", format!("each {word} has a name: `{word} first {{ … }}`"));
             return None;
         }
         self.name("a name")
@@ -418,8 +403,7 @@ impl Parser<'_> {
             }
         }
         if !self.eat(Kind::CloseBrace) {
-            let wrong = self.expected("`}`").note(open, "for this `{`");
-            self.report(wrong);
+            self.report(self.expected("`}`").note(open, "for this `{`"));
         }
         self.ast.record(NameEvent::Closes(self.end_before));
         Some(Item::Section { section, name, span, entries, broken })

@@ -180,14 +180,12 @@ impl Parser<'_> {
 
     /// Reports that `what` is missing here.
     fn report_expected(&mut self, what: &str) {
-        let wrong = self.expected(what);
-        self.report(wrong);
+        self.report(self.expected(what));
     }
 
     /// Reports that `what` is missing here, with a hint.
     fn report_missing(&mut self, what: &str, hint: impl Into<String>) {
-        let wrong = self.expected(what).hint(hint);
-        self.report(wrong);
+        self.report(self.expected(what).hint(hint));
     }
 
     /// Adds an expression that began at `start` and ends here.
