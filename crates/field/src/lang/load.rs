@@ -177,9 +177,8 @@ impl Loader<'_, '_> {
         }
         if self.loaded.includes.len() >= count {
             let message = format!("the scene includes more than {count} files");
-            return self
-                .diagnostics
-                .push(Diagnostic::over_limit(span, message).hint("merge some of them into one file"));
+            let hint = "merge some of them into one file";
+            return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
         }
         match (self.resolve)(&name) {
             Err(reason) => {

@@ -217,11 +217,8 @@ impl<'a> SceneBuilder<'a> {
             let material = self.default_material();
             let name = BARE_NAME.to_owned();
             self.add_object(Object { name, span, shape, bound: None, material, trusted: false });
-            self.lowering.origins.of_object(
-                self.parts.objects.len().saturating_sub(1),
-                Stretch::default(),
-                by,
-            );
+            let object = self.parts.objects.len().saturating_sub(1);
+            self.lowering.origins.of_object(object, Stretch::default(), by);
         }
     }
 

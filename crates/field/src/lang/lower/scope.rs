@@ -62,13 +62,9 @@ impl Scope {
     pub(super) fn assign(&mut self, floor: usize, symbol: Symbol, value: Value, by: Stretch) -> bool {
         let Some(&index) = self.innermost.get(symbol.index()) else { return false };
         let own = index as usize >= floor;
-        match self.bindings.get_mut(index as usize).filter(|_| own) {
-            Some(binding) => {
-                (binding.value, binding.by) = (value, by);
-                true
-            }
-            None => false,
-        }
+        let Some(binding) = self.bindings.get_mut(index as usize).filter(|_| own) else { return false };
+        (binding.value, binding.by) = (value, by);
+        true
     }
 
     /// The values of the bindings from `floor` on.
@@ -96,10 +92,7 @@ impl Scope {
     /// Returns the value and notes of a name, if the current function or block binds it.
     pub(super) fn local(&self, symbol: Symbol) -> Option<(Value, Stretch)> {
         let index = *self.innermost.get(symbol.index())? as usize;
-        if index < self.frame {
-            None
-        } else {
-            self.bindings.get(index).map(|binding| (binding.value, binding.by))
-        }
+        let binding = self.bindings.get(index).filter(|_| index >= self.frame)?;
+        Some((binding.value, binding.by))
     }
 }
