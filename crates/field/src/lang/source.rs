@@ -84,15 +84,14 @@ impl Sources {
 
     /// Returns the text of `span`; empty for a span outside all files.
     pub fn text(&self, span: Span) -> &str {
-        let Some(file) = self.file_at(span.start) else { return "" };
-        let (start, end) = ((span.start - file.base) as usize, span.end.saturating_sub(file.base) as usize);
-        file.text.get(start..end.min(file.text.len())).unwrap_or("")
+        let Some((file, bytes)) = self.place_in_file(span) else { return "" };
+        self.files.get(file).and_then(|file| file.text.get(bytes)).unwrap_or("")
     }
 
     /// Returns the location of `offset`; `None` for an offset outside all files.
     pub fn place(&self, offset: u32) -> Option<Place<'_>> {
-        let file = self.file_at(offset)?;
-        let mut at = ((offset - file.base) as usize).min(file.text.len());
+        let (file, bytes) = self.place_in_file(Span::new(offset, offset))?;
+        let (file, mut at) = (self.files.get(file)?, bytes.start);
         while !file.text.is_char_boundary(at) {
             at -= 1;
         }
@@ -124,10 +123,5 @@ impl Sources {
     /// First offset and length of each file, in bytes.
     pub(super) fn extents(&self) -> impl Iterator<Item = (u32, u32)> {
         self.files.iter().map(|file| (file.base, file.text.len() as u32))
-    }
-
-    fn file_at(&self, offset: u32) -> Option<&SourceFile> {
-        let index = self.files.partition_point(|file| file.base <= offset);
-        self.files.get(index.checked_sub(1)?)
     }
 }
