@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::pieces::{behind, width};
-use super::layout::{Line, Start};
+use super::layout::{Line, Start, push};
 
 /// Columns of one level of indentation.
 const INDENT: usize = 2;
@@ -21,13 +21,11 @@ pub(super) fn written(mut lines: Vec<Line>, line_end: &str) -> String {
         if line.gap {
             text.push_str(line_end);
         }
-        pad(&mut text, column);
-        text.push_str(&line.head);
+        push(&mut text, column, &line.head);
         let mut end = behind(column, &line.head);
         let mut moved = column as isize - line.written_at as isize;
         if let Some(equals) = &line.equals {
-            pad(&mut text, equals.blanks);
-            text.push_str(&equals.text);
+            push(&mut text, equals.blanks, &equals.text);
             moved = (end + equals.blanks) as isize - equals.written_at as isize;
             end = behind(end + equals.blanks, &equals.text);
         }
@@ -36,17 +34,12 @@ pub(super) fn written(mut lines: Vec<Line>, line_end: &str) -> String {
                 1 => 1,
                 _ => comment.written_at.saturating_sub(end).max(BEFORE_COMMENT),
             };
-            pad(&mut text, blanks);
-            text.push_str(&comment.text);
+            push(&mut text, blanks, &comment.text);
         }
         text.push_str(line_end);
         placed.push((column, moved));
     }
     text
-}
-
-fn pad(text: &mut String, blanks: usize) {
-    text.extend(std::iter::repeat_n(' ', blanks));
 }
 
 fn column(line: &Line, placed: &[(usize, isize)]) -> usize {

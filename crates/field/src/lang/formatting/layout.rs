@@ -195,7 +195,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-fn push(line: &mut String, blanks: usize, text: &str) {
+pub(super) fn push(line: &mut String, blanks: usize, text: &str) {
     line.extend(std::iter::repeat_n(' ', blanks));
     line.push_str(text);
 }
