@@ -193,13 +193,12 @@ impl Lexer<'_> {
         let length = rest.find(['"', '\n']).unwrap_or(rest.len());
         self.at = start + 1 + length;
         let text = rest[..length].trim_end_matches('\r');
-        if self.peek(0) == b'"' {
-            self.at += 1;
-        } else {
+        if self.peek(0) != b'"' {
             let open = Diagnostic::new(self.span(start), "this text is never closed");
             self.diagnostics.push(open.hint("end it with `\"` on the same line"));
             return (Kind::Unknown, Symbol(0));
         }
+        self.at += 1;
         (Kind::Text, self.names.intern(text))
     }
 
