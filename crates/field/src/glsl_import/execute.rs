@@ -57,25 +57,17 @@ impl<'m> Executor<'m, '_> {
     fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits> {
         let changes = self.memory.changes(exits.mark);
         self.step(changes.len())?;
-        match exits.mask {
-            None => {
-                for slot in changes.into_keys().filter(|slot| (*slot as usize) < end) {
-                    exits.changed.insert(slot, self.memory.at(slot));
-                }
-                exits.mask = Some(live);
+        let slots: BTreeSet<u32> = changes.keys().chain(exits.changed.keys()).copied().collect();
+        for slot in slots.into_iter().filter(|slot| (*slot as usize) < end) {
+            let mut part = self.memory.at(slot);
+            if exits.mask.is_some() {
+                let before = changes.get(&slot).copied().unwrap_or(part);
+                let earlier = exits.changed.get(&slot).copied().unwrap_or(before);
+                part = self.select(live, part, earlier)?;
             }
-            Some(mask) => {
-                let slots: BTreeSet<u32> = changes.keys().chain(exits.changed.keys()).copied().collect();
-                for slot in slots.into_iter().filter(|slot| (*slot as usize) < end) {
-                    let now = self.memory.at(slot);
-                    let before = changes.get(&slot).copied().unwrap_or(now);
-                    let earlier = exits.changed.get(&slot).copied().unwrap_or(before);
-                    let part = self.select(live, now, earlier)?;
-                    exits.changed.insert(slot, part);
-                }
-                exits.mask = Some(self.or(mask, live));
-            }
+            exits.changed.insert(slot, part);
         }
+        exits.mask = Some(exits.mask.map_or(live, |mask| self.or(mask, live)));
         Ok(exits)
     }
 
@@ -197,31 +189,27 @@ impl<'m> Executor<'m, '_> {
     /// Writes to memory. A computed index writes to every element, where the index selects it.
     fn store(&mut self, pointer: &Pointer, parts: &[Part]) -> Result<()> {
         self.step(parts.len())?;
-        match pointer.indices.split_last() {
-            None => {
-                for (slot, part) in (pointer.start..).zip(parts) {
-                    self.memory.store_part(slot, *part);
-                }
-                Ok(())
+        let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
+            for (slot, part) in (pointer.start..).zip(parts) {
+                self.memory.store_part(slot, *part);
             }
-            Some((&(index, count, stride), rest)) => {
-                for element in 0..count {
-                    let number = self.graph.constant(element as f32);
-                    let chosen = self.graph.binary(Op::Equal, index, number);
-                    if chosen == self.zero {
-                        continue;
-                    }
-                    let start = pointer.start + element * stride;
-                    let element = Pointer { start, len: pointer.len, indices: rest.to_vec() };
-                    let before = self.load(&element)?;
-                    let pairs = parts.iter().zip(before);
-                    let now = pairs.map(|(part, before)| self.select(chosen, *part, before));
-                    let now = now.collect::<Result<Vec<_>>>()?;
-                    self.store(&element, &now)?;
-                }
-                Ok(())
+            return Ok(());
+        };
+        for element in 0..count {
+            let number = self.graph.constant(element as f32);
+            let chosen = self.graph.binary(Op::Equal, index, number);
+            if chosen == self.zero {
+                continue;
             }
+            let start = pointer.start + element * stride;
+            let element = Pointer { start, len: pointer.len, indices: rest.to_vec() };
+            let before = self.load(&element)?;
+            let pairs = parts.iter().zip(before);
+            let now = pairs.map(|(part, before)| self.select(chosen, *part, before));
+            let now = now.collect::<Result<Vec<_>>>()?;
+            self.store(&element, &now)?;
         }
+        Ok(())
     }
 
     /// Reads memory. A computed index selects between all elements; outside the array it reads the first one.
