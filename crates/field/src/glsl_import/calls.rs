@@ -164,10 +164,8 @@ impl GlslSession {
         if std::mem::take(&mut self.cuts_loops) {
             let message =
                 format!("rounds of a loop after the first {ROUNDS_WITHOUT_COUNT}: nothing counts them");
-            left_out.push(
-                Diagnostic::unsupported(Span::default(), message)
-                    .hint("count its rounds, as in `for (int i = 0; i < 64; i++)`"),
-            );
+            let hint = "count its rounds, as in `for (int i = 0; i < 64; i++)`";
+            left_out.push(Diagnostic::unsupported(Span::default(), message).hint(hint));
         }
         left_out
     }

@@ -33,11 +33,8 @@ impl Written {
 
     /// Returns the place in the user's text of a range of the text.
     pub(super) fn source_range(&self, range: Span) -> Span {
-        let first = self.source(range.start).map_or(Span::default(), |(place, _)| place);
-        let last = self
-            .source(range.end.saturating_sub(1).max(range.start))
-            .map_or(Span::default(), |(place, _)| place);
-        first.to(last)
+        let place = |offset| self.source(offset).map_or(Span::default(), |(place, _)| place);
+        place(range.start).to(place(range.end.saturating_sub(1).max(range.start)))
     }
 
     fn push(&mut self, token: &Token<'_>, item: usize) {
