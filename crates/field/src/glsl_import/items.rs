@@ -208,15 +208,7 @@ fn block<'a>(tokens: &[Token<'a>], start: usize, origin: Origin, items: &mut Vec
         plain.extend(words(body.get(..length).unwrap_or_default()));
         plain.push(of.made(";", Kind::Sign));
         items.push(Item::Plain(plain));
-        let (of, name) = (*of, *name);
-        items.push(Item::Global(Global {
-            name,
-            of,
-            array: Vec::new(),
-            value: Vec::new(),
-            is_const: false,
-            origin,
-        }));
+        globals(*of, Vec::new(), &[*name], false, origin, items);
     } else {
         for member in members.split(|token| token.is(";")) {
             let member = words(member);
@@ -317,10 +309,9 @@ fn check_sizes(tokens: &[Token<'_>]) -> Result<()> {
         {
             product = if end == at { product.saturating_mul(size) } else { size };
             if product > u64::from(PARTS_MAX) {
+                let (place, hint) = (open.place().to(close.place()), "make it smaller");
                 let message = format!("an array has more than {PARTS_MAX} values");
-                return Err(
-                    Diagnostic::over_limit(open.place().to(close.place()), message).hint("make it smaller")
-                );
+                return Err(Diagnostic::over_limit(place, message).hint(hint));
             }
             end = at + 3;
         }
@@ -403,16 +394,11 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<()> {
         level.deepest = level.deepest.max(level.operand);
         if total + level.deepest > GLSL_NESTING_MAX {
             let message = format!("this statement nests more than {GLSL_NESTING_MAX} operators and brackets");
-            return Err(
-                Diagnostic::over_limit(token.place(), message).hint("split it into several statements")
-            );
+            let hint = "split it into several statements";
+            return Err(Diagnostic::over_limit(token.place(), message).hint(hint));
         }
     }
-    match level.bracket {
-        Some(bracket) => {
-            Err(Diagnostic::new(bracket.place(), format!("this `{}` is never closed", bracket.text))
-                .hint("check that every bracket is opened and closed"))
-        }
-        None => Ok(()),
-    }
+    let Some(bracket) = level.bracket else { return Ok(()) };
+    let message = format!("this `{}` is never closed", bracket.text);
+    Err(Diagnostic::new(bracket.place(), message).hint("check that every bracket is opened and closed"))
 }
