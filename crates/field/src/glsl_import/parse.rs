@@ -215,12 +215,10 @@ impl GlslFile {
     /// Returns the mistake in a function's body, if there is one. Calls of the function report it.
     pub fn problem_of(&self, function: &GlslFunction) -> Option<&Diagnostic> {
         let body = &self.module.functions.try_get(function.handle).ok()?.body;
-        body.iter().find_map(|statement| match statement {
-            naga::Statement::Call { function, .. } => match self.special.get(function) {
-                Some(Special::Broken(index)) => self.problems.get(*index),
-                _ => None,
-            },
-            _ => None,
+        body.iter().find_map(|statement| {
+            let naga::Statement::Call { function, .. } = statement else { return None };
+            let Special::Broken(index) = self.special.get(function)? else { return None };
+            self.problems.get(*index)
         })
     }
 

@@ -79,13 +79,8 @@ pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<V
         }
         at += length;
     }
-    match conditions.last() {
-        Some(open) => {
-            Err(Diagnostic::new(open.begin.place(), "this `#if` has no `#endif`")
-                .hint("end it with `#endif`"))
-        }
-        None => Ok(this.out),
-    }
+    let Some(open) = conditions.last() else { return Ok(this.out) };
+    Err(Diagnostic::new(open.begin.place(), "this `#if` has no `#endif`").hint("end it with `#endif`"))
 }
 
 impl<'a> Preprocessor<'a> {
@@ -163,9 +158,8 @@ impl<'a> Preprocessor<'a> {
 
     fn define(&mut self, define: Token<'a>, rest: &[Token<'a>]) -> Result<()> {
         let Some((name, rest)) = rest.split_first().filter(|(name, _)| name.is_word()) else {
-            return Err(
-                Diagnostic::new(define.place(), "`#define` needs a name").hint("write `#define NAME value`")
-            );
+            let hint = "write `#define NAME value`";
+            return Err(Diagnostic::new(define.place(), "`#define` needs a name").hint(hint));
         };
         if let Some(paste) = rest.iter().find(|token| token.is("##") || token.is("#")) {
             return Err(Diagnostic::unsupported(paste.place(), "macros cannot join words with `##`")
@@ -216,9 +210,8 @@ impl<'a> Preprocessor<'a> {
             }
             if active.len() >= 4 * NESTING_MAX {
                 let message = format!("macros use each other more than {} deep", 4 * NESTING_MAX);
-                return Err(
-                    Diagnostic::over_limit(token.place(), message).hint("make some of them functions")
-                );
+                let hint = "make some of them functions";
+                return Err(Diagnostic::over_limit(token.place(), message).hint(hint));
             }
             let floor;
             let body = match &of.parameters {

@@ -133,11 +133,8 @@ impl<'m> SamplerRead<'_, 'm, '_> {
         }
         let name = self.global_name(number);
         let is_unnamed = name.starts_with("iChannel");
-        self.of.session.pictures.insert(if name.is_empty() {
-            "a texture".to_owned()
-        } else {
-            name.to_owned()
-        });
+        let shown = if name.is_empty() { "a texture" } else { name };
+        self.of.session.pictures.insert(shown.to_owned());
         let up = match *at {
             [u, v] if is_unnamed && self.moves(at).is_none() => {
                 let [coarse, fine] = GRAIN.map(|size| flat_noise(self.of.graph, [u, v], size)[0]);
