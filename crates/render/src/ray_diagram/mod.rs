@@ -235,15 +235,10 @@ impl Drawing<'_> {
             let end = one.surface.as_ref().map_or(INTO_THE_SKY, |surface| surface.hit.distance);
             // The ray from the eye is a single point of the image.
             if number > 0 {
-                marks.extend(self.line(
-                    along(one.ray.origin, one.ray.direction, 0.0),
-                    along(one.ray.origin, one.ray.direction, end),
-                    wide,
-                    MIRROR,
-                ));
+                let at = |t: f32| along(one.ray.origin, one.ray.direction, t);
+                marks.extend(self.line(at(0.0), at(end), wide, MIRROR));
                 for step in &one.steps {
-                    let center = along(one.ray.origin, one.ray.direction, step.t);
-                    marks.extend(self.ball(center, step.value, thin, [96, 214, 230, 110]));
+                    marks.extend(self.ball(at(step.t), step.value, thin, [96, 214, 230, 110]));
                 }
             }
             let Some(surface) = &one.surface else { continue };
@@ -280,17 +275,14 @@ impl Drawing<'_> {
         let gap = (0.6 * self.unit).round();
         let width = (0.4 * self.size.x).round();
         let height = ((self.size.y - 4.0 * gap) / 3.0).floor();
-        let place = |row: usize| {
-            let low = vec2(self.size.x - gap - width, gap + row as f32 * (height + gap));
-            [low, low + vec2(width, height)]
-        };
         if width < 12.0 * self.unit || height < 5.0 * self.unit {
             return;
         }
-        let mut rows = 0;
+        let (left, mut top) = (self.size.x - gap - width, gap);
         let mut next = || {
-            rows += 1;
-            place(rows - 1)
+            let low = vec2(left, top);
+            top += height + gap;
+            [low, low + vec2(width, height)]
         };
         let mut made = vec![self.eye_ray(first, next(), names)];
         if let Some(surface) = &first.surface {
@@ -338,12 +330,8 @@ impl Drawing<'_> {
             if surface.reflectance > 0.0 {
                 let back = 2.0 * normal[0];
                 let mirrored = [1.0 - back * normal[0], -back * normal[1]];
-                section.line(
-                    [reached, 0.0],
-                    [reached + 9.0 * length * mirrored[0], 9.0 * length * mirrored[1]],
-                    0.1,
-                    MIRROR,
-                );
+                let end = [reached + 9.0 * length * mirrored[0], 9.0 * length * mirrored[1]];
+                section.line([reached, 0.0], end, 0.1, MIRROR);
             }
             section.disc([reached, 0.0], 0.26, RAY);
         }

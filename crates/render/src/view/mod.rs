@@ -121,10 +121,7 @@ impl FromStr for ViewChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, number) = match text.split_once(':') {
-            Some((name, number)) => (name, Some(number)),
-            None => (text, None),
-        };
+        let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
         let name = name.trim();
         let row = VIEWS.iter().find(|row| row.name == name).ok_or_else(|| {
             format!("there is no view '{name}'; the views are {}", VIEWS.map(|row| row.name).join(", "))
