@@ -45,10 +45,8 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBal
     bool is_probed = s.open < 0.0 && (PLANES > 0 || occluder_near(p)) && is_occlusion_seen(s, thrown, light, fraction);
     LightRay ray = LightRay(p, s.normal, is_probed ? FAR : 0.0, PROBING);
     float shadow = 1.0;
-    NOTED_LIGHT
-#ifdef BOUNCE
     vec3 thrown_on = vec3(0.0);
-#endif
+    NOTED_LIGHT
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
 #ifdef DRAWS_SWARM
