@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::error::ExportError;
 use super::painter::{HeadlessRenderer, Model, SceneChoice, held_of, require_inputs};
+use super::song_features::SongFeatures;
 use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::gpu::Mode;
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
@@ -16,6 +17,8 @@ use mariana_music::Sound;
 
 /// Maximum number of scenes and blends on the GPU; the least recently drawn ones are removed first.
 const MODELS_MAX: usize = 8;
+/// Decoded sound stays available for this time, in seconds.
+const KEPT: f64 = 1.0;
 
 struct Read {
     source: SceneSource,
@@ -35,6 +38,8 @@ pub struct ShowPainter {
     refused: Vec<SceneSource>,
     /// Moment and size of the last frame; `None` if that frame was not frozen.
     held: Option<(f64, (u32, u32))>,
+    /// The result of the last [`ShowPainter::held_at`].
+    frozen: Vec<(Held, Sound)>,
 }
 
 /// A moment of a song, in seconds, and its sound.
@@ -61,7 +66,8 @@ impl ShowPainter {
     /// Prepares to draw a single scene, which is compiled already.
     ///
     /// # Errors
-    /// Fails if a setting is refused, the driver reports an error, or a scene that should be transparent has its own sky.
+    /// Fails if a setting is refused, the driver reports an error, or a scene that should be transparent has its own
+    /// sky.
     pub fn of_scene(choice: &SceneChoice, ready: ReadyScene, set: &[Setting]) -> Result<Self, ExportError> {
         let prepared_show = PreparedShow::of_cuts([(0.0, choice.source.clone())]);
         Self::of_ready(choice, Arc::new(prepared_show), vec![(choice.source.clone(), ready)], set)
@@ -97,6 +103,7 @@ impl ShowPainter {
             models,
             refused,
             held: None,
+            frozen: Vec::new(),
         })
     }
 
@@ -105,11 +112,31 @@ impl ShowPainter {
         self.scenes.iter().map(|read| &read.ready.world.scene.graph)
     }
 
-    pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
-        self.prepared_show.timeline().map(|timeline| timeline.held_at(time)).unwrap_or_default()
+    /// Returns the frozen frames at `time`, in seconds, and their sounds. `song` was opened for times from `opened` on.
+    /// Times must not decrease.
+    pub(super) fn held_at(
+        &mut self,
+        song: &mut SongFeatures,
+        opened: f64,
+        time: f64,
+    ) -> Result<Vec<(Held, Sound)>, ExportError> {
+        let mut all = Vec::new();
+        for held in self.prepared_show.timeline().map(|timeline| timeline.held_at(time)).unwrap_or_default() {
+            let known = self.frozen.iter().find(|(known, _)| known.since == held.since);
+            let sound = match known {
+                Some((_, sound)) => sound.clone(),
+                // Recent sound is still available. For earlier sound, open the song again.
+                None if held.since >= opened && time - held.since <= KEPT => song.require(held.since)?,
+                None => song.beside(held.since)?.require(held.since)?,
+            };
+            all.push((held, sound));
+        }
+        self.frozen.clone_from(&all);
+        Ok(all)
     }
 
-    /// Draws the frame at `time`: the mean of its exposures. `held` has the frozen frames of this moment, and their sounds.
+    /// Draws the frame at `time`: the mean of its exposures. `held` has the frozen frames of this moment, and their
+    /// sounds.
     ///
     /// # Errors
     /// Fails if the driver reports an error.

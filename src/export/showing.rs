@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::error::{ExportError, refuse};
-use super::show_painter::ShowPainter;
 use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
-use crate::show::{Held, PreparedShow, ShowSource};
-use mariana_music::Sound;
+use crate::show::{PreparedShow, ShowSource};
 
 /// The scenes to export.
 #[derive(Debug, Clone)]
@@ -54,43 +52,5 @@ impl Showing {
             }
         };
         Ok(Arc::new(prepared_show))
-    }
-}
-
-/// Decoded sound stays available for this time, in seconds.
-const KEPT: f64 = 1.0;
-
-pub(super) struct Holding {
-    /// The time from which the song was opened, in seconds.
-    opened: f64,
-    last: Vec<(Held, Sound)>,
-}
-
-impl Holding {
-    pub(super) fn new(opened: f64) -> Self {
-        Self { opened, last: Vec::new() }
-    }
-
-    /// Returns the frozen frames at `time` ([`ShowPainter::held_at`]), in seconds, and their sounds. Times must not
-    /// decrease.
-    pub(super) fn at(
-        &mut self,
-        painter: &ShowPainter,
-        song: &mut SongFeatures,
-        time: f64,
-    ) -> Result<Vec<(Held, Sound)>, ExportError> {
-        let mut all = Vec::new();
-        for held in painter.held_at(time) {
-            let known = self.last.iter().find(|(known, _)| known.since == held.since);
-            let sound = match known {
-                Some((_, sound)) => sound.clone(),
-                // Recent sound is still available. For earlier sound, open the song again.
-                None if held.since >= self.opened && time - held.since <= KEPT => song.require(held.since)?,
-                None => song.beside(held.since)?.require(held.since)?,
-            };
-            all.push((held, sound));
-        }
-        self.last.clone_from(&all);
-        Ok(all)
     }
 }

@@ -14,7 +14,7 @@ use super::panorama;
 use super::path_store::{PathStore, SharedStore};
 use super::paths::PathWatch;
 use super::show_painter::ShowPainter;
-use super::showing::{Holding, Showing};
+use super::showing::Showing;
 use super::shutter::Shutter;
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
@@ -169,7 +169,7 @@ fn drawn(
     painter.headless_renderer.set_song(&song)?;
     painter.headless_renderer.watch_paths(watch, store);
     sound = song.placed(request.at, sound);
-    let held = Holding::new(request.at).at(&painter, &mut song, request.at)?;
+    let held = painter.held_at(&mut song, request.at, request.at)?;
     let exposures = request.shutter.exposures(&mut song, request.at, sound.clone(), STILL_SECONDS)?;
     painter.draw(request.at, exposures, held, request.size)?;
     let mut rgba = painter.read();

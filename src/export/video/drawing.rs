@@ -5,14 +5,12 @@ use super::request::{VideoRequest, frames_in};
 use super::title_card::TitleCard;
 use crate::export::error::ExportError;
 use crate::export::show_painter::ShowPainter;
-use crate::export::showing::Holding;
 use crate::export::song_features::SongFeatures;
 
 pub(super) struct VideoFrames<'a> {
     request: &'a VideoRequest,
     song: SongFeatures,
     painter: ShowPainter,
-    holding: Holding,
     card: Option<TitleCard>,
     captions: Option<LyricCaptions>,
     pub(super) expected: Option<u64>,
@@ -49,16 +47,15 @@ impl<'a> VideoFrames<'a> {
         painter.graphs().for_each(|graph| song.know_for(graph));
         painter.headless_renderer.set_song(&song)?;
         painter.headless_renderer.is_video = true;
-        let holding = Holding::new(request.start);
-        Ok(Self { request, song, painter, holding, card, captions, expected })
+        Ok(Self { request, song, painter, card, captions, expected })
     }
 
     /// Draws a frame; `None` after the song's end. Numbers must not decrease.
     pub(super) fn draw(&mut self, number: u64) -> Result<Option<Vec<u8>>, ExportError> {
-        let Self { request, song, painter, holding, .. } = self;
+        let Self { request, song, painter, .. } = self;
         let time = request.start + number as f64 / request.fps;
         let Some(sound) = song.sound_at(time)? else { return Ok(None) };
-        let held = holding.at(painter, song, time)?;
+        let held = painter.held_at(song, request.start, time)?;
         let exposures = request.shutter.exposures(song, time, sound, 1.0 / request.fps)?;
         painter.draw(time, exposures, held, request.size)?;
         painter.headless_renderer.renderer.limit_flashes(1.0 / request.fps)?;
