@@ -20,7 +20,8 @@ use mariana_player::video::{VideoError, VideoReader};
 #[derive(Default)]
 pub(super) struct ExactTextures {
     known: Vec<(TextureSource, Exact)>,
-    song: Option<(Song, String)>,
+    /// The song, its display name, and its lyrics if they are known.
+    song: Option<(Song, String, Option<Lyrics>)>,
     shapes: ExactSongShapes,
     /// Known once a scene shows them.
     texts: Option<SongTexts>,
@@ -37,22 +38,16 @@ enum Exact {
 }
 
 impl ExactTextures {
-    /// Sets the song whose cover the scenes show, and its display name.
-    pub(super) fn set_song(&mut self, song: Song, name: String) {
-        self.song = Some((song, name));
+    /// Sets the song whose cover the scenes show, its display name, and its lyrics if they are known.
+    pub(super) fn set_song(&mut self, song: Song, name: String, lyrics: Option<Lyrics>) {
+        self.song = Some((song, name, lyrics));
         self.texts = None;
     }
 
-    /// Replaces the lyrics of the song.
-    pub(super) fn sing(&mut self, lyrics: Lyrics) {
-        let texts = self.texts();
-        texts.lyrics = Arc::new(lyrics);
-    }
-
-    fn texts(&mut self) -> &mut SongTexts {
+    fn texts(&mut self) -> &SongTexts {
         let song = &self.song;
         self.texts.get_or_insert_with(|| {
-            let Some((song, name)) = song else { return SongTexts::default() };
+            let Some((song, name, lyrics)) = song else { return SongTexts::default() };
             let decoder = song.open().ok();
             let info = decoder.as_ref().map(|decoder| decoder.info());
             let title = info.and_then(|info| info.title.as_deref());
@@ -60,7 +55,7 @@ impl ExactTextures {
             SongTexts {
                 title: song_shapes::shown_title(title, name),
                 artist: artist.unwrap_or_default(),
-                lyrics: Arc::new(lyrics_of(song)),
+                lyrics: Arc::new(lyrics.clone().unwrap_or_else(|| lyrics_of(song))),
             }
         })
     }
@@ -127,8 +122,8 @@ impl ExactTextures {
                 Exact::Nothing
             }
             TextureSource::Cover => {
-                let of_song = self.song.as_ref().and_then(|(song, _)| covers::picture_of(song));
-                let name = self.song.as_ref().map_or("", |(_, name)| name);
+                let of_song = self.song.as_ref().and_then(|(song, ..)| covers::picture_of(song));
+                let name = self.song.as_ref().map_or("", |(_, name, _)| name);
                 Exact::Still(Arc::new(of_song.unwrap_or_else(|| covers::painted(name))))
             }
         })

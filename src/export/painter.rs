@@ -167,10 +167,7 @@ impl HeadlessRenderer {
     /// # Errors
     /// Fails if the song cannot be decoded.
     pub(super) fn set_song(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
-        self.textures.set_song(song.song.clone(), song.name.to_owned());
-        if let Some(lyrics) = song.lyrics() {
-            self.textures.sing(lyrics.clone());
-        }
+        self.textures.set_song(song.song.clone(), song.name.clone(), song.lyrics().cloned());
         self.earlier = Some(EarlierSound::of(song)?);
         Ok(())
     }
