@@ -10,7 +10,8 @@ use super::common::end_by_signals;
 use super::files::song_or_demo;
 use super::parse::{parse_duration, parse_fps, parse_seconds};
 use crate::config::Choice;
-use crate::export::analyze::{AnalyzeRequest, print_features};
+use crate::export::analyze::print_features;
+use crate::export::song_features::SongFeatures;
 use crate::export::structure::print_structure;
 use mariana_music::Gain;
 
@@ -54,15 +55,11 @@ pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
         let song = song_or_demo(arguments.file)?;
         return Ok(print_structure(&song, arguments.plot.as_deref(), out, arguments.json)?);
     }
-    let request = AnalyzeRequest {
-        song: song_or_demo(arguments.file)?,
-        fps: arguments.fps,
-        start: arguments.start,
-        duration: arguments.duration,
-        gain: arguments.gain,
-        song_too: arguments.song,
-        json: arguments.json,
-    };
-    print_features(&request, &mut BufWriter::new(std::io::stdout().lock()))?;
-    Ok(())
+    let mut song = SongFeatures::open_with(&song_or_demo(arguments.file)?, arguments.start, arguments.gain)?;
+    song.require(arguments.start)?;
+    let offsets = (0_u64..).map(|index| index as f64 / arguments.fps);
+    let is_within = |offset: &f64| arguments.duration.is_none_or(|duration| *offset < duration);
+    let times = offsets.take_while(is_within).map(|offset| arguments.start + offset);
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    Ok(print_features(&mut song, times, arguments.song, arguments.json, &mut out)?)
 }

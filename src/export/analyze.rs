@@ -7,27 +7,7 @@ use serde::Serialize;
 use super::error::ExportError;
 use super::print::is_open;
 use super::song_features::SongFeatures;
-use mariana_music::{Features, Gain, SongMoment};
-use mariana_player::song::Song;
-
-/// Options of an analysis.
-#[derive(Debug, Clone)]
-pub struct AnalyzeRequest {
-    /// The song.
-    pub song: Song,
-    /// Lines per second.
-    pub fps: f64,
-    /// First moment, in seconds.
-    pub start: f64,
-    /// Length in seconds; `None` continues to the end.
-    pub duration: Option<f64>,
-    /// Automatic gain for values in 0..1.
-    pub gain: Gain,
-    /// True if the position in the whole song is printed too.
-    pub song_too: bool,
-    /// True to print JSON objects, false to print columns.
-    pub json: bool,
-}
+use mariana_music::{Features, SongMoment};
 
 #[derive(Serialize)]
 struct Line<'a> {
@@ -38,25 +18,25 @@ struct Line<'a> {
     song: Option<&'a SongMoment>,
 }
 
-/// Prints a line for each frame to `out`.
+/// Prints a line for each of these times, in seconds, to `out`, up to the song's end: a JSON object or columns. With
+/// `song_too`, prints the position in the whole song too.
 ///
 /// # Errors
-/// Fails if the song cannot be decoded or ends before the start, or `out` cannot be written. A closed pipe is no error.
-pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
-    let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
-    song.require(request.start)?;
-    if request.song_too {
+/// Fails if the song cannot be decoded, or `out` cannot be written. A closed pipe is no error.
+pub fn print_features(
+    song: &mut SongFeatures,
+    times: impl Iterator<Item = f64>,
+    song_too: bool,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<(), ExportError> {
+    if song_too {
         song.know_song();
     }
-    for index in 0u64.. {
-        let offset = index as f64 / request.fps;
-        if request.duration.is_some_and(|duration| offset >= duration) {
-            break;
-        }
-        let t = request.start + offset;
+    for t in times {
         let Some(features) = song.at(t)? else { break };
-        let place = request.song_too.then(|| song.place_in_song(t));
-        let line = if request.json {
+        let place = song_too.then(|| song.place_in_song(t));
+        let line = if json {
             serde_json::to_string(&Line { t, features: &features, song: place.as_ref() })
                 .map_err(|error| ExportError::Print(error.into()))?
         } else {
