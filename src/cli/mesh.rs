@@ -7,7 +7,7 @@ use clap::Args;
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals};
 use super::files::Files;
 use super::parse::parse_seconds;
-use crate::export::mesh::{MeshRequest, write_mesh};
+use crate::export::mesh::write_mesh;
 use crate::export::print::{counted, print_line};
 
 #[derive(Args)]
@@ -37,15 +37,8 @@ pub(super) fn run(arguments: MeshArguments) -> anyhow::Result<()> {
     common.start_log();
     end_by_signals();
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
-    let request = MeshRequest {
-        song,
-        at: arguments.at,
-        gain: common.gain.unwrap_or_default(),
-        scene: arguments.scene.choose(scene, &common)?.source,
-        set: arguments.set.set,
-        detail: arguments.detail.into(),
-        output: arguments.output,
-    };
-    let triangles = write_mesh(&request)?;
-    Ok(print_line(&format!("{}: {}", request.output.display(), counted(triangles, "triangle")))?)
+    let (scene, gain) = (arguments.scene.choose(scene, &common)?.source, common.gain.unwrap_or_default());
+    let (at, set, detail) = (arguments.at, arguments.set.set, arguments.detail.into());
+    let triangles = write_mesh(&song, at, gain, &scene, &set, detail, &arguments.output)?;
+    Ok(print_line(&format!("{}: {}", arguments.output.display(), counted(triangles, "triangle")))?)
 }

@@ -1,6 +1,6 @@
 //! `mariana mesh`: the surfaces of a moment as triangles, in a file for other programs and for printing.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::error::{ExportError, refuse};
 use super::output::refuse_the_song;
@@ -15,45 +15,35 @@ use mariana_field::world::{Mesh, Vertex};
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
-/// Options of a mesh.
-#[derive(Debug, Clone)]
-pub struct MeshRequest {
-    /// The song.
-    pub song: Song,
-    /// The moment, in seconds.
-    pub at: f64,
-    /// Automatic gain.
-    pub gain: Gain,
-    /// The scene.
-    pub scene: SceneSource,
-    /// Inputs that are held at a value.
-    pub set: Vec<Setting>,
-    /// The number of cells along the longest side.
-    pub detail: usize,
-    /// The file, whose extension selects glTF, STL or OBJ.
-    pub output: PathBuf,
-}
-
-/// Writes the mesh of a scene at a moment of a song. Returns its number of triangles.
+/// Writes the mesh of a scene at `at` seconds of a song, with the inputs that `set` holds, and with `detail` cells
+/// along its longest side. The extension of `output` selects glTF, STL or OBJ. Returns the number of triangles.
 ///
 /// # Errors
 /// Fails if the song or the scene cannot be read, the scene has no mesh, or the file cannot be written.
-pub fn write_mesh(request: &MeshRequest) -> Result<usize, ExportError> {
-    let format = format_of(&request.output)?;
-    refuse_the_song(&request.song, &request.output)?;
+pub fn write_mesh(
+    song: &Song,
+    at: f64,
+    gain: Gain,
+    scene: &SceneSource,
+    set: &[Setting],
+    detail: usize,
+    output: &Path,
+) -> Result<usize, ExportError> {
+    let format = format_of(output)?;
+    refuse_the_song(song, output)?;
     // Create the file first, so that an unwritable file is reported before the work.
-    let file = AtomicFile::create(&request.output)?;
-    let ready = request.scene.ready()?;
+    let file = AtomicFile::create(output)?;
+    let ready = scene.ready()?;
     let (world, scene) = (&ready.world, &ready.world.scene);
-    require_inputs(&[scene], &request.set)?;
-    let held = held_of(scene, &request.set)?;
-    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
-    let sound = song.require(request.at)?;
+    require_inputs(&[scene], set)?;
+    let held = held_of(scene, set)?;
+    let mut song = SongFeatures::open_with(song, at, gain)?;
+    let sound = song.require(at)?;
     song.know_for(&scene.graph);
-    let sound = song.placed(request.at, sound);
+    let sound = song.placed(at, sound);
     let options = FrameOptions { params: &[], held: &held, camera: None };
-    let frame = Frame::staged(world, request.at, sound, (1, 1), &options);
-    let mesh = world.mesh(&frame.inputs, request.detail)?;
+    let frame = Frame::staged(world, at, sound, (1, 1), &options);
+    let mesh = world.mesh(&frame.inputs, detail)?;
     file.write(&format(&mesh))?;
     Ok(mesh.triangles.len())
 }
