@@ -4,7 +4,6 @@
 mod analyze;
 mod bench;
 mod check;
-mod choices;
 mod common;
 mod controlled;
 mod files;
@@ -26,7 +25,6 @@ mod setting_flags;
 mod show;
 mod still;
 mod video;
-mod view;
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choices::choice;
 use super::common::end_by_signals;
 use super::files::song_or_demo;
-use super::parse::{parse_duration, parse_fps, parse_seconds};
+use super::parse::{choice, parse_duration, parse_fps, parse_seconds};
 use crate::config::Choice;
 use crate::export::analyze::print_features;
 use crate::export::song_features::SongFeatures;

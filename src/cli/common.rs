@@ -14,13 +14,14 @@ use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::prelude::*;
 use tracing_subscriber::registry::LookupSpan;
 
-use super::choices::choice;
 use super::files::scene_of;
+use super::parse::choice;
 use crate::config::SdfChoice;
 use crate::ending::{self, Signal};
 use crate::export::{Output, SceneChoice, print_message};
 use crate::frame::held_inputs::Setting;
 use crate::gpu::{CellUse, ShaderLibrary};
+use crate::view::{self, ViewChoice};
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 
@@ -89,6 +90,12 @@ pub(super) struct SetArguments {
     /// once
     #[arg(long, value_name = "NAME=VALUE")]
     pub(super) set: Vec<Setting>,
+}
+
+#[derive(Args)]
+pub(super) struct ViewArguments {
+    #[arg(long, value_name = "VIEW", help = view::help(), allow_hyphen_values = true)]
+    pub(super) view: Option<ViewChoice>,
 }
 
 /// True if `stream` is a terminal and NO_COLOR is not set (no-color.org), so that text may be coloured.

@@ -3,8 +3,7 @@
 use anyhow::bail;
 use clap::Args;
 
-use super::choices::choice;
-use super::parse::{number, parse_noise, whole_number};
+use super::parse::{choice, number, parse_noise, whole_number};
 use crate::export::paths::{LightModel, PathChoice};
 use crate::export::{SceneChoice, Shutter};
 use crate::limits;

@@ -1,12 +1,23 @@
-//! Parsers of flags with numbers, checked against the limits.
+//! Parsers of flags: names, and numbers that are checked against the limits.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use mariana_field::world::BlendKind;
 
-use crate::config::setting_limits;
+use crate::config::{Choice, setting_limits};
 use crate::export::video::VideoPart;
 use crate::limits;
 use crate::placement::{Corners, Crop};
 use crate::y4m::ntsc_rate;
+
+/// Returns a parser of names.
+pub(super) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let names = T::ALL.iter().map(|(_, name, meaning)| match *meaning {
+        "" => PossibleValue::new(*name),
+        meaning => PossibleValue::new(*name).help(meaning),
+    });
+    let unknown = "unknown name";
+    PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(move |name| T::named(&name).ok_or(unknown))
+}
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) =

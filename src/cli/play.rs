@@ -5,15 +5,13 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 
-use super::choices::choice;
-use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
+use super::common::{CommonArguments, DEFAULT_SCENE, OneScene, ViewArguments};
 use super::files::{Files, is_standard, song_or_demo};
 use super::frame_options::StagingArguments;
-use super::parse::{number, parse_fade, parse_fps, parse_percent, parse_size};
+use super::parse::{choice, number, parse_fade, parse_fps, parse_percent, parse_size};
 use super::projection::ProjectionArguments;
 use super::setting_flags::SettingFlags;
 use super::show::{WantedShow, parse_show};
-use super::view::ViewArguments;
 use crate::config::{
     Choice, Choices, ControllerSettings, Folders, FollowChoice, LastShow, ListenChoice, Memory, PlaySettings,
     SettingsFile,

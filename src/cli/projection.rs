@@ -3,8 +3,7 @@
 use anyhow::bail;
 use clap::Args;
 
-use super::choices::choice;
-use super::parse::number;
+use super::parse::{choice, number};
 use crate::frame::projection::{Projection, ProjectionKind, Stereo};
 
 #[derive(Args)]

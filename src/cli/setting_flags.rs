@@ -2,8 +2,7 @@
 
 use clap::Args;
 
-use super::choices::choice;
-use super::parse::{parse_corners, parse_crop, parse_fade, parse_percent};
+use super::parse::{choice, parse_corners, parse_crop, parse_fade, parse_percent};
 use crate::config::{Choices, QualityChoice, Setting, with_settings};
 use crate::placement::{Corners, Crop, Flip};
 

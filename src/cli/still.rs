@@ -8,18 +8,17 @@ use std::rc::Rc;
 use anyhow::bail;
 use clap::Args;
 
-use super::choices::choice;
 use super::common::{
-    CommonArguments, OneScene, SetArguments, end_by_signals, finish_by_signals, refuse_a_terminal,
+    CommonArguments, OneScene, SetArguments, ViewArguments, end_by_signals, finish_by_signals,
+    refuse_a_terminal,
 };
 use super::controlled::draw_for_window;
 use super::files::{Files, scene_of};
 use super::light::LightArguments;
-use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
+use super::parse::{blend_help, choice, parse_blend, parse_pixel, parse_seconds, parse_size};
 use super::progress::Progress;
 use super::projection::ProjectionArguments;
 use super::show::{WantedShow, or_shipped, parse_show};
-use super::view::ViewArguments;
 use crate::ending::asked_to_end;
 use crate::export::paths::PathWatch;
 use crate::export::still::{Blend, StillRequest, write_still};

@@ -6,18 +6,17 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::{ArgAction, Args};
 
-use super::choices::choice;
 use super::common::{
-    CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, end_by_signals_and, refuse_a_terminal,
+    CommonArguments, DEFAULT_SCENE, SetArguments, ViewArguments, end_by_signals, end_by_signals_and,
+    refuse_a_terminal,
 };
 use super::controlled::Controlled;
 use super::files::{Files, scene_of};
 use super::light::LightArguments;
-use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
+use super::parse::{choice, parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
 use super::projection::ProjectionArguments;
 use super::show::{WantedShow, or_shipped, parse_show};
-use super::view::ViewArguments;
 use crate::export::output::is_folder;
 use crate::export::print::counted;
 use crate::export::video::{
