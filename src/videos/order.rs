@@ -54,8 +54,7 @@ impl Order {
         if let Some((width, height)) = self.size {
             line.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
-        self.add_part(&mut line, self.start, self.duration);
-        self.add_rest(&mut line);
+        self.add_rest(&mut line, self.start, self.duration);
         line
     }
 
@@ -66,19 +65,15 @@ impl Order {
         let mut line = vec!["--size".to_owned(), format!("{width}x{height}")];
         // A loop's place would draw its seam too.
         line.extend(["--fps".to_owned(), preset.fps.to_string()]);
-        self.add_part(&mut line, start, Some(seconds));
-        self.add_rest(&mut line);
+        self.add_rest(&mut line, start, Some(seconds));
         line
     }
 
-    fn add_part(&self, line: &mut Vec<String>, start: f64, duration: Option<f64>) {
+    fn add_rest(&self, line: &mut Vec<String>, start: f64, duration: Option<f64>) {
         line.extend(["--start".to_owned(), start.to_string()]);
         if let Some(seconds) = duration {
             line.extend(["--duration".to_owned(), seconds.to_string()]);
         }
-    }
-
-    fn add_rest(&self, line: &mut Vec<String>) {
         // With `=`, a formula may begin with a minus.
         let scene = |name: &String| format!("--scene={name}");
         match &self.show {
