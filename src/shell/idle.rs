@@ -14,8 +14,8 @@ use mariana_work::{Latest, latest};
 
 /// Asks the desktop on a separate thread, because the desktop may answer late or never.
 pub(crate) struct StayAwake {
-    /// The last request that is not carried out; `None` without a thread.
-    requests: Option<Latest<Option<bool>>>,
+    /// The last request that is not carried out.
+    requests: Latest<Option<bool>>,
     is_on: bool,
 }
 
@@ -28,7 +28,7 @@ impl StayAwake {
         });
         let requests = requests
             .inspect_err(|error| tracing::warn!("the screen may lock: no thread can be started ({error})"));
-        Self { requests: requests.ok(), is_on: false }
+        Self { requests: requests.unwrap_or_default(), is_on: false }
     }
 
     /// Returns true if the request has changed.
@@ -36,9 +36,7 @@ impl StayAwake {
         if std::mem::replace(&mut self.is_on, on) == on {
             return false;
         }
-        if let Some(requests) = &self.requests {
-            requests.change(|request| *request = Some(on));
-        }
+        self.requests.change(|request| *request = Some(on));
         true
     }
 }
