@@ -225,14 +225,12 @@ fn bound_fade(fade: Weighted<'_>) -> f32 {
 
 impl PostTargets {
     pub(super) fn new(gl: &Gl, size: (u32, u32), has_lens: bool, output: (u32, u32)) -> Result<Self> {
+        let levels = level_sizes(size).into_iter().map(|size| Target::of_light(gl, size));
         Ok(Self {
             lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
             light: Target::of_light(gl, size)?,
             trailed: None,
-            bloom: level_sizes(size)
-                .into_iter()
-                .map(|size| Target::of_light(gl, size))
-                .collect::<Result<_>>()?,
+            bloom: levels.collect::<Result<_>>()?,
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
     }

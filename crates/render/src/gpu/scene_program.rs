@@ -120,10 +120,9 @@ impl Interpreter {
         }
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant.generated.push((
-            "operators.glsl".into(),
-            self.tapes.text(&self.regions.operators, self.regions.compounds, self.regions.registers),
-        ));
+        let RegionVariant { operators, compounds, registers, .. } = &self.regions;
+        let operators = self.tapes.text(operators, *compounds, *registers);
+        variant.generated.push(("operators.glsl".into(), operators));
         variant
     }
 }

@@ -139,12 +139,8 @@ impl Target {
                 colors.push(texture);
             }
             if let Some(stencil) = &stencil {
-                gl.framebuffer_renderbuffer(
-                    glow::FRAMEBUFFER,
-                    glow::DEPTH_STENCIL_ATTACHMENT,
-                    glow::RENDERBUFFER,
-                    Some(stencil.0.native()),
-                );
+                let (place, kind) = (glow::DEPTH_STENCIL_ATTACHMENT, glow::RENDERBUFFER);
+                gl.framebuffer_renderbuffer(glow::FRAMEBUFFER, place, kind, Some(stencil.0.native()));
             }
             gl.draw_buffers(&attachments);
         }

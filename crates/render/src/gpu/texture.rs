@@ -183,15 +183,14 @@ fn levels_of(gl: &Gl, moves: bool) -> Levels {
     }
 }
 
+/// The formats of 16-bit floats.
+const FLOATS: (u32, u32, u32) = (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT);
+
 /// Uploads the texels of the bound texture.
 fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
-    let has_floats = levels == Levels::Computed;
-    let texels =
-        if has_floats { Cow::Owned(linear_texels(picture)) } else { Cow::Borrowed(picture.as_raw()) };
-    let texel = if has_floats {
-        (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT)
-    } else {
-        (glow::SRGB8_ALPHA8, glow::RGBA, glow::UNSIGNED_BYTE)
+    let (texels, texel) = match levels {
+        Levels::Computed => (Cow::Owned(linear_texels(picture)), FLOATS),
+        _ => (Cow::Borrowed(picture.as_raw()), (glow::SRGB8_ALPHA8, glow::RGBA, glow::UNSIGNED_BYTE)),
     };
     let (width, height) = picture.dimensions();
     // SAFETY: the caller has bound a texture in the current context, and `texels` holds width * height RGBA texels of
@@ -214,9 +213,8 @@ fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(MipLevel::below(picture), MipLevel::next);
     for (number, level) in (1..).zip(levels) {
-        let texel = (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT);
         // SAFETY: the caller has bound the texture, and the slice holds all RGBA texels of the level.
-        unsafe { gl.store_level(number, texel, level.size, Some(&level.halves())) }
+        unsafe { gl.store_level(number, FLOATS, level.size, Some(&level.halves())) }
     }
 }
 
