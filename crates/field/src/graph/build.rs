@@ -429,12 +429,8 @@ impl Graph {
     }
 
     fn extreme(&mut self, op: Op, a: NodeId, b: NodeId, constant: Option<f32>) -> Option<NodeId> {
-        // min(x, x) = x
-        if a == b {
-            return Some(a);
-        }
-        // min(x, NaN) = x
-        if constant.is_some_and(f32::is_nan) {
+        // min(x, x) = x; min(x, NaN) = x
+        if a == b || constant.is_some_and(f32::is_nan) {
             return Some(a);
         }
         for (whole, part) in [(a, b), (b, a)] {

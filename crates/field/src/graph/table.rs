@@ -258,18 +258,9 @@ impl TableData {
             coordinate.lo >= 0.0 && coordinate.hi <= 1.0 && first + coordinate.hi * span <= (count - 1) as f32
         };
         let width = (0.0, (self.columns - 1) as f32);
-        (
-            scaled(
-                extremes.across.within(columns, rows),
-                self.columns_scale(),
-                is_inside(u, self.columns, width),
-            ),
-            scaled(
-                extremes.down.within(columns, rows),
-                self.rows_scale(),
-                is_inside(v, self.rows, self.scroll()),
-            ),
-        )
+        let (across, down) = (extremes.across.within(columns, rows), extremes.down.within(columns, rows));
+        let by_u = scaled(across, self.columns_scale(), is_inside(u, self.columns, width));
+        (by_u, scaled(down, self.rows_scale(), is_inside(v, self.rows, self.scroll())))
     }
 
     /// Returns bounds of the value over intervals: the extremes of the Bézier points that affect it.
