@@ -212,10 +212,10 @@ impl ShowPainter {
     ) -> Result<(), ExportError> {
         let held = match &layer.source {
             SceneSource::Blend(blend) => {
-                let [from, to] = [self.read(&blend.from.source)?, self.read(&blend.to.source)?];
+                let [from, to] = [self.read_scene(&blend.from.source)?, self.read_scene(&blend.to.source)?];
                 from.held.followed_by(&to.held, from.ready.world.scene.params.len())
             }
-            source => self.read(source)?.held.clone(),
+            source => self.read_scene(source)?.held.clone(),
         };
         let frame_at = |time, sound| layer.frame(model.world(), time, sound, size, &held);
         self.headless_renderer.feed_back(model, layer.time, &sound, size, &frame_at)?;
@@ -247,7 +247,7 @@ impl ShowPainter {
         let model = match known.and_then(|at| self.models.remove(at)) {
             Some((_, model)) => model,
             None => {
-                let ready = |source| Ok::<_, ExportError>(self.read(source)?.ready.clone());
+                let ready = |source| Ok::<_, ExportError>(self.read_scene(source)?.ready.clone());
                 let ready = match source {
                     SceneSource::Blend(blend) => {
                         blend.of(ready(&blend.from.source)?, ready(&blend.to.source)?)?
@@ -264,7 +264,7 @@ impl ShowPainter {
         Ok(model)
     }
 
-    fn read(&self, source: &SceneSource) -> Result<&Read, ExportError> {
+    fn read_scene(&self, source: &SceneSource) -> Result<&Read, ExportError> {
         self.scenes.iter().find(|read| read.source == *source).ok_or_else(not_in_show)
     }
 }
