@@ -1,11 +1,20 @@
-// Ambient occlusion from four probes along the normal (shadow.glsl runs them as a ray). It compares the distance at each probe with the probe's height
-// (Quilez 2008; Abt 2022, section 3.5), and affects only ambient light. Nearby shining objects add glow instead.
+// Ambient occlusion from four probes along the normal, which shadow.glsl runs as a ray. It compares the distance at each
+// probe with the probe's height (Quilez 2008; Abt 2022, section 3.5), and affects only ambient light. Nearby shining
+// objects add glow instead.
 
 // PROBE_FRACTIONS and PROBE_WEIGHTS are in crates/field/src/rays.rs.
 #define probes (frame_reach.x * PROBE_FRACTIONS)
 const int PROBES = 4;
 // The openness of a point before its probes have run.
 const float UNKNOWN_OPEN = -1.0;
+
+// The sharpness for rays of probes along the normal. Paths find ambient light themselves.
+const float PROBING = 0.0;
+#ifdef PATHS
+#define IS_PROBING(sharpness) false
+#else
+#define IS_PROBING(sharpness) (sharpness == PROBING)
+#endif
 
 // Returns the height of a probe.
 float probe_height(int probe) {

@@ -21,14 +21,6 @@ float penumbra_growth = 1.0 / SHARPNESS_MAX;
 #define PENUMBRA(t, sharpness) ((t) / (sharpness))
 #endif
 
-// The sharpness for rays of probes along the normal. Paths find ambient light themselves.
-const float PROBING = 0.0;
-#ifdef PATHS
-#define IS_PROBING(sharpness) false
-#else
-#define IS_PROBING(sharpness) (sharpness == PROBING)
-#endif
-
 #ifdef TRANSLUCENT
 // Fraction of light per unit of length that a translucent body removes from rays that start at it; 0 if it is opaque.
 float shadow_dims = 0.0;
