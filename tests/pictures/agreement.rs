@@ -54,13 +54,14 @@ impl Programs {
             let used = graph.inputs_used(roots);
             let textures = used.textures.last().map_or(0, |last| usize::from(*last) + 1);
             let formula = Formula::new(graph, roots, Input::OF_POINT.len(), textures);
-            starts.push(texels.len() as f32);
-            let tape = formula.encode(frame, &mut encoder);
-            let highest = tape.as_flattened().iter().step_by(2).map(|word| word >> 8 & 255).max();
+            let first = texels.len();
+            formula.tape(&mut encoder).append(frame, &mut texels);
+            let words = texels[first..].as_flattened().iter().step_by(2);
+            let highest = words.map(|word| word >> 8 & 255).max();
             // A region's inputs are x, y, z and one more number.
             let of_surface = used.inputs.contains(&Input::NY) || used.inputs.contains(&Input::NZ);
             regional.push(!of_surface && textures == 0 && highest < Some(REGION_REGISTERS as u32));
-            texels.extend_from_slice(tape);
+            starts.push(first as f32);
             samples = samples.max(textures);
             operators.extend(graph.order(roots).into_iter().filter_map(|id| match graph.node(id) {
                 Node::Unary(op, _) | Node::Binary(op, ..) => Some(op),

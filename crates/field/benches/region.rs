@@ -1,6 +1,6 @@
 //! Measures the time to build the region trees of consecutive frames on one thread, for some shipped scenes, a scene of
 //! over 6,000 clauses, and a union of 1,000 things. `first` builds a tree from nothing. `next` reuses the previous
-//! frame's tree; frames are 1/60 s apart, and the music changes.
+//! frame's tree; frames are 1/60 s apart, and the music changes. `tapes` writes the programs of materials and light.
 
 use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
@@ -9,7 +9,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use mariana_field::graph::{FrameInputs, Levels, TableData};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::region::{Part, RegionOptions, RegionPlan};
-use mariana_field::world::World;
+use mariana_field::world::{ShortPrograms, World};
 
 const MANY: &str = "
 fn place(i) = vec3(10 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 10 * sin(37.719 * i))
@@ -85,6 +85,10 @@ fn trees(criterion: &mut Criterion) {
             })
         });
         eprintln!("{name}: {:?}", last.stats);
+        let (buffers, whole) = (world.tape_buffers(), ShortPrograms::default());
+        group.bench_function(format!("{name}, tapes"), |bencher| {
+            bencher.iter(|| black_box(buffers.texels(&inputs, &whole)))
+        });
     }
     group.finish();
 }

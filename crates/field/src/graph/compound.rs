@@ -457,7 +457,7 @@ fn fit_operand(
         (Reads::B, Arg::Value(value)) => *bound.b.get_or_insert(value) == value,
         (Reads::C, Arg::Number(number)) => {
             let number = if negated { -number } else { number };
-            *bound.c.get_or_insert(number) == number
+            bound.c.get_or_insert(number).to_bits() == number.to_bits()
         }
         (Reads::QuarterOverC, Arg::Number(number)) => {
             bound.quarter = Some(number);
@@ -486,7 +486,8 @@ mod tests {
     fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
         let formula = Formula::new(graph, &[root], Input::OF_POINT.len(), 0);
         let mut encoder = Encoder::new(compounds, REGISTERS_MAX);
-        let texels = formula.encode(&FrameInputs::default(), &mut encoder);
+        let mut texels = Vec::new();
+        formula.tape(&mut encoder).append(&FrameInputs::default(), &mut texels);
         let words = texels.iter().flat_map(|texel| [texel[0], texel[2]]);
         words.map(|word| word as u8).filter(|opcode| *opcode != crate::tape::opcode::END).collect()
     }

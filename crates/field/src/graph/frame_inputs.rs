@@ -16,7 +16,7 @@ pub trait TextureReader: std::fmt::Debug + Send + Sync {
 }
 
 /// A placeholder that constant folding passes to operators that do not read the frame.
-pub(super) static SILENT: LazyLock<FrameInputs> = LazyLock::new(FrameInputs::default);
+pub(crate) static SILENT: LazyLock<FrameInputs> = LazyLock::new(FrameInputs::default);
 
 /// The inputs of a frame. The default is silence at time 0.
 #[derive(Debug, Clone, Default)]

@@ -34,6 +34,7 @@ pub use build::{NoTerm, PRODUCT_EXPONENT_MAX, Pending, Term};
 pub(crate) use compound::{Arg, Operation, Uses};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
+pub(crate) use frame_inputs::SILENT;
 pub use frame_inputs::{FrameInputs, OwnRanges, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};

@@ -208,7 +208,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::RegionPlan;
-    use super::super::formula::Numbers;
     use super::super::lanes::{bound, cells_of};
     use super::super::program::Arg;
     use super::super::tests::{assert_regions_are_right, inputs_of};
@@ -275,7 +274,7 @@ mod tests {
         for (kind, count) in KINDS.into_iter().zip([2, 2, 2, 3, 2, 2, 2, 2, 2, 0, 0, 0]) {
             let plan = RegionPlan::new(&world(kind, 0.5, 1.0));
             let inputs = FrameInputs::default();
-            let program = plan.formula.folded(&Numbers::Of(&inputs), &inputs);
+            let program = plan.formula.folded(Some(&inputs));
             assert_eq!(blends(&program).len(), count, "{kind}");
         }
     }
@@ -291,7 +290,7 @@ mod tests {
         ) {
             let world = world(kind, width, 1.0);
             let inputs = inputs_of(&world, 1.0, 0.5);
-            let program = RegionPlan::new(&world).formula.folded(&Numbers::Of(&inputs), &inputs);
+            let program = RegionPlan::new(&world).formula.folded(Some(&inputs));
             let block = Brick { low, cell: [side; 3] };
             let mut rows = Vec::new();
             bound_cells(&program, block, 0.0, &mut rows, &inputs);

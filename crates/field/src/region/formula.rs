@@ -1,13 +1,15 @@
-//! Expressions of which each frame makes programs: the frame's numbers are folded in.
+//! Expressions of which each frame makes programs, with the frame's numbers folded in, and tapes that all frames share
+//! except for their numbers.
 
 use std::collections::BTreeSet;
 
 use super::encode::{Encoder, REGISTERS_MAX, Texel};
-use super::program::{Arg, PENUMBRA, Program};
+use super::program::{Arg, MARK_SIGN, Program, mark, marked};
 use super::short_lives::ShortLives;
 use crate::graph::{
-    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData, Uses,
+    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, SILENT, ShapeAtlas, TableData, Uses,
 };
+use crate::world::Hoisted;
 
 /// The inputs that determine a tree or a shortened program. Equal keys give equal results.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,17 +53,6 @@ impl Reads {
     }
 }
 
-pub(super) enum Numbers<'a> {
-    /// Numbers count as unknown, so that no decision depends on them.
-    Unknown,
-    /// Every number is replaced by [`TYPICAL`]: like the numbers of most frames, it allows no simplification.
-    Typical,
-    Of(&'a FrameInputs),
-}
-
-/// A number to which no simplification applies.
-const TYPICAL: f32 = 0.618_034;
-
 /// Expressions that share nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formula {
@@ -85,19 +76,15 @@ pub(crate) struct Needs {
     /// `None` if there are too few registers.
     pub(crate) registers: Option<usize>,
     pub(crate) steps: usize,
-    /// An upper bound of the texels of the tapes.
-    pub(crate) texels: usize,
 }
 
 impl Needs {
-    pub(crate) const NONE: Self =
-        Self { operators: BTreeSet::new(), registers: Some(0), steps: 0, texels: 0 };
+    pub(crate) const NONE: Self = Self { operators: BTreeSet::new(), registers: Some(0), steps: 0 };
 
     pub(crate) fn add(&mut self, other: &Self) {
         self.operators.extend(&other.operators);
         self.registers = self.registers.zip(other.registers).map(|(own, other)| own.max(other));
         self.steps += other.steps;
-        self.texels += other.texels;
     }
 }
 
@@ -137,77 +124,71 @@ impl Formula {
     }
 
     fn own_needs(&self) -> Needs {
-        // Unknown numbers cannot be folded in, so this program has the operators and registers of the programs of all
-        // frames. Only roots that become numbers may take further registers.
-        let program = self.folded(&Numbers::Unknown, &FrameInputs::default());
+        // Marks allow no simplification, so this program has the operators and registers of the programs of all frames.
+        let program = self.folded(None);
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let runs = self.tapes.iter().all(|outputs| encoder.encode(&program, outputs).is_some());
-        let outputs = self.tapes.iter().map(Vec::len).max().unwrap_or(0);
-        let samples = self.nodes.iter().filter(|(_, node)| matches!(node, Node::Texture { .. })).count();
         Needs {
             operators: program.steps.iter().map(|step| step.op).collect(),
-            registers: runs.then_some(encoder.registers.max(outputs)),
+            registers: runs.then_some(encoder.registers),
             steps: program.steps.len(),
-            // A texel for each step, each sample, each output that is a number, and the end.
-            texels: program.steps.len() + samples + outputs + 1,
         }
     }
 
-    /// Encodes the first tape in a frame. The tape is empty if it needs too many registers.
-    pub fn encode<'e>(&self, frame: &FrameInputs, encoder: &'e mut Encoder) -> &'e [Texel] {
-        encoder.encode(&self.folded(&Numbers::Of(frame), frame), &self.tapes[0]).unwrap_or(&[[0; 4]])
+    /// Encodes the first tape for all frames. The tape is empty if it needs too many registers.
+    pub fn tape(&self, encoder: &mut Encoder) -> FrameTape {
+        let texels = encoder.encode(&self.folded(None), &self.tapes[0]).unwrap_or(&[[0; 4]]).to_vec();
+        let mut graph = Graph::new();
+        let mut moved = vec![NodeId::default(); self.positions];
+        for (position, node) in &self.nodes {
+            moved[*position] = graph.raw(node.with_operands(|id| moved[id.index()]));
+        }
+        // Each clause comes before its immediate.
+        let words = texels.as_flattened().iter().enumerate().skip(1).step_by(2);
+        let (places, roots): (Vec<usize>, Vec<NodeId>) = words
+            .filter_map(|(place, word)| Some((place, *moved.get(marked(f32::from_bits(*word))?)?)))
+            .unzip();
+        let numbers = Hoisted::of(&graph, &roots);
+        FrameTape { texels, outputs: encoder.outputs.clone(), places, numbers }
     }
 
-    /// Returns the program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
-    pub(super) fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
+    /// Returns the program with a frame's numbers folded in. Without a frame, every number that depends on the frame is
+    /// a mark.
+    pub(super) fn folded(&self, frame: Option<&FrameInputs>) -> Program {
         let mut program = Program {
             inputs: self.of_point + 4 * self.textures,
             in_registers: self.of_point,
             steps: Vec::with_capacity(self.nodes.len()),
             roots: Vec::new(),
         };
-        let unknown = Arg::Value(PENUMBRA);
-        let reads_frame =
-            |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
+        let inputs = frame.unwrap_or(&SILENT);
         let mut places = vec![Arg::Number(0.0); self.positions];
-        let mut of_frame = vec![false; self.positions];
-        for (index, node) in &self.nodes {
-            of_frame[*index] = match *node {
-                Node::Input(input) => input.of_point().is_none(),
-                Node::Texture { .. } => false,
-                node => node.operands().all(|operand| of_frame[operand.index()]),
+        for (position, node) in &self.nodes {
+            let place = |of: NodeId| places[of.index()];
+            let depends_on_frame = |op: Op| {
+                let is_number = |of: NodeId| matches!(place(of), Arg::Number(_));
+                let is_mark =
+                    |of: NodeId| matches!(place(of), Arg::Number(number) if marked(number).is_some());
+                let reads_frame = op.properties().has(Properties::READS_FRAME);
+                node.operands().all(is_number) && (reads_frame || node.operands().any(is_mark))
             };
-            let folds = |of: NodeId| matches!(places[of.index()], Arg::Number(_));
-            // Replace numbers by an unknown value: the operator's result is unknown even if its operands are numbers.
-            // Keep other operands, because they take registers.
-            let operand =
-                |op: Op, of: NodeId| if reads_frame(op) && folds(of) { unknown } else { places[of.index()] };
-            let is_constant = match *node {
-                Node::Unary(op, _) | Node::Binary(op, ..) => node.operands().all(folds) && !reads_frame(op),
-                Node::Constant(_) => true,
-                Node::Input(_) | Node::Texture { .. } => false,
-            };
-            // A frame's number that is not known yet needs no step. Thousands of such numbers would stay in registers
-            // after their last use.
-            if matches!(numbers, Numbers::Unknown) && of_frame[*index] && !is_constant {
-                places[*index] = unknown;
-                continue;
-            }
-            places[*index] = match *node {
+            places[*position] = match *node {
+                Node::Unary(op, _) | Node::Binary(op, ..) if frame.is_none() && depends_on_frame(op) => {
+                    Arg::Number(mark(*position))
+                }
                 Node::Constant(number) => Arg::Number(number),
-                Node::Input(input) => match (input.of_point(), numbers) {
-                    (Some(place), _) if place < self.of_point => Arg::Value(place as u32),
+                Node::Input(input) => match input.of_point() {
+                    Some(place) if place < self.of_point => Arg::Value(place as u32),
                     // A distance does not depend on a normal.
-                    (Some(_), _) => Arg::Number(0.0),
-                    (None, Numbers::Of(frame)) => Arg::Number(frame.value(input)),
-                    (None, _) => Arg::Number(TYPICAL),
+                    Some(_) => Arg::Number(0.0),
+                    None => Arg::Number(frame.map_or(mark(*position), |frame| frame.value(input))),
                 },
                 Node::Texture { texture, channel, .. } if usize::from(texture) < self.textures => {
                     Arg::Value(self.of_point as u32 + 4 * u32::from(texture) + u32::from(channel))
                 }
                 Node::Texture { .. } => Arg::Number(0.0),
-                Node::Unary(op, a) => program.push(op, operand(op, a), Arg::Number(0.0), frame),
-                Node::Binary(op, a, b) => program.push(op, operand(op, a), operand(op, b), frame),
+                Node::Unary(op, a) => program.push(op, place(a), Arg::Number(0.0), inputs),
+                Node::Binary(op, a, b) => program.push(op, place(a), place(b), inputs),
             };
         }
         program.roots = self.roots.iter().map(|root| places[*root]).collect();
@@ -215,11 +196,40 @@ impl Formula {
     }
 }
 
+/// A tape that is the same in all frames, except for its numbers.
+#[derive(Debug, Clone)]
+pub struct FrameTape {
+    texels: Vec<Texel>,
+    /// The registers of the outputs.
+    pub outputs: Vec<u8>,
+    /// The words that are marks.
+    places: Vec<usize>,
+    /// The numbers of these marks.
+    numbers: Hoisted,
+}
+
+impl FrameTape {
+    /// Number of texels.
+    #[expect(clippy::len_without_is_empty, reason = "a tape has an end")]
+    pub fn len(&self) -> usize {
+        self.texels.len()
+    }
+
+    /// Appends the tape with the numbers of a frame.
+    pub fn append(&self, frame: &FrameInputs, texels: &mut Vec<Texel>) {
+        let start = texels.len();
+        texels.extend_from_slice(&self.texels);
+        let words = texels.split_at_mut(start).1.as_flattened_mut();
+        for (place, number) in self.places.iter().zip(self.numbers.at([0.0; 3], frame)) {
+            words[*place] = number.to_bits() ^ (words[*place] & MARK_SIGN);
+        }
+    }
+}
+
 /// Returns the compounds that save more than they cost in the first tapes of the formulas.
 pub(crate) fn compounds_that_pay<'a>(formulas: impl IntoIterator<Item = &'a Formula>) -> Compounds {
-    let frame = FrameInputs::default();
-    let typical = |formula: &'a Formula| (formula.folded(&Numbers::Typical, &frame), &formula.tapes[0]);
-    let programs: Vec<_> = formulas.into_iter().map(typical).collect();
+    let programs: Vec<_> =
+        formulas.into_iter().map(|formula| (formula.folded(None), &formula.tapes[0])).collect();
     Compounds::that_pay(|compounds| {
         let mut uses = Uses::default();
         for (program, outputs) in &programs {

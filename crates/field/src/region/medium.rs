@@ -1,6 +1,5 @@
 //! A grid over a frame's media: for each cell, an upper bound of the density, so that rays skip empty space.
 
-use super::formula::Numbers;
 use super::lanes::{CELLS, Lanes, bound, bounds_of};
 use super::program::INPUTS;
 use super::surface::place_of;
@@ -64,7 +63,7 @@ impl MediumPlan {
             low[axis] = low[axis].max(center[axis].min(high) - REACH);
             size[axis] = (high - low[axis]).max(1e-3);
         }
-        let program = self.formula.folded(&Numbers::Of(inputs), inputs);
+        let program = self.formula.folded(Some(inputs));
         let mut rows = vec![Lanes::splat(Interval::point(0.0)); program.inputs];
         let mut densities = Vec::with_capacity(MEDIUM_SIDE.pow(3));
         for first in (0..MEDIUM_SIDE.pow(3)).step_by(CELLS) {

@@ -2,10 +2,31 @@
 
 pub(super) use crate::graph::Arg;
 use crate::graph::{FrameInputs, Op, Operation, Properties};
+use crate::limits::LIMITS;
 
 /// Number of values before the first step of a distance: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
-pub(super) const PENUMBRA: u32 = 3;
+
+/// The smallest signalling NaN. No computation returns one.
+const SIGNALLING: u32 = 0x7F80_0001;
+/// Number of signalling NaNs of one sign.
+const MARKS: usize = (1 << 22) - 1;
+const _: () = assert!(LIMITS.graph_nodes_max < MARKS, "every number needs a mark");
+/// The sign's bit of a number.
+pub(super) const MARK_SIGN: u32 = 1 << 31;
+
+/// Returns a mark: a number that each frame replaces by the value of the node at a position, with the mark's sign. No
+/// simplification applies to a mark.
+pub(super) fn mark(position: usize) -> f32 {
+    f32::from_bits(SIGNALLING + position as u32)
+}
+
+/// Returns the position of a mark of either sign; `None` for other numbers.
+#[inline]
+pub(super) fn marked(number: f32) -> Option<usize> {
+    let position = (number.to_bits() & !MARK_SIGN).wrapping_sub(SIGNALLING) as usize;
+    (position < MARKS).then_some(position)
+}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
@@ -110,7 +131,9 @@ impl Program {
             (Op::Add, Number(0.0), b) | (Op::Mul, Number(1.0), b) => return b,
             (Op::SquareAdd, Number(0.0), b) => return b,
             (Op::OutsideAdd, Number(inside), b) if inside <= 0.0 => return b,
-            (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },
+            (Op::Mask, Number(condition), b) if marked(condition).is_none() => {
+                return if condition == 0.0 { Number(0.0) } else { b };
+            }
             _ => {}
         }
         // A clause can have a number on either side. Put it on the right if the operator allows that.

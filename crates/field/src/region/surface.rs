@@ -10,7 +10,6 @@
 use std::collections::HashMap;
 
 use super::encode::{Encoder, Texel};
-use super::formula::Numbers;
 use super::lanes::{CELLS, Lanes, bound, cells_of, mask};
 use super::program::{Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
@@ -231,7 +230,7 @@ impl<'a> Shortener<'a> {
         let mut short = ShortTapes { grid, ..ShortTapes::default() };
         let Some(nodes) = self.nodes.checked_sub(plan.formula.len()) else { return short };
         let Some(room) = self.room.checked_sub(GRID_TEXELS) else { return short };
-        let program = plan.formula.folded(&Numbers::Of(self.frame), self.frame);
+        let program = plan.formula.folded(Some(self.frame));
         if program.steps.len() <= WHOLE_MAX {
             short.saved = Some(0.0);
             return short;

@@ -498,7 +498,9 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
 
 fn texels_of(graph: &Graph, root: crate::graph::NodeId) -> Vec<Texel> {
     let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-    Formula::new(graph, &[root], 2, 0).encode(&FrameInputs::default(), &mut encoder).to_vec()
+    let mut texels = Vec::new();
+    Formula::new(graph, &[root], 2, 0).tape(&mut encoder).append(&FrameInputs::default(), &mut texels);
+    texels
 }
 
 #[test]

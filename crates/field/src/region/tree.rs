@@ -8,7 +8,6 @@
 //! tape.
 
 use super::encode::{Encoder, Texel};
-use super::formula::Numbers;
 use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
@@ -168,7 +167,7 @@ impl RegionPlan {
         parts: usize,
         run: impl FnOnce(&mut [Part]),
     ) -> Regions {
-        let program = self.formula.folded(&Numbers::Of(frame), frame);
+        let program = self.formula.folded(Some(frame));
         let variant = &self.variant;
         let has_rest = self.has_rest && (self.runs || variant.non_lipschitz);
         let bounds =

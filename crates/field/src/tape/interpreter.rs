@@ -16,8 +16,8 @@
 //! With an array of 64 in GPU registers, Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
 //!
 //! **Points.** The interpreter runs a tape for one point. Only texture coordinates, which take a few clauses, are also
-//! computed for the pixels to the right and above. A frame's numbers are immediates of the clauses, so programs are
-//! written again for each frame, which takes microseconds.
+//! computed for the pixels to the right and above. A frame's numbers are immediates of the clauses. A scene's programs
+//! are encoded once, and each frame that is interpreted writes its numbers into them, which takes microseconds.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

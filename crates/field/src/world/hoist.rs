@@ -18,7 +18,7 @@ pub struct Hoisted {
 }
 
 impl Hoisted {
-    pub(super) fn of(graph: &Graph, roots: &[NodeId]) -> Self {
+    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Self {
         let mut own = Graph::new();
         let mut moved = vec![NodeId::default(); graph.len()];
         for id in graph.order(roots) {
@@ -29,7 +29,7 @@ impl Hoisted {
     }
 
     /// Computes the values at a point of a frame.
-    pub(super) fn at(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Vec<f32> {
+    pub(crate) fn at(&self, [x, y, z]: [f32; 3], inputs: &FrameInputs) -> Vec<f32> {
         self.graph.evaluate_in(&self.order, &self.roots, &Point::at(x, y, z), inputs)
     }
 

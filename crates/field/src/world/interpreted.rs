@@ -20,11 +20,13 @@
 //! are also computed for the neighbouring pixels. If a texture's coordinates depend on a second texture, the second
 //! texture is sampled first.
 
+use std::iter;
+
 use super::{Bounds, ShortPrograms, SwarmPlan, World, WorthShortening};
 use crate::graph::{FrameInputs, Graph, Node, NodeId};
 use crate::lang::{Material, SURFACE_NUMBERS};
 use crate::region::surface::{Grid, OF_POINT, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
-use crate::region::{Encoder, Formula, MediumPlan, Needs, REGISTERS_MAX, compounds_that_pay};
+use crate::region::{Encoder, Formula, FrameTape, MediumPlan, Needs, REGISTERS_MAX, compounds_that_pay};
 use crate::tape::interpreter::{Variant, rounded_registers};
 use crate::tape::{Tape, glsl};
 
@@ -39,7 +41,7 @@ const _: () = assert!(
 );
 
 /// The programs that the interpreter shader runs at a surface.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct TapeBuffers {
     /// The programs of sky, ambient light, glow, media, the materials' surfaces and the materials' bodies, in this
     /// order. If no material uses the fields of a body, all materials share the last program, which only interpreters
@@ -61,12 +63,14 @@ pub struct TapeBuffers {
     pub cost: Cost,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 struct SurfaceTape {
     plan: SurfacePlan,
     /// The number of each texture, and its coordinates u and v.
     textures: Vec<(u16, Formula)>,
     needs: Needs,
+    /// The program's own tape, then a tape for the coordinates of each texture.
+    tapes: Vec<FrameTape>,
 }
 
 /// Half the side of the grid in a scene without bounds.
@@ -106,7 +110,20 @@ impl SurfaceTape {
         let plan = SurfacePlan { formula: formula(roots), over };
         let places = textures.iter().zip(places.as_chunks::<2>().0);
         let textures = places.map(|((picture, _), place)| (*picture, formula(place))).collect();
-        Self { plan, textures, needs }
+        Self { plan, textures, needs, tapes: Vec::new() }
+    }
+
+    fn formulas(&self) -> impl Iterator<Item = &Formula> {
+        iter::once(&self.plan.formula).chain(self.textures.iter().map(|(_, coordinates)| coordinates))
+    }
+
+    fn encode(&mut self, encoder: &mut Encoder) {
+        self.tapes = self.formulas().map(|formula| formula.tape(encoder)).collect();
+    }
+
+    /// Number of texels, including the header.
+    fn len(&self) -> usize {
+        1 + self.textures.len() + self.tapes.iter().map(FrameTape::len).sum::<usize>()
     }
 
     fn head(registers: &[u8], textures: usize) -> [u32; 4] {
@@ -125,14 +142,16 @@ impl SurfaceTape {
         start
     }
 
-    fn append(&self, inputs: &FrameInputs, encoder: &mut Encoder, texels: &mut Vec<[u32; 4]>) {
+    fn append(&self, inputs: &FrameInputs, texels: &mut Vec<[u32; 4]>) {
         let head = texels.len();
-        texels.resize(head + 1 + self.textures.len(), [0; 4]);
-        texels.extend_from_slice(self.plan.formula.encode(inputs, encoder));
-        texels[head] = Self::head(&encoder.outputs, self.textures.len());
-        for ((picture, coordinates), at) in self.textures.iter().zip(head + 1..) {
-            texels[at] = [u32::from(*picture), texels.len() as u32, 0, 0];
-            texels.extend_from_slice(coordinates.encode(inputs, encoder));
+        let outputs = self.tapes.first().map_or(&[][..], |tape| &tape.outputs);
+        texels.push(Self::head(outputs, self.textures.len()));
+        texels.extend(self.textures.iter().map(|(picture, _)| [u32::from(*picture), 0, 0, 0]));
+        for (number, tape) in self.tapes.iter().enumerate() {
+            if number > 0 {
+                texels[head + number][1] = texels.len() as u32;
+            }
+            tape.append(inputs, texels);
         }
     }
 }
@@ -173,14 +192,13 @@ impl TapeBuffers {
         let heads = 1 + self.of_objects.len().div_ceil(2);
         let mut texels = vec![[0; 4]; heads];
         let everywhere = ShortTapes::default();
-        let mut encoder = self.encoder();
         let starts: Vec<u32> = self
             .programs
             .iter()
             .enumerate()
             .map(|(number, program)| {
                 let whole = texels.len();
-                program.append(inputs, &mut encoder, &mut texels);
+                program.append(inputs, &mut texels);
                 let short =
                     short.tapes_of(number, || program.plan.formula.key(inputs)).unwrap_or(&everywhere);
                 let append = |tape| program.append_short(tape, whole, &mut texels);
@@ -212,12 +230,8 @@ impl TapeBuffers {
         Encoder::new(self.variant.compounds, self.software_variant.registers)
     }
 
-    pub(super) fn whole_length(&self, program: usize, inputs: &FrameInputs) -> usize {
-        let mut texels = Vec::new();
-        if let Some(program) = self.programs.get(program) {
-            program.append(inputs, &mut self.encoder(), &mut texels);
-        }
-        texels.len()
+    pub(super) fn whole_length(&self, program: usize) -> usize {
+        self.programs.get(program).map_or(0, SurfaceTape::len)
     }
 
     /// Returns the grid over the scene's bounds. If the scene has no bounds, the grid is centred on `center`.
@@ -226,10 +240,11 @@ impl TapeBuffers {
         Grid::of_box(bounds.low, bounds.high)
     }
 
-    /// Returns the maximum number of texels that a frame needs without shortened programs.
+    /// Returns the number of texels that a frame needs without shortened programs.
     pub fn texels_max(&self) -> usize {
-        let texels = |program: &SurfaceTape| 4 + program.textures.len() + program.needs.texels;
-        1 + self.of_objects.len().div_ceil(2) + self.programs.iter().map(texels).sum::<usize>()
+        // The grid of a single cell has three texels.
+        let programs = self.programs.iter().map(|program| program.len() + 3).sum::<usize>();
+        1 + self.of_objects.len().div_ceil(2) + programs
     }
 }
 
@@ -267,7 +282,7 @@ impl World {
         let of_materials =
             surfaces.chain(materials.iter().take(bodies).map(|roots| &roots[SURFACE_NUMBERS..]));
         let of_materials = of_materials.map(|roots| (roots, Over::Points));
-        let programs: Vec<SurfaceTape> = of_light.into_iter().chain(of_materials).map(program).collect();
+        let mut programs: Vec<SurfaceTape> = of_light.into_iter().chain(of_materials).map(program).collect();
         // The programs that the scene's own interpreter runs.
         let run = if has_bodies { programs.len() } else { PROGRAMS_OF_LIGHT + materials.len() };
         let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
@@ -284,11 +299,14 @@ impl World {
         let registers = programs.iter().filter_map(|program| program.needs.registers).max();
         needs.registers = needs.registers.and(registers);
         let [on_gpu, on_processor] = self.variants(&programs[..run], &needs);
+        let cost = self.cost(&programs[..run]);
+        let mut encoder = Encoder::new(on_gpu.compounds, on_processor.registers);
+        programs.iter_mut().for_each(|program| program.encode(&mut encoder));
         TapeBuffers {
             variant: on_gpu,
             software_variant: on_processor,
             runs: needs.registers.is_some(),
-            cost: self.cost(&programs[..run]),
+            cost,
             programs,
             of_objects,
             medium,
@@ -312,9 +330,7 @@ impl World {
     /// Returns the interpreters that run the programs: on a GPU, and on a renderer that never skips a branch. Numbers are
     /// rounded up, so that few variants serve many scenes.
     fn variants(&self, run: &[SurfaceTape], needs: &Needs) -> [Variant; 2] {
-        let compounds = compounds_that_pay(run.iter().flat_map(|program| {
-            program.textures.iter().map(|(_, formula)| formula).chain([&program.plan.formula])
-        }));
+        let compounds = compounds_that_pay(run.iter().flat_map(SurfaceTape::formulas));
         let registers = needs.registers.unwrap_or(REGISTERS_MAX).max(8);
         [(false, registers.next_power_of_two()), (true, rounded_registers(registers))].map(
             |(every_case, registers)| Variant {
@@ -360,15 +376,12 @@ mod tests {
             (directory[1][2], &world.roots.materials[1][..SURFACE_NUMBERS]),
         ] {
             let program = texels[grid as usize + 2][0];
-            let mut alone = Vec::new();
-            SurfaceTape::new(&world.graph, roots, Over::Points).append(
-                &inputs,
-                &mut buffers.encoder(),
-                &mut alone,
-            );
+            let (mut alone, mut tape) = (Vec::new(), SurfaceTape::new(&world.graph, roots, Over::Points));
+            tape.encode(&mut buffers.encoder());
+            tape.append(&inputs, &mut alone);
             assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
-        assert!(texels.len() <= world.tape_buffers().texels_max());
+        assert_eq!(texels.len(), buffers.texels_max());
     }
 
     #[test]
@@ -397,12 +410,12 @@ mod tests {
         let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));
         let nested = graph.texture(1, 2, first[0], x);
         let sum = graph.add(first[1], nested);
-        let program = SurfaceTape::new(&graph, &[sum], Over::Points);
+        let mut program = SurfaceTape::new(&graph, &[sum], Over::Points);
         let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
         assert_eq!(pictures, [3, 1]);
         let mut texels = Vec::new();
-        let mut encoder = Encoder::new(Compounds::ALL, REGISTERS_MAX);
-        program.append(&FrameInputs::default(), &mut encoder, &mut texels);
+        program.encode(&mut Encoder::new(Compounds::ALL, REGISTERS_MAX));
+        program.append(&FrameInputs::default(), &mut texels);
         assert_eq!(texels[0][3], 2);
         // The sum reads green of the first texture and blue of the second.
         let read: Vec<u32> = texels[3..texels[1][1] as usize]

@@ -266,8 +266,9 @@ proptest! {
         let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
         let roots = [0, 3, 1, 7].map(from_end);
         let over = if directions { Over::Directions } else { Over::Points };
-        let program = SurfaceTape::new(&graph, &roots, over);
+        let mut program = SurfaceTape::new(&graph, &roots, over);
         prop_assume!(program.needs.registers.is_some());
+        program.encode(&mut Encoder::new(Compounds::ALL, REGISTERS_MAX));
         let variant = Variant {
             operators: program.needs.operators.clone(),
             compounds: Compounds::ALL,

@@ -126,7 +126,7 @@ impl TapeBuffers {
         let grid = self.grid(options.center);
         let mut shortener = Shortener::new(inputs, grid, options.surfaces, self.encoder(), room);
         let shorten = |(number, plan)| match request.key_of(number) {
-            Some(_) => shortener.shorten(plan, self.whole_length(number, inputs)),
+            Some(_) => shortener.shorten(plan, self.whole_length(number)),
             None => ShortTapes::default(),
         };
         let programs = self.plans().enumerate().map(shorten).collect();
