@@ -178,6 +178,8 @@ impl ReadyProgram {
 pub struct Program {
     gl: Gl,
     object: ProgramObject,
+    /// True if the program interprets the tapes of materials and light.
+    pub(super) reads_tapes: bool,
 }
 
 impl Program {
@@ -199,6 +201,7 @@ impl Program {
 
     fn with_places(gl: &Gl, object: ProgramObject) -> Self {
         let program = object.native();
+        let mut reads_tapes = false;
         // SAFETY: the program is linked and belongs to `object`, whose context is current.
         unsafe {
             for (block, binding) in UNIFORM_BLOCKS {
@@ -211,10 +214,11 @@ impl Program {
             for (texture, unit) in own.chain(numbered_textures()) {
                 if let Some(location) = gl.get_uniform_location(program, &texture) {
                     gl.uniform_1_i32(Some(&location), unit.cast_signed());
+                    reads_tapes |= texture == "tape";
                 }
             }
         }
-        Self { gl: gl.clone(), object }
+        Self { gl: gl.clone(), object, reads_tapes }
     }
 
     /// Converts the program to values for another context of the same driver. `texts` are its sources.

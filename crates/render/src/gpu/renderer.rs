@@ -229,7 +229,7 @@ impl Renderer {
         }
         let is_light =
             self.painter.canvas.making.as_ref().is_none_or(|making| making.product == Product::Light);
-        let progress = self.painter.resume(&scene.names(), program, &scene.costs, patience)?;
+        let progress = self.painter.resume(&scene.names(program), program, &scene.costs, patience)?;
         if matches!(progress, Progress::Finished { .. }) && !is_light {
             self.presenter.flashes.is_limited = false;
         }
@@ -275,7 +275,7 @@ impl Renderer {
                 scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
                 painter.elsewhere(&mut canvas, |painter| {
                     painter.begin_without_trails(Product::Light, frame, scene)?;
-                    painter.resume(&scene.names(), program, &scene.costs, Duration::MAX)?;
+                    painter.resume(&scene.names(program), program, &scene.costs, Duration::MAX)?;
                     let Some(targets) = &painter.canvas.targets else { return Ok(()) };
                     let Some(mut feedback) = scene.feedback() else { return Ok(()) };
                     let (passes, trails) = (&painter.post.passes, &painter.post.trails);
@@ -360,7 +360,7 @@ impl Renderer {
         self.draw(frame, scene, program)?;
         let painter = &self.painter;
         let Some(targets) = &painter.canvas.targets else { return Ok(()) };
-        scene.names().bind(&painter.gl);
+        scene.names(program).bind(&painter.gl);
         let sum = Target::new(&painter.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
         sum.bind();
         targets.media.iter().for_each(MediaTargets::bind_mean);

@@ -13,7 +13,7 @@ use super::feedback::SceneFeedback;
 use super::gl::Gl;
 use super::mode::CellUse;
 use super::object::Texture;
-use super::program::unit_of;
+use super::program::{Program, unit_of};
 use super::scene_program::{Interpreter, Mode};
 use super::swarm;
 use super::texel_list::{self, ListTexel, TexelList};
@@ -50,8 +50,13 @@ pub struct SceneResources {
     /// The tapes that are worth shortening.
     worth: RefCell<WorthShortening>,
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
+    /// The inputs and shortened tapes of the last frame, until a program reads the tapes.
+    tapes: RefCell<Option<FrameTapes>>,
     feedback: RefCell<Option<SceneFeedback>>,
 }
+
+/// The inputs of a frame, which take a kilobyte, and its shortened tapes.
+type FrameTapes = Box<(FrameInputs, Option<Arc<BuiltRegions>>)>;
 
 /// Grid spacing of the eye positions for which trees are built.
 const CENTER_STEP: f32 = 8.0;
@@ -252,6 +257,7 @@ impl SceneResources {
             with_cells: Cell::new(true),
             shortens: Cell::new(true),
             uploaded: RefCell::new(None),
+            tapes: RefCell::new(None),
             feedback: RefCell::new(feedback),
             texels_max: limits::REGION_TEXELS_MAX.min(gl.info().list_texels_max as usize),
         })
@@ -357,7 +363,8 @@ impl SceneResources {
         frame.block(&self.world, &built.regions, built.medium.as_deref())
     }
 
-    /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.
+    /// Uploads the sound tables and moving pictures of a frame whose regions are uploaded already. The first program
+    /// that reads the frame's tapes uploads them ([`SceneResources::names`]).
     pub(super) fn upload_inputs(&self, frame: &Frame) -> Result<()> {
         let inputs = &frame.inputs;
         for (texture, picture) in self.pictures.iter().zip(&frame.pictures) {
@@ -366,11 +373,8 @@ impl SceneResources {
             }
         }
         if self.is_interpretable {
-            let regions = self.regions();
-            let whole = ShortPrograms::default();
-            let short = regions.as_ref().map_or(&whole, |built| &built.programs);
-            let texels = self.buffers.texels(inputs, if self.shortens.get() { short } else { &whole });
-            self.on_gpu.tape.replace(bytemuck::cast_slice(&texels));
+            let shortened = self.regions().filter(|_| self.shortens.get());
+            *self.tapes.borrow_mut() = Some(Box::new((inputs.clone(), shortened)));
             self.worth.borrow_mut().pass_frame();
         }
         let (medium, swarm) =
@@ -379,8 +383,17 @@ impl SceneResources {
         Ok(())
     }
 
-    /// The OpenGL names of the scene's objects.
-    pub fn names(&self) -> SceneNames {
+    /// The OpenGL names of the scene's objects, with all that `program` reads of the last frame.
+    pub(super) fn names(&self, program: &Program) -> SceneNames {
+        if program.reads_tapes
+            && let Some(tapes) = self.tapes.take()
+        {
+            let (inputs, shortened) = &*tapes;
+            let whole = ShortPrograms::default();
+            let short = shortened.as_ref().map_or(&whole, |built| &built.programs);
+            let texels = self.buffers.texels(inputs, short);
+            self.on_gpu.tape.replace(bytemuck::cast_slice(&texels));
+        }
         let last = self.feedback().and_then(|feedback| feedback.last.texture());
         let textures = self.pictures.iter().zip(&self.world.scene.textures);
         let name = |(picture, of): (&Rc<SceneTexture>, &TextureRef)| {

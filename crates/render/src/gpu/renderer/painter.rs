@@ -147,7 +147,7 @@ impl Painter {
         costs: &Costs,
     ) -> Result<()> {
         self.begin(Product::Picture, frame, scene)?;
-        self.resume(&scene.names(), program, costs, Duration::MAX).map(|_| ())
+        self.resume(&scene.names(program), program, costs, Duration::MAX).map(|_| ())
     }
 
     /// Calls `draw` with another canvas, without fade and clock, then restores all three. Loses a frame in progress.

@@ -54,7 +54,7 @@ impl Renderer {
         watcher: &mut dyn PathWatcher,
     ) -> Result<PathProgress> {
         let painter = &mut self.painter;
-        let Some(targets) = painter.prepare_paths(frame, scene)? else {
+        let Some(targets) = painter.prepare_paths(frame, scene, program)? else {
             return Ok(PathProgress { fraction: 0.0, paths: 0 });
         };
         let mut cost = scene.costs.of(program);
@@ -69,7 +69,7 @@ impl Renderer {
             if let Some(kept) = watcher.begin(frame, area.pixels() as usize) {
                 run.resume(&kept);
             }
-            scene.names().bind(&painter.gl);
+            scene.names(program).bind(&painter.gl);
             let (sampling, passes) = (&painter.sampling, &painter.post.passes);
             let drawing = PathArea { sampling, passes, program, order, area };
             paths += drawing.draw(&mut run, &mut cost, &mut |so_far, state| {
@@ -115,7 +115,7 @@ impl Renderer {
     ) -> Result<Option<PathProgress>> {
         let (painter, patience) = (&mut self.painter, (Instant::now(), patience));
         let PathPicture { frame, order, run, guides, cost, shown } = picture;
-        let Some(targets) = painter.prepare_paths(frame, scene)? else { return Ok(None) };
+        let Some(targets) = painter.prepare_paths(frame, scene, program)? else { return Ok(None) };
         let area = Tile::whole(frame.size);
         let (sampling, passes) = (&painter.sampling, &painter.post.passes);
         let drawing = PathArea { sampling, passes, program, order: *order, area };
@@ -177,7 +177,12 @@ impl Painter {
     }
 
     /// Sets everything that the paths of a frame read. Returns the targets of the image, or `None` without targets.
-    fn prepare_paths(&mut self, frame: &Frame, scene: &SceneResources) -> Result<Option<Targets>> {
+    fn prepare_paths(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<Option<Targets>> {
         let block = scene.block_of(frame);
         scene.upload_inputs(frame)?;
         self.need_targets(frame.size, &of_paths(frame))?;
@@ -186,7 +191,7 @@ impl Painter {
         self.post.bind_picture(&frame.picture, self.sampling.edge_samples);
         self.post.passes.prepare();
         self.sampling.settle_samplers(&targets.first)?;
-        scene.names().bind(&self.gl);
+        scene.names(program).bind(&self.gl);
         Ok(Some(targets))
     }
 
