@@ -204,8 +204,11 @@ impl Playback {
         // Curves and the last seconds cost more than all other inputs, so they are computed only for scenes that read them.
         let hears_curves = self.scene.scenes.read_curves();
         let Shown { moment, size, .. } = wanted;
-        let curves =
-            if hears_curves { self.listening.sound.heard_at(moment.song_time).tables } else { Default::default() };
+        let curves = if hears_curves {
+            self.listening.sound.heard_at(moment.song_time).tables
+        } else {
+            Default::default()
+        };
         let remembers = self.scene.scenes.remember();
         let sound = mariana_music::Sound {
             features: moment.features,

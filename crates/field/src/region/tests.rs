@@ -536,3 +536,26 @@ fn end_and_rare_operators_are_second_in_their_texels() {
         node = graph.unary(Op::Sin, node);
     }
 }
+
+#[test]
+fn a_tape_has_the_numbers_of_each_frame() {
+    let mut graph = Graph::new();
+    let [x, y, t] = [Input::X, Input::Y, Input::T].map(|input| graph.input(input));
+    let (product, sine) = (graph.mul(x, t), graph.unary(Op::Sin, t));
+    // A compound computes y + x * -t.
+    let difference = graph.sub(y, product);
+    let masked = graph.binary(Op::Mask, t, y);
+    let sum = graph.add(x, sine);
+    let roots = [difference, masked, sine, sum];
+    let tape = Formula::new(&graph, &roots, 2, 0).tape(&mut Encoder::new(Compounds::ALL, REGISTERS_MAX));
+    for time in [0.0, 1.0, -2.5] {
+        let frame = FrameInputs { time, ..Default::default() };
+        let mut texels = Vec::new();
+        tape.append(&frame, &mut texels);
+        let mut registers = [0.0; 256];
+        registers[..2].copy_from_slice(&[0.5, 3.0]);
+        run_texels(&texels, &mut registers, &[], &frame);
+        let got: Vec<f32> = tape.outputs.iter().map(|output| registers[usize::from(*output)] + 0.0).collect();
+        assert_eq!(got, graph.evaluate(&roots, &Point::at(0.5, 3.0, 0.0), &frame), "{time} s");
+    }
+}
