@@ -7,6 +7,7 @@ use mariana_render::gpu::scene_program::Mode;
 use mariana_render::gpu::shader_source::ShaderLibrary;
 use mariana_scenes::{SceneSource, shipped_names};
 use mariana_stage::{PreparedShow, Recipe, SceneCard, card_of};
+use web_sys::console;
 
 use super::shown::{Coming, Shown, ShownLayer};
 
@@ -46,10 +47,13 @@ impl ShowPlayer {
         self.scenes.retain(|(source, shown)| !has_new || shown.is_none() || wanted.contains(source));
         let is_new = |source: &SceneSource| self.scenes.iter().all(|(known, _)| known != source);
         if let Some(source) = wanted.into_iter().find(is_new) {
-            let ready = source.ready().ok();
-            match ready.and_then(|ready| Coming::begin(gl, library, ready, Mode::Compiled).ok()) {
-                Some(coming) => self.coming = Some((source, coming)),
-                None => self.scenes.push((source, None)),
+            let ready = source.ready().map_err(|error| error.to_string());
+            match ready.and_then(|ready| Coming::begin(gl, library, ready, Mode::Compiled)) {
+                Ok(coming) => self.coming = Some((source, coming)),
+                Err(reason) => {
+                    console::warn_1(&format!("{} cannot be shown: {reason}", source.title()).into());
+                    self.scenes.push((source, None));
+                }
             }
         }
     }

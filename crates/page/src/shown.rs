@@ -57,7 +57,7 @@ impl Coming {
         let resources = SceneResources::upload(gl, None, world, buffers, plan).map_err(said)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
         if resources.drawn(mode).cells && !has_quick_tree(&resources) {
-            let words = "building its region tree takes too long for every frame: use fewer or simpler parts";
+            let words = "building its region tree takes too long on this device: use fewer or simpler parts";
             return Err(words.to_owned());
         }
         let program = begin_scene(gl, library, &variant).map_err(said)?;

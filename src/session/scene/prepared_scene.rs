@@ -182,7 +182,7 @@ impl PreparedScene {
         self.resources.buffers().cost.compiled <= COMPILED_BY_ITSELF_MAX
     }
 
-    /// The functions that draw views and paths of the scene in a mode.
+    /// The functions that draw the scene in a mode.
     pub(super) fn program_of(&self, mode: Mode) -> Option<ProgramOf> {
         match mode {
             Mode::Compiled => Some(ProgramOf::Compiled(self.id)),

@@ -31,6 +31,9 @@ pub(super) struct ProgramLibrary {
     /// compiles them before the first edit, so that no edit waits for a compiler. A software renderer has none: it
     /// evaluates every branch, so it only uses interpreters made for particular scenes.
     universal: Vec<Interpreter>,
+    /// Kept apart: an interpreter of a scene with rare features covers a universal one, but draws more slowly.
+    universal_programs: KeptPrograms,
+    /// Interpreters made for particular scenes.
     interpreters: KeptPrograms,
     tasks: HashMap<u64, Task>,
     next_task: u64,
@@ -60,6 +63,7 @@ impl ProgramLibrary {
             } else {
                 Vec::new()
             },
+            universal_programs: KeptPrograms::default(),
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_task: 0,
@@ -88,11 +92,14 @@ impl ProgramLibrary {
     }
 
     pub(super) fn receive_interpreter(&mut self, interpreter: &Interpreter, program: Program) {
-        match self.universal.contains(interpreter) {
-            true => tracing::info!("the universal interpreter is ready{}", of_kind(interpreter)),
-            false => tracing::info!("an interpreter is ready"),
+        let of = ProgramOf::Interpreted(interpreter.clone());
+        if self.universal.contains(interpreter) {
+            tracing::info!("the universal interpreter is ready{}", of_kind(interpreter));
+            self.universal_programs.add(of, program);
+        } else {
+            tracing::info!("an interpreter is ready");
+            self.interpreters.add(of, program);
         }
-        self.interpreters.add(ProgramOf::Interpreted(interpreter.clone()), program);
     }
 
     /// Gives up a universal interpreter that the driver has rejected: each scene then gets its own interpreter. Returns
@@ -113,7 +120,8 @@ impl ProgramLibrary {
     }
 
     pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
-        self.interpreters.covering(&ProgramOf::Interpreted(needed.clone()))
+        let wanted = ProgramOf::Interpreted(needed.clone());
+        self.universal_programs.covering(&wanted).or_else(|| self.interpreters.covering(&wanted))
     }
 
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
@@ -153,11 +161,15 @@ impl ProgramLibrary {
     /// Requests an interpreter for a scene, unless one exists or was requested.
     pub(super) fn request_interpreter(&mut self, scene: &PreparedScene) {
         let Some(needed) = &scene.programs.interpreter else { return };
-        if self.interpreters.cover(&ProgramOf::Interpreted(needed.clone())) {
+        let of = ProgramOf::Interpreted(needed.clone());
+        if self.universal_programs.cover(&of) {
             return;
         }
         let can_wait = self.has_shown || self.is_making(scene, Mode::Compiled);
         let universal = self.universal.iter().find(|one| can_wait && one.covers(needed));
+        if universal.is_none() && self.interpreters.cover(&of) {
+            return;
+        }
         let wanted = universal.unwrap_or(needed).clone();
         self.request_variant(scene, wanted);
     }
@@ -165,7 +177,7 @@ impl ProgramLibrary {
     /// Requests a universal interpreter that no scene has needed yet. Its first frame draws `scene`.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
         let is_missing =
-            |one: &&Interpreter| !self.interpreters.cover(&ProgramOf::Interpreted((*one).clone()));
+            |one: &&Interpreter| !self.universal_programs.cover(&ProgramOf::Interpreted((*one).clone()));
         if let Some(universal) = self.universal.iter().find(is_missing).cloned() {
             self.request_variant(scene, universal);
         }

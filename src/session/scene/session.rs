@@ -199,6 +199,8 @@ impl SceneSession {
             let wanted = self.show.wanted_ahead(&self.preparation.library.wanted);
             self.preparation.prepare_ahead(wanted, &mut self.scenes);
         }
+        // Scenes may have gone since.
+        self.preparation.forget_obsolete(&self.scenes);
         self.preparation.report_slow_programs(&self.scenes, &mut self.messages);
         Ok(())
     }
