@@ -36,7 +36,10 @@ fn tape(text: &str) -> Tape {
 fn words(text: &str) -> Vec<[u32; 4]> {
     let scene = compile("bench.scene", text, &mut no_includes).scene.expect("the text is a scene");
     let formula = Formula::new(&scene.graph, &[scene.distance], 3, 0);
-    formula.encode(&FrameInputs::default(), &mut Encoder::new(Compounds::NONE, REGISTERS_MAX)).to_vec()
+    let mut texels = Vec::new();
+    let tape = formula.tape(&mut Encoder::new(Compounds::NONE, REGISTERS_MAX));
+    tape.append(&FrameInputs::default(), &mut texels);
+    texels
 }
 
 fn fidget_tape(text: &str) -> VmFunction {

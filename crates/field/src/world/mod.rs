@@ -337,9 +337,12 @@ impl Traced {
             distance_check::tamed(&tape, frames, bounds.as_ref(), reach)
         });
         let non_lipschitz = slopes.is_some();
-        let found_by_distance =
-            || bounds::find(&scene.graph, distance, &any, true).filter(|_| !non_lipschitz);
-        let bounds = bounds.or_else(found_by_distance);
+        // Far away, an estimate that the scene trusts may be larger than the distance.
+        let is_distance = !non_lipschitz && !scene.objects.iter().any(|object| object.trusted);
+        let bounds = match bounds {
+            None if is_distance => bounds::find(&scene.graph, distance, &any, true),
+            found => found,
+        };
         Self { bounds, non_lipschitz, slopes: slopes.unwrap_or_default(), ..Self::default() }
     }
 }
