@@ -162,7 +162,7 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
         if (max(thrown.r, max(thrown.g, thrown.b)) * step_length * sum.a > SCATTERED_MIN) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             float shadow = incoming.shadow > 0.0 ? incoming.t : 0.0;
-            float visible = light_visibility(LightRay(p, incoming.direction, shadow, sharpness));
+            float visible = light_visibility(LightRay(p, incoming.direction, shadow, sharpness), false);
             source += mix(1.0, visible, incoming.shadow) * thrown;
         }
 #endif

@@ -7,9 +7,9 @@ const int SHADOW_STEPS_MAX = 512;
 // Growth of the shortest step with each step, so that rays that graze a surface end.
 const float SHADOW_STEP_GROWTH = 0.002;
 
-// Returns the fraction of a light that is visible along the ray: 0 or 1. For probes, returns the openness of the origin.
-float light_visibility(LightRay ray) {
-    bool probing = IS_PROBING(ray.sharpness);
+// Returns the fraction of a light that is visible along the ray: 0 or 1. When `probing`, returns the openness of
+// the origin.
+float light_visibility(LightRay ray, bool probing) {
     if (!probing && trace_planes(ray.origin, ray.direction, 0.0).t < ray.t) return 0.0;
     vec2 span = probing ? vec2(probes.x, FAR) : non_lipschitz_span(ray.origin, ray.direction);
     float end = min(span.y, ray.t);
@@ -25,7 +25,7 @@ float light_visibility(LightRay ray) {
     Walk walk = walk_of(ray.origin, ray.direction);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         int left = steps_left(SHADOW_STEPS_MAX - i, SHADOW_ROUNDS);
-        if (left <= 0) break;
+        if (!probing && left <= 0) break;
         bool is_free = !is_near;
         Cell cell;
         vec3 q;

@@ -8,14 +8,6 @@ const int PROBES = 4;
 // The openness of a point before its probes have run.
 const float UNKNOWN_OPEN = -1.0;
 
-// The sharpness for rays of probes along the normal. Paths find ambient light themselves.
-const float PROBING = 0.0;
-#ifdef PATHS
-#define IS_PROBING(sharpness) false
-#else
-#define IS_PROBING(sharpness) (sharpness == PROBING)
-#endif
-
 // Returns the height of a probe.
 float probe_height(int probe) {
     return dot(probes, vec4(equal(ivec4(0, 1, 2, 3), ivec4(probe))));

@@ -90,7 +90,7 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
     for (int i = 0; i < rays; i++) {
         penumbra_growth = i == 0 ? 1.0 / SHARPNESS_MAX : 0.0;
         LightRay ray = LightRay(shadow_origin(at.origin, normal, cone), to, t, SHARPEST);
-        visible_met = mix(1.0, light_visibility(ray), point.shadow);
+        visible_met = mix(1.0, light_visibility(ray, false), point.shadow);
         if (i == 0) visible = visible_met;
         if (visible <= 0.0) break;
     }

@@ -18,8 +18,8 @@ struct ThinBalls {
 // True unless ambient light is so weak that its occlusion cannot be seen beside the other light.
 bool is_occlusion_seen(Surface s, vec3 ambient, vec3 light, vec3 fraction) {
 #ifdef BOUNCE
-    // Occluders also throw the light of lamps.
-    ambient += fraction * s.material.color * s.material.color * ((1.0 - s.material.metalness) * nearby_bounce);
+    // Occluders also throw the light of lamps, which may be strong.
+    ambient += nearby_bounce * 1e3 * s.material.color;
 #endif
     return SHOWS_OPEN || most_of(ambient) >= SHADOWED_PART * most_of(light) + SHADOWED_SHOWN / picture_look.x;
 }
@@ -43,7 +43,8 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBal
     // What the next ray decides about: first the probes of occlusion about ambient light, then shadow rays about lights.
     vec3 thrown = diffuse * light_of(s.ambient);
     bool is_probed = s.open < 0.0 && (PLANES > 0 || occluder_near(p)) && is_occlusion_seen(s, thrown, light, fraction);
-    LightRay ray = LightRay(p, s.normal, is_probed ? FAR : 0.0, PROBING);
+    LightRay ray = LightRay(p, s.normal, is_probed ? FAR : 0.0, 1.0);
+    bool probing = true;
     float shadow = 1.0;
     vec3 thrown_on = vec3(0.0);
     NOTED_LIGHT
@@ -57,8 +58,8 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBal
 #endif
     // Each round runs a ray and then chooses the next one, so that the probes need no registers beside those of a light.
     while (true) {
-        float visible = ray.t > 0.0 ? mix(1.0, light_visibility(ray), shadow) : 1.0;
-        if (ray.sharpness == PROBING) {
+        float visible = ray.t > 0.0 ? mix(1.0, light_visibility(ray, probing), shadow) : 1.0;
+        if (probing) {
             NOTE_OPEN(visible);
 #ifdef BOUNCE
             s.open = visible;
@@ -68,7 +69,8 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBal
         } else {
             NOTE_LIGHT(visible);
         }
-        light += visible * thrown;
+        if (visible > 0.0) light += visible * thrown;
+        probing = false;
         if (i > last) break;
         int number = i;
 #ifdef DRAWS_SWARM
@@ -118,7 +120,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone, vec3 fraction, ThinBal
         float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
         ray = LightRay(shadow_origin(from, side, cone), incoming.direction, t, sharpness);
         shadow = incoming.shadow;
-        KEEP_LIGHT(incoming.light)
+        KEEP_LIGHT(arrives ? incoming.light : vec3(0.0))
         i++;
     }
 #ifdef TRANSLUCENT

@@ -5,7 +5,7 @@ struct LightRay {
     vec3 origin;
     vec3 direction;
     float t;            // distance of the light
-    float sharpness;    // of the penumbra; PROBING for probes
+    float sharpness;    // of the penumbra
 };
 
 vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
@@ -54,10 +54,9 @@ vec2 shadow_span(vec3 origin, vec3 direction, float sharpness) {
 }
 
 // Returns the fraction of a light that is visible along the ray: Quilez, "soft shadows in raymarched SDFs" (2010), with the
-// closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11). For
-// probes, returns the openness of the ray's origin.
-float light_visibility(LightRay ray) {
-    bool probing = IS_PROBING(ray.sharpness);
+// closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11). When
+// `probing` for occlusion, returns the openness of the ray's origin.
+float light_visibility(LightRay ray, bool probing) {
     if (!probing && trace_planes(ray.origin, ray.direction, 0.0).t < ray.t) return 0.0;
     vec2 span = probing ? vec2(probes.x, FAR) : shadow_span(ray.origin, ray.direction, ray.sharpness);
     float end = min(span.y, ray.t);
@@ -76,7 +75,7 @@ float light_visibility(LightRay ray) {
     Walk walk = walk_of(ray.origin, ray.direction);
 #endif
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        if (steps_left(1, SHADOW_ROUNDS) <= 0) break;
+        if (!probing && steps_left(1, SHADOW_ROUNDS) <= 0) break;
         bool is_free = !is_near;
 #ifdef NO_CELLS
         Cell cell = NO_CELL;
