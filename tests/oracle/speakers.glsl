@@ -79,6 +79,9 @@ vec2 scene_distance(vec3 p, float penumbra) {
     return vec2(min(speakers, min(bars, others)), min(speakers, bars * max(1.0, penumbra / others)));
 }
 
+// The surfaces that are not planes belong to several objects.
+const float SOLE_OBJECT = -1.0;
+
 // 0 the speakers, 1 the bars, 2 the floor.
 float scene_estimate(vec3 p, out float object) {
     float speakers = speakers_distance(p);
