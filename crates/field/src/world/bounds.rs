@@ -424,15 +424,10 @@ mod tests {
     }
 
     #[test]
-    fn distances_bound_shapes_that_intervals_do_not() {
-        for (text, low, high) in [
-            ("octahedron(p - vec3(0, 2, 0), 1)", [-1.0, 1.0, -1.0], [1.0, 3.0, 1.0]),
-            ("pyramid(p, 0.8)", [-0.5, 0.0, -0.5], [0.5, 0.8, 0.5]),
-            ("round_cone(p, 0.6 + 0.2 * bass, 0.25, 1)", [-0.8; 3], [0.8, 1.25, 0.8]),
-        ] {
-            assert_eq!(bounds(text), None, "{text}");
-            assert_near(bounds_of(text, true), low, high, 0.04);
-        }
+    fn distances_bound_a_shape_that_intervals_do_not() {
+        let text = "octahedron(p - vec3(0, 2, 0), 1)";
+        assert_eq!(bounds(text), None);
+        assert_near(bounds_of(text, true), [-1.0, 1.0, -1.0], [1.0, 3.0, 1.0], 0.04);
     }
 
     #[test]
