@@ -57,7 +57,7 @@ impl Coming {
         let resources = SceneResources::upload(gl, None, world, buffers, plan).map_err(said)?;
         resources.set_cells(resources.uses_cells(cells, mode), mode);
         if resources.drawn(mode).cells && !has_quick_tree(&resources) {
-            let words = "building its region tree takes too long on this device: use fewer or simpler parts";
+            let words = "its region tree needs more than a second on this device: use fewer or simpler parts";
             return Err(words.to_owned());
         }
         let program = begin_scene(gl, library, &variant).map_err(said)?;
@@ -79,7 +79,7 @@ impl Coming {
     }
 }
 
-/// Builds the first tree of a scene. Returns false if that takes too long.
+/// Builds the first tree of a scene. Returns false if that takes more than [`TREE_MAX`].
 fn has_quick_tree(resources: &SceneResources) -> bool {
     let frame = Frame::new(resources.world(), 0.0, Features::SILENCE, (16, 9));
     let begun = Instant::now();

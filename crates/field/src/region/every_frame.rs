@@ -7,13 +7,13 @@
 use std::rc::Rc;
 
 use super::gradient::Linear;
-use super::lanes::{CELLS, Lanes, bound, bounds_of, mask};
+use super::lanes::{CELLS, Lanes, bound, bounds_of};
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, Interval, Node, NodeId, Op};
 
-pub(crate) use super::lanes::cells_of;
+pub(crate) use super::lanes::{cells_of, mask};
 
 /// Programs with at most this many steps are not shortened, because that would take longer than it saves.
 const SHORT_ENOUGH: usize = 16;

@@ -30,7 +30,7 @@ impl Lanes {
 
 /// Returns a mask of the cells that meet a condition, computed so that the CPU can process eight at once.
 #[inline(always)]
-pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
+pub(crate) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     let mut flags = [0u8; CELLS];
     for (cell, flag) in flags.iter_mut().enumerate() {
         *flag = u8::from(holds(cell));

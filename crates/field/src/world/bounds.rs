@@ -9,7 +9,7 @@
 //!
 //! Intervals cannot bound some shapes: the sides of an octahedron or a triangle are decided by comparisons of numbers that
 //! depend on each other. If such a value is a distance and no estimate, the search runs again and also takes the distance
-//! from the middle of each cell, which takes about twice as long.
+//! from the middle of each cell. This takes about twice the time.
 //!
 //! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
 //! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
@@ -25,7 +25,7 @@ use super::cells::{NESTED, PIECES, below, nested, pieces, sixty_fourths};
 use super::distance_check::STEEPEST;
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, NodeId};
-use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of};
+use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of, mask};
 use crate::vectors::length;
 
 /// Surfaces farther than about this from the origin leave a scene without bounds.
@@ -186,7 +186,7 @@ impl Search<'_> {
             let sides = [0, 1, 2].map(|axis| cells[lane].side(axis));
             self.distance.low(lane) > 0.5 * STEEPEST * length(sides)
         };
-        cells_of(u64::MAX).filter(|lane| is_far(*lane)).fold(0, |mask, lane| mask | 1 << lane)
+        mask(is_far)
     }
 
     /// Returns the cells of a mask, which have just been bounded, with programs for them. `vain` divisions have not

@@ -35,7 +35,7 @@ const LATENCY_MAX: Duration = Duration::from_secs(5);
 /// Maximum sample value. It is just below 1 because integer formats end just below 1.
 const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// The settings that the window writes and the callbacks of all outputs read, and what they report.
+/// The settings that the window writes for the callbacks of all outputs, and the counts that the callbacks report.
 pub struct Controls {
     volume: AtomicU32,
     muted: AtomicBool,

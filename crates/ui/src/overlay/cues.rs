@@ -1,4 +1,4 @@
-//! The entries of the show: the present one, the times of the others, and those that wait for a key.
+//! The entries of the show: the present one, the times of the others, and entries that wait for a key.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 

@@ -27,7 +27,7 @@ const NAME: (f32, f32) = (170.0, 0.34);
 /// The delays that the slider can set, and its default, in milliseconds. Keys can set larger delays.
 const RAIL_MS: [f32; 3] = [-500.0, 500.0, 0.0];
 
-/// What the last layout has shown.
+/// The state that the last layout has shown.
 #[derive(Clone, Copy)]
 struct Seen {
     selected: usize,
