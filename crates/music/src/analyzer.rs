@@ -304,12 +304,6 @@ impl Analyzer {
             self.followers.volume.follow(value, (scale * target).min(SAMPLE_MAX));
         }
 
-        let pulse = self.rhythm.follow(middle, short);
-        self.followers.beat.follow(&mut features.beat, 0.0);
-        if pulse.begins {
-            features.beat = 1.0;
-        }
-        (features.tempo, features.phase) = (pulse.beat.tempo, pulse.beat.phase);
         self.sounds.follow(&history[history.len() - hop..], spectra, features);
 
         let mut heights = [0.0; _];
@@ -317,7 +311,12 @@ impl Analyzer {
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.followers.bands.follow(value, height);
         }
-        self.rhythm.process(pulse, &powers, &mut self.last);
+        let begins = self.rhythm.follow([middle, short], &powers, &mut self.last);
+        let beat = &mut self.last.features.beat;
+        self.followers.beat.follow(beat, 0.0);
+        if begins {
+            *beat = 1.0;
+        }
         let frames_per_point = hop / WAVE_PER_HOP;
         mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
     }

@@ -1,18 +1,12 @@
 //! Onsets, beats, and the form of live input.
 
 use super::activation::{self, Activation, STEP_HOPS};
-use super::beat::{Beat, BeatTracker};
+use super::beat::BeatTracker;
 use super::features::TimedFeatures;
-use super::live::{Hop, Live, Strokes};
+use super::live::{Hop, Live};
 use super::onset::{Flux, LowFlux, Onsets};
 use super::resolution::Resolution;
 use super::scale::BAND_COUNT;
-
-pub(super) struct RhythmMoment {
-    pub(super) begins: bool,
-    pub(super) beat: Beat,
-    strokes: Option<Strokes>,
-}
 
 pub(super) struct Rhythm {
     flux: Flux,
@@ -64,28 +58,28 @@ impl Rhythm {
         }
     }
 
-    pub(super) fn follow(&mut self, middle: &[f32], short: &[f32]) -> RhythmMoment {
+    /// Processes a moment whose notes and curve are known. Writes its beat and, for live input, its place in the form.
+    /// Returns true at an onset.
+    pub(super) fn follow(
+        &mut self,
+        [middle, short]: [&[f32]; 2],
+        powers: &[f32; BAND_COUNT],
+        moment: &mut TimedFeatures,
+    ) -> bool {
         let rise = self.flux.follow(short);
         let (begins, flux) = self.onsets.follow(rise, self.low.follow(middle, &self.flux));
-        let strokes = self.live.as_mut().map(|live| live.strokes(short, flux));
         if self.hop.is_multiple_of(STEP_HOPS as u64) {
             self.odds = self.activation.follow(middle);
         }
         self.hop += 1;
-        RhythmMoment { begins, beat: self.beats.follow(self.odds, flux, begins), strokes }
-    }
-
-    /// Completes the features of a moment of live input.
-    pub(super) fn process(
-        &mut self,
-        RhythmMoment { begins, beat, strokes }: RhythmMoment,
-        powers: &[f32; BAND_COUNT],
-        moment: &mut TimedFeatures,
-    ) {
-        let (Some(live), Some(strokes)) = (&mut self.live, strokes) else { return };
+        let beat = self.beats.follow(self.odds, flux, begins);
         let TimedFeatures { features, spectrum, .. } = moment;
-        let notes = &features.notes;
-        let (bar, song) = live.follow(&Hop { powers, notes, spectrum, begins, beat, strokes });
-        (features.bar_beat, features.bar_beats, features.live) = (bar.beat, bar.beats, song);
+        (features.tempo, features.phase) = (beat.tempo, beat.phase);
+        if let Some(live) = &mut self.live {
+            let notes = &features.notes;
+            let (bar, song) = live.follow(&Hop { powers, notes, spectrum, short, flux, begins, beat });
+            (features.bar_beat, features.bar_beats, features.live) = (bar.beat, bar.beats, song);
+        }
+        begins
     }
 }

@@ -14,7 +14,7 @@ use crate::rises::Rises;
 use crate::scale::{BAND_COUNT, NOTE_COUNT, SPECTRUM_POINTS};
 use crate::smoothing::Follower;
 use crate::song::{PITCH_CLASSES, Tonality};
-use bars::LiveBars;
+use bars::{LiveBar, LiveBars, Strokes};
 use builds::Builds;
 use drops::{Drops, Slot};
 use harmony::{CLASSES, Harmony, classes};
@@ -27,7 +27,6 @@ mod energy;
 mod harmony;
 mod novelty;
 
-pub(crate) use bars::{LiveBar, Strokes};
 pub use energy::LiveEnergy;
 
 /// The approximate durations of a slot and of a step, in seconds.
@@ -58,10 +57,13 @@ pub(crate) struct Hop<'a> {
     /// The level of each note, 0..1.
     pub(crate) notes: &'a [f32; NOTE_COUNT],
     pub(crate) spectrum: &'a [f32; SPECTRUM_POINTS],
+    /// The power of each bin of the short window.
+    pub(crate) short: &'a [f32],
+    /// The flux, relative to the largest recent flux.
+    pub(crate) flux: f32,
     /// True at an onset.
     pub(crate) begins: bool,
     pub(crate) beat: Beat,
-    pub(crate) strokes: Strokes,
 }
 
 /// Sums over the hops of a slot and the slots of a step.
@@ -141,15 +143,11 @@ impl Live {
         (self.sums, self.song, self.times) = (Sums::default(), LiveSong::UNKNOWN, Times::AT_FIRST);
     }
 
-    /// Measures the strokes of a hop from its short spectrum and its flux.
-    pub(crate) fn strokes(&mut self, short: &[f32], flux: f32) -> Strokes {
-        Strokes::of(self.rises.follow(short), flux)
-    }
-
     /// Processes a hop.
     pub(crate) fn follow(&mut self, hop: &Hop<'_>) -> (LiveBar, LiveSong) {
         let Beat { tempo, phase } = hop.beat;
-        let bar = self.bars.follow((tempo > 0.0).then_some(phase), hop.strokes, hop.spectrum);
+        let strokes = Strokes::of(self.rises.follow(hop.short), hop.flux);
+        let bar = self.bars.follow((tempo > 0.0).then_some(phase), strokes, hop.spectrum);
         let classes = classes(hop.notes);
         self.song.chroma = self.harmony.chroma(&classes);
         self.times.since_tempo = if tempo > 0.0 { 0.0 } else { self.times.since_tempo + self.hop_seconds };
