@@ -5,11 +5,12 @@
 //! beats accumulates the evidence. In 6/8, two dotted beats are reported as half of a bar of four. Bar tracking adds 2
 //! µs to the 29 µs per moment.
 
-use crate::rises::LowAndHigh;
 use crate::scale::{SPECTRUM_POINTS, spectrum_place};
+use crate::song::{largest, reward};
 
 const METERS: [usize; 2] = [4, 3];
-const STATES: usize = 7;
+/// The beats of the bar and the position in the bar, for each state.
+const STATES: [(usize, usize); 7] = [(4, 0), (4, 1), (4, 2), (4, 3), (3, 0), (3, 1), (3, 2)];
 
 /// An onset belongs to a beat if it is after the first phase in the previous beat, or before the second in the beat.
 const STRUCK: (f32, f32) = (0.85, 0.3);
@@ -37,24 +38,11 @@ pub(crate) struct LiveBar {
     pub(crate) beats: f32,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Strokes {
-    pub(super) low: f32,
-    pub(super) high: f32,
-    /// The flux, relative to the largest recent flux.
-    pub(super) flux: f32,
-}
+/// The rises of the low and of the high frequencies, and the flux, relative to the largest recent flux.
+pub(super) type Strokes = [f32; 3];
 
-impl Strokes {
-    pub(super) fn of(rises: LowAndHigh, flux: f32) -> Self {
-        Self { low: rises.low_rise, high: rises.high_rise, flux }
-    }
-
-    fn add(&mut self, other: Self) {
-        self.low = self.low.max(other.low);
-        self.high = self.high.max(other.high);
-        self.flux = self.flux.max(other.flux);
-    }
+fn raise(most: &mut Strokes, strokes: Strokes) {
+    most.iter_mut().zip(strokes).for_each(|(most, stroke)| *most = most.max(stroke));
 }
 
 /// Running mean and mean square of a quantity that is measured once per beat, to standardise the quantity.
@@ -84,8 +72,8 @@ pub(super) struct LiveBars {
     /// Statistics of five quantities: the low, high and total onset strength, the harmony and the timbre.
     usual: [Usual; 5],
     beats: u32,
-    /// The belief in each position of the current beat: first the first meter's positions, then the second meter's.
-    belief: [f32; STATES],
+    /// The belief in each of [`STATES`].
+    belief: [f32; STATES.len()],
     reported: LiveBar,
 }
 
@@ -95,14 +83,14 @@ impl LiveBars {
         Self {
             pitches: place(PITCHES_HZ.0).min(SPECTRUM_POINTS)..place(PITCHES_HZ.1).min(SPECTRUM_POINTS),
             phase: 0.0,
-            now: Strokes::default(),
-            next: Strokes::default(),
+            now: [0.0; 3],
+            next: [0.0; 3],
             sum: [0.0; SPECTRUM_POINTS],
             count: 0.0,
             before: [0.0; SPECTRUM_POINTS],
             usual: [Usual::default(); 5],
             beats: 0,
-            belief: [1.0 / STATES as f32; STATES],
+            belief: [1.0 / STATES.len() as f32; STATES.len()],
             reported: LiveBar::default(),
         }
     }
@@ -130,9 +118,9 @@ impl LiveBars {
             self.end_beat();
         }
         if phase < STRUCK.1 {
-            self.now.add(strokes);
+            raise(&mut self.now, strokes);
         } else if phase >= STRUCK.0 {
-            self.next.add(strokes);
+            raise(&mut self.next, strokes);
         }
         self.sum.iter_mut().zip(spectrum).for_each(|(sum, height)| *sum += height);
         self.count += 1.0;
@@ -151,16 +139,14 @@ impl LiveBars {
         let sound = changes(self.pitches.end..SPECTRUM_POINTS, |change| change.max(0.0));
         self.beats = self.beats.saturating_add(1);
         let learned = (1.0 / self.beats as f32).max(1.0 / USUAL_BEATS);
-        let values = [self.now.low, self.now.high, self.now.flux, harmony, sound];
-        let leasts = [0.1, 0.1, 0.1, 0.1, 0.3];
+        let [low, high, flux] = self.now;
+        let values = [(low, 0.1), (high, 0.1), (flux, 0.1), (harmony, 0.1), (sound, 0.3)];
         let mut evidence = [0.0; 5];
-        for (((evidence, usual), value), least) in
-            evidence.iter_mut().zip(&mut self.usual).zip(values).zip(leasts)
-        {
+        for ((evidence, usual), (value, least)) in evidence.iter_mut().zip(&mut self.usual).zip(values) {
             *evidence = usual.standardised(value, least, learned);
         }
         (self.before, self.sum, self.count) = (mean, [0.0; SPECTRUM_POINTS], 0.0);
-        (self.now, self.next) = (self.next, Strokes::default());
+        (self.now, self.next) = (self.next, [0.0; 3]);
         if self.beats >= FIRST_BEATS {
             self.weigh(evidence);
         }
@@ -168,20 +154,10 @@ impl LiveBars {
         self.publish();
     }
 
-    fn weigh(&mut self, [low, high, struck, harmony, sound]: [f32; 5]) {
-        let start = 0.7 * low + harmony + 0.7 * sound;
-        let snare = 0.5 * (high + struck) - low;
-        let mut states = self.belief.iter_mut();
-        for meter in METERS {
-            for (position, belief) in states.by_ref().take(meter).enumerate() {
-                let reward = match (meter, position) {
-                    (_, 0) => start,
-                    (4, 2) => 0.3 * low,
-                    (4, _) => 0.5 * snare,
-                    _ => 0.3 * snare,
-                };
-                *belief = belief.max(1e-9).powf(REMEMBERED) * (EVIDENCE * reward).exp();
-            }
+    fn weigh(&mut self, evidence: [f32; 5]) {
+        for (belief, (beats, position)) in self.belief.iter_mut().zip(STATES) {
+            let likelihood = (EVIDENCE * reward(beats, position, evidence)).exp();
+            *belief = belief.max(1e-9).powf(REMEMBERED) * likelihood;
         }
         let sum: f32 = self.belief.iter().sum();
         self.belief.iter_mut().for_each(|belief| *belief /= sum.max(f32::MIN_POSITIVE));
@@ -189,28 +165,19 @@ impl LiveBars {
 
     /// Advances every position by a beat. With a small probability, the bar ends early and a bar of any meter starts.
     fn move_on(&mut self) {
-        let mut rest = self.belief.as_mut_slice();
-        for meter in METERS {
-            let (states, others) = std::mem::take(&mut rest).split_at_mut(meter);
-            states.rotate_right(1);
-            states.iter_mut().for_each(|belief| *belief *= 1.0 - BREAK);
-            if let Some(first) = states.first_mut() {
-                *first += BREAK / METERS.len() as f32;
-            }
-            rest = others;
+        let (four, three) = self.belief.split_at_mut(METERS[0]);
+        for bar in [four, three] {
+            bar.rotate_right(1);
+            bar.iter_mut().for_each(|belief| *belief *= 1.0 - BREAK);
+            bar[0] += BREAK / METERS.len() as f32;
         }
     }
 
     fn publish(&mut self) {
-        let best = (0..STATES).max_by(|a, b| self.belief[*a].total_cmp(&self.belief[*b])).unwrap_or_default();
+        let best = largest(&self.belief);
+        let (beats, position) = STATES[best];
         let enough = if self.reported.beats > 0.0 { REPORTED.1 } else { REPORTED.0 };
-        let (mut first, mut reported) = (0, LiveBar::default());
-        for meter in METERS {
-            if (first..first + meter).contains(&best) && self.belief[best] >= enough {
-                reported = LiveBar { beat: (best - first + 1) as f32, beats: meter as f32 };
-            }
-            first += meter;
-        }
-        self.reported = reported;
+        let bar = LiveBar { beat: (position + 1) as f32, beats: beats as f32 };
+        self.reported = if self.belief[best] >= enough { bar } else { LiveBar::default() };
     }
 }

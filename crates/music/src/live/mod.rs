@@ -10,11 +10,11 @@
 //! Nothing here is known in silence, speech or noise: builds and drops need a tempo, the key needs pitches.
 
 use crate::beat::Beat;
-use crate::rises::Rises;
+use crate::rises::{LowAndHigh, Rises};
 use crate::scale::{BAND_COUNT, NOTE_COUNT, SPECTRUM_POINTS};
 use crate::smoothing::Follower;
 use crate::song::{PITCH_CLASSES, Tonality};
-use bars::{LiveBar, LiveBars, Strokes};
+use bars::{LiveBar, LiveBars};
 use builds::Builds;
 use drops::{Drops, Slot};
 use harmony::{CLASSES, Harmony, classes};
@@ -146,7 +146,8 @@ impl Live {
     /// Processes a hop.
     pub(crate) fn follow(&mut self, hop: &Hop<'_>) -> (LiveBar, LiveSong) {
         let Beat { tempo, phase } = hop.beat;
-        let strokes = Strokes::of(self.rises.follow(hop.short), hop.flux);
+        let LowAndHigh { low_rise, high_rise, .. } = self.rises.follow(hop.short);
+        let strokes = [low_rise, high_rise, hop.flux];
         let bar = self.bars.follow((tempo > 0.0).then_some(phase), strokes, hop.spectrum);
         let classes = classes(hop.notes);
         self.song.chroma = self.harmony.chroma(&classes);

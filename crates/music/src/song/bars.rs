@@ -66,7 +66,7 @@ struct Evidence {
 pub(super) fn bars(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> (Meter, Vec<usize>) {
     let evidence = evidence(heard, strengths, beats, units);
     let meter = meter(heard, strengths, beats, &evidence);
-    let positions = path(meter, &evidence);
+    let positions = path(meter.beats(), &evidence);
     (meter, positions)
 }
 
@@ -173,21 +173,27 @@ fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     thirds > TERNARY.0 * mean_at(0.0) && thirds > TERNARY.1 * mean_at(0.5)
 }
 
-/// Returns the likeliest position of each beat in its bar (Viterbi 1967).
-fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
-    let beats = meter.beats();
+/// Returns how much the evidence of a beat speaks for a position in a bar of `beats`: the low onsets, the high onsets,
+/// all onsets, and the changes of harmony and of sound, each standardised.
+pub(crate) fn reward(beats: usize, position: usize, evidence: [f32; 5]) -> f32 {
+    let [low, high, struck, harmony, sound] = evidence;
+    let snare = 0.5 * (high + struck) - low;
+    match (beats, position) {
+        (_, 0) => 0.7 * low + harmony + 0.7 * sound,
+        (4, 2) => 0.3 * low,
+        (4, _) => 0.5 * snare,
+        _ => 0.3 * snare,
+    }
+}
+
+/// Returns the likeliest position of each beat in its bar of `beats` (Viterbi 1967).
+fn path(beats: usize, evidence: &Evidence) -> Vec<usize> {
+    let Evidence { low, high, struck, harmony, sound, .. } = evidence;
     let reward = |index: usize, position: usize| {
-        let at = |row: &[f32]| row.get(index).copied().unwrap_or_default().clamp(-2.0, 3.0);
-        let start = 0.7 * at(&evidence.low) + at(&evidence.harmony) + 0.7 * at(&evidence.sound);
-        let snare = 0.5 * (at(&evidence.high) + at(&evidence.struck)) - at(&evidence.low);
-        match (meter, position) {
-            (_, 0) => start,
-            (Meter::FourFour, 2) => 0.3 * at(&evidence.low),
-            (Meter::FourFour, _) => 0.5 * snare,
-            (Meter::ThreeFour | Meter::SixEight, _) => 0.3 * snare,
-        }
+        let at = |row: &Vec<f32>| row.get(index).copied().unwrap_or_default().clamp(-2.0, 3.0);
+        reward(beats, position, [low, high, struck, harmony, sound].map(at))
     };
-    let count = evidence.low.len();
+    let count = low.len();
     let mut best: Vec<f32> = (0..beats).map(|position| reward(0, position)).collect();
     let mut came_from = vec![vec![0; beats]];
     for index in 1..count {

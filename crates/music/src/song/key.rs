@@ -176,7 +176,8 @@ pub(super) fn likeliest_states(scores: &[Vec<f32>], change: f32) -> Vec<usize> {
     states
 }
 
-pub(super) fn largest(values: &[f32]) -> usize {
+/// Returns the index of the largest value.
+pub(crate) fn largest(values: &[f32]) -> usize {
     (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
 }
 

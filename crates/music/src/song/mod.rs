@@ -28,7 +28,8 @@ mod structure;
 mod units;
 
 pub use bars::Meter;
-pub(crate) use key::are_varied;
+pub(crate) use bars::reward;
+pub(crate) use key::{are_varied, largest};
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
 pub use moment::SongMoment;
