@@ -1,7 +1,7 @@
 //! Onset detection: the spectral flux and an adaptive threshold.
 
 use super::scale::band_bins;
-use super::whitening::{AMPLITUDE_MIN, Band, Whitening};
+use super::whitening::{Band, Whitening};
 
 /// The number of bin groups, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 30;
@@ -27,18 +27,7 @@ const LOW_SUDDEN_MOST: f32 = 24.0;
 /// from the chord above it, and the chord's other groups do not hide its rise.
 const LOW_HZ: f64 = 200.0;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Rise {
-    /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level is
-    /// relative to the loudest recent total amplitude and, in part, to the group's own loudest amplitude. Falling
-    /// groups count as 0.
-    pub(super) flux: f32,
-    /// The weighted mean over groups of each rise relative to the group's mean rise, 0 to [`SUDDEN_MOST`]. In steady
-    /// noise groups rise independently, so the value stays near 1. At an onset the groups rise together.
-    pub(super) sudden: f32,
-}
-
-/// The rises of groups of bins.
+/// The rises of groups of bins, each relative to the group's mean rise.
 struct Groups {
     edges: Vec<usize>,
     /// The weights of the groups, with sum 1.
@@ -48,95 +37,61 @@ struct Groups {
     whitening: Whitening,
     /// The maximum rise of a group relative to its mean rise.
     most: f32,
+    threshold: Threshold,
 }
 
 impl Groups {
-    fn new(edges: Vec<usize>, weight: impl Fn(usize) -> f64, hop_seconds: f64, most: f32) -> Self {
+    /// `weight` returns the weight of a group by its first bin.
+    fn new(
+        edges: Vec<usize>,
+        weight: impl Fn(usize) -> f64,
+        hop_seconds: f64,
+        most: f32,
+        spread: f32,
+    ) -> Self {
         let count = edges.len() - 1;
-        let all: f64 = (0..count).map(&weight).sum();
+        let weights: Vec<f64> = edges[..count].iter().map(|edge| weight(*edge)).collect();
+        let all: f64 = weights.iter().sum();
         Self {
             edges,
-            weights: (0..count).map(|group| (weight(group) / all) as f32).collect(),
+            weights: weights.into_iter().map(|weight| (weight / all) as f32).collect(),
             last: std::array::from_fn(|_| vec![0.0; count]),
             bands: vec![Band::AT_FIRST; count],
             whitening: Whitening::new(WHITENING, USUAL_MIN, hop_seconds),
             most,
+            threshold: Threshold::new(hop_seconds, spread),
         }
     }
 
     fn restart(&mut self) {
         self.last.iter_mut().for_each(|last| last.fill(0.0));
         self.bands.fill(Band::AT_FIRST);
+        self.threshold.restart();
     }
 
-    fn power(&self, power: &[f32]) -> f32 {
-        let (first, end) = (self.edges.first(), self.edges.last());
-        let inside = first.zip(end).and_then(|(first, end)| power.get(*first..*end));
-        inside.unwrap_or_default().iter().sum()
-    }
-
-    fn follow(&mut self, power: &[f32], all_loudest: f32) -> Rise {
-        let mut rise = Rise::default();
+    /// Returns the spectral flux, and true if the rise is sudden and was not.
+    ///
+    /// The flux is the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level is relative
+    /// to the loudest recent total amplitude and, in part, to the group's own loudest amplitude. Falling groups count as
+    /// 0. The suddenness is the weighted mean over groups of each rise relative to the group's mean rise. In steady noise
+    /// groups rise independently, so the suddenness stays near 1. At an onset the groups rise together.
+    fn follow(&mut self, power: &[f32], all_loudest: f32) -> (f32, bool) {
+        let (mut flux, mut sudden) = (0.0, 0.0);
         let [oldest, ..] = &mut self.last;
         let groups = self.edges.windows(2).zip(&self.weights).zip(&mut self.bands);
         for (((edges, weight), band), oldest) in groups.zip(oldest) {
             let bins = power.get(edges[0]..edges[1]).unwrap_or_default();
             let height = self.whitening.height(band, bins.iter().sum::<f32>().sqrt(), all_loudest);
             let rises = (height - std::mem::replace(oldest, height)).max(0.0);
-            let sudden = self.whitening.sudden(band, rises);
-            rise.flux += weight * rises;
-            rise.sudden += weight * sudden.min(self.most);
+            flux += weight * rises;
+            sudden += weight * self.whitening.sudden(band, rises).min(self.most);
         }
         self.last.rotate_left(1);
-        rise
+        (flux, self.threshold.follow(sudden))
     }
 }
 
-/// Measures the rises of all frequencies, in a short window.
-pub(super) struct Flux {
-    groups: Groups,
-    loudest: f32,
-}
-
-impl Flux {
-    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
-        let edges = band_bins(GROUPS, bin_hz, bins);
-        let weights: Vec<f64> =
-            edges.iter().map(|edge| ((*edge).max(1) as f64 * bin_hz).powf(WEIGHT_POWER)).collect();
-        Self { groups: Groups::new(edges, |group| weights[group], hop_seconds, SUDDEN_MOST), loudest: 0.0 }
-    }
-
-    pub(super) fn restart(&mut self) {
-        self.groups.restart();
-        self.loudest = 0.0;
-    }
-
-    pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
-        self.loudest = self.groups.whitening.loudest(self.loudest, self.groups.power(power).sqrt());
-        self.groups.follow(power, self.loudest)
-    }
-}
-
-/// Measures the rises of low frequencies, in a longer window.
-pub(super) struct LowFlux(Groups);
-
-impl LowFlux {
-    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
-        let end = ((LOW_HZ / bin_hz).round() as usize).clamp(2, bins.max(2));
-        Self(Groups::new((1..=end).collect(), |_| 1.0, hop_seconds, LOW_SUDDEN_MOST))
-    }
-
-    pub(super) fn restart(&mut self) {
-        self.0.restart();
-    }
-
-    /// Returns the mean rise of the bins, relative to each bin's mean rise. `flux` has processed the same moment.
-    pub(super) fn follow(&mut self, power: &[f32], flux: &Flux) -> f32 {
-        self.0.follow(power, flux.loudest.max(AMPLITUDE_MIN)).sudden
-    }
-}
-
-/// The threshold of [`Rise::sudden`] is computed from this many past seconds.
+/// The threshold of the suddenness is computed from this many past seconds.
 const SUDDEN_SECONDS: f64 = 2.4;
 
 /// The largest recent flux is the largest of this many past seconds.
@@ -145,7 +100,7 @@ const FLUX_SECONDS: f64 = 1.2;
 /// The largest recent flux counts as at least this much, so that weak flux stays weak even after silence.
 pub(super) const FLUX_MIN: f32 = 0.05;
 
-/// At an onset, [`Rise::sudden`] exceeds the recent median by this multiple of the distance from the median to the
+/// At an onset, the suddenness exceeds the recent median by this multiple of the distance from the median to the
 /// lower quartile. Noise does not reach this excess.
 const SUDDEN_SPREADS: f32 = 11.0;
 /// The required excess is clamped to this range, because the values spread less in noise than in dense music.
@@ -164,9 +119,9 @@ const LOW_SPREAD: f32 = 2.5;
 
 /// An adaptive threshold, without lookahead.
 struct Threshold {
+    /// The newest value is first.
     values: Vec<f32>,
     sorted: Vec<f32>,
-    moment: usize,
     taken: usize,
     above: bool,
     /// The factor of the required excess.
@@ -175,20 +130,19 @@ struct Threshold {
 
 impl Threshold {
     fn new(hop_seconds: f64, spread: f32) -> Self {
-        let ring = vec![0.0; (SUDDEN_SECONDS / hop_seconds).ceil() as usize];
-        Self { sorted: ring.clone(), values: ring, moment: 0, taken: 0, above: false, spread }
+        let values = vec![0.0; (SUDDEN_SECONDS / hop_seconds).ceil() as usize];
+        Self { sorted: values.clone(), values, taken: 0, above: false, spread }
     }
 
     fn restart(&mut self) {
         self.values.fill(0.0);
-        (self.moment, self.taken, self.above) = (0, 0, false);
+        (self.taken, self.above) = (0, false);
     }
 
     /// Returns true if the value exceeds the threshold, and the previous value did not.
     fn follow(&mut self, value: f32) -> bool {
-        let place = self.moment % self.values.len();
-        self.values[place] = value;
-        self.moment = self.moment.wrapping_add(1);
+        self.values.rotate_right(1);
+        self.values[0] = value;
         self.taken = (self.taken + 1).min(self.values.len());
         let above = value > self.threshold();
         let was_above = std::mem::replace(&mut self.above, above);
@@ -196,8 +150,8 @@ impl Threshold {
     }
 
     fn threshold(&mut self) -> f32 {
-        // Until the ring is full, only its first entries are used. These entries include some silence before the first
-        // moment, so that a sound at the start of the stream is an onset.
+        // At first only a few values are used. They include some silence before the first moment, so that a sound at the
+        // start of the stream is an onset.
         let count = self.taken.max(SILENT_BEFORE).min(self.values.len());
         let sorted = &mut self.sorted[..count];
         sorted.copy_from_slice(&self.values[..count]);
@@ -215,24 +169,37 @@ impl Threshold {
     }
 }
 
-/// Detects onsets: rises of all frequencies, or of low frequencies alone.
+/// The onsets and the flux of a moment.
+pub(super) struct Onset {
+    pub(super) begins: bool,
+    pub(super) flux: f32,
+    /// The flux relative to the largest recent flux, 0..1.
+    pub(super) relative_flux: f32,
+}
+
+/// Detects onsets: rises of all frequencies, in a short window, or of low frequencies alone, in a longer window.
 pub(super) struct Onsets {
-    all: Threshold,
-    low: Threshold,
-    flux: Vec<f32>,
-    moment: usize,
+    all: Groups,
+    low: Groups,
+    /// The loudest recent amplitude of all frequencies.
+    loudest: f32,
+    /// The recent fluxes, the newest first.
+    fluxes: Vec<f32>,
     apart: u32,
     since: u32,
 }
 
 impl Onsets {
-    pub(super) fn new(hop_seconds: f64) -> Self {
+    /// Creates a detector for a short window with `bins` bins of `bin_hz` hertz, and a window of twice its length.
+    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
+        let weight = |edge: usize| (edge.max(1) as f64 * bin_hz).powf(WEIGHT_POWER);
+        let low_end = ((LOW_HZ / (0.5 * bin_hz)).round() as usize).clamp(2, (2 * bins).max(2));
         let apart = (ONSETS_APART / hop_seconds).round() as u32;
         Self {
-            all: Threshold::new(hop_seconds, 1.0),
-            low: Threshold::new(hop_seconds, LOW_SPREAD),
-            flux: vec![0.0; (FLUX_SECONDS / hop_seconds).ceil() as usize],
-            moment: 0,
+            all: Groups::new(band_bins(GROUPS, bin_hz, bins), weight, hop_seconds, SUDDEN_MOST, 1.0),
+            low: Groups::new((1..=low_end).collect(), |_| 1.0, hop_seconds, LOW_SUDDEN_MOST, LOW_SPREAD),
+            loudest: 0.0,
+            fluxes: vec![0.0; (FLUX_SECONDS / hop_seconds).ceil() as usize],
             apart,
             since: apart,
         }
@@ -241,23 +208,25 @@ impl Onsets {
     pub(super) fn restart(&mut self) {
         self.all.restart();
         self.low.restart();
-        self.flux.fill(0.0);
-        (self.moment, self.since) = (0, self.apart);
+        self.fluxes.fill(0.0);
+        (self.loudest, self.since) = (0.0, self.apart);
     }
 
-    /// Returns true at an onset, and the moment's flux relative to the largest recent flux, 0..1. `low` is the sudden
-    /// rise of [`LowFlux`].
-    pub(super) fn follow(&mut self, rise: Rise, low: f32) -> (bool, f32) {
-        let place = self.moment % self.flux.len();
-        self.flux[place] = rise.flux;
-        self.moment = self.moment.wrapping_add(1);
-        let [of_all, of_low] = [self.all.follow(rise.sudden), self.low.follow(low)];
+    /// Processes the spectrum of the short window and, to detect low onsets, that of the longer one.
+    pub(super) fn follow(&mut self, short: &[f32], middle: Option<&[f32]>) -> Onset {
+        let power =
+            short.get(self.all.edges[0]..self.all.edges[GROUPS]).unwrap_or_default().iter().sum::<f32>();
+        self.loudest = self.all.whitening.loudest(self.loudest, power.sqrt());
+        let (flux, of_all) = self.all.follow(short, self.loudest);
+        let of_low = middle.is_some_and(|middle| self.low.follow(middle, self.loudest).1);
+        self.fluxes.rotate_right(1);
+        self.fluxes[0] = flux;
         self.since = self.since.saturating_add(1);
         let begins = (of_all || of_low) && self.since >= self.apart;
         if begins {
             self.since = 0;
         }
-        let strongest = self.flux.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
-        (begins, (rise.flux / strongest).min(1.0))
+        let strongest = self.fluxes.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
+        Onset { begins, flux, relative_flux: (flux / strongest).min(1.0) }
     }
 }

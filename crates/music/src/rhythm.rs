@@ -4,13 +4,11 @@ use super::activation::{self, Activation, STEP_HOPS};
 use super::beat::BeatTracker;
 use super::features::TimedFeatures;
 use super::live::{Hop, Live};
-use super::onset::{Flux, LowFlux, Onsets};
+use super::onset::{Onset, Onsets};
 use super::resolution::Resolution;
 use super::scale::BAND_COUNT;
 
 pub(super) struct Rhythm {
-    flux: Flux,
-    low: LowFlux,
     onsets: Onsets,
     activation: Activation,
     /// The newest log odds of a beat.
@@ -34,9 +32,7 @@ impl Rhythm {
         // Measured with clicks. The start of a beat lasts two hops, and so do odds.
         let late = late + later as f32 - 0.5;
         Self {
-            flux: Flux::new(bins, bin_hz, hop_seconds),
-            low: LowFlux::new(2 * bins, 0.5 * bin_hz, hop_seconds),
-            onsets: Onsets::new(hop_seconds),
+            onsets: Onsets::new(bins, bin_hz, hop_seconds),
             activation,
             odds: 0.0,
             hop: 0,
@@ -47,8 +43,6 @@ impl Rhythm {
 
     /// Forgets all hops. The next hop has the number `hop`.
     pub(super) fn restart(&mut self, hop: u64) {
-        self.flux.restart();
-        self.low.restart();
         self.onsets.restart();
         self.activation.restart();
         (self.odds, self.hop) = (0.0, hop);
@@ -66,8 +60,7 @@ impl Rhythm {
         powers: &[f32; BAND_COUNT],
         moment: &mut TimedFeatures,
     ) -> bool {
-        let rise = self.flux.follow(short);
-        let (begins, flux) = self.onsets.follow(rise, self.low.follow(middle, &self.flux));
+        let Onset { begins, relative_flux: flux, .. } = self.onsets.follow(short, Some(middle));
         if self.hop.is_multiple_of(STEP_HOPS as u64) {
             self.odds = self.activation.follow(middle);
         }

@@ -4,7 +4,7 @@
 const COMPRESSION: f32 = 20.0;
 
 /// Amplitudes below this (-70 dB) are too weak for an onset.
-pub(super) const AMPLITUDE_MIN: f32 = 3e-4;
+const AMPLITUDE_MIN: f32 = 3e-4;
 
 /// Time constant of the decay of the loudest amplitudes, in seconds.
 const LOUDEST_SECONDS: f64 = 4.0;

@@ -8,7 +8,7 @@ use super::structure::SongStructure;
 use crate::activation::{self, Activation, STEP_HOPS, WINDOW_HOPS};
 use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
-use crate::onset::{Flux, Onsets};
+use crate::onset::{Onset, Onsets};
 use crate::rises::{LowAndHigh, Rises};
 use crate::scale::band_bins;
 use crate::spectrum::{SlowWindow, Spectrum};
@@ -37,7 +37,6 @@ pub struct SongListener {
     /// The spectra for onsets, and for the odds of beats.
     spectra: [Spectrum; 2],
     activation: Activation,
-    flux: Flux,
     onsets: Onsets,
     rises: Rises,
     timbre: Timbre,
@@ -93,8 +92,7 @@ impl SongListener {
             buffer: HopBuffer::new(length, hop, length - hop),
             spectra: [short, WINDOW_HOPS * hop].map(|length| Spectrum::new(length, |_| 1.0)),
             activation: Activation::new(activation::WHOLE, hop, rate),
-            flux: Flux::new(short / 2, bin_hz, hop_seconds),
-            onsets: Onsets::new(hop_seconds),
+            onsets: Onsets::new(short / 2, bin_hz, hop_seconds),
             rises: Rises::new(short / 2, bin_hz, hop_seconds),
             timbre: Timbre::new(short, bin_hz),
             slow: SlowWindow::new(decimator, long_length, gain),
@@ -165,12 +163,10 @@ impl SongListener {
 
         let [short, middle] = &mut self.spectra;
         let bins = &short.measure(self.buffer.newest(SHORT_HOPS * hop)).power;
-        let rise = self.flux.follow(bins);
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         self.timbre.add(bins);
-        let flux = rise.flux;
         // Low sounds alone do not count as onsets of a section.
-        let (begins, _) = self.onsets.follow(rise, 0.0);
+        let Onset { begins, flux, .. } = self.onsets.follow(bins, None);
         self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
         self.hops += 1;
         if self.hops.is_multiple_of(STEP_HOPS) {
