@@ -30,16 +30,21 @@ type Row = (u64, [f32; HISTORY_POINTS]);
 
 /// A bounded record of features in order of time. Features are interpolated linearly between moments, so that they are
 /// one function of time at any frame rate. After `new`, memory is allocated only for requested tables.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,
-    capacity: usize,
     /// The history rows, which reach further back in time than the moments.
     rows: VecDeque<Row>,
-    rows_capacity: usize,
     /// Time and features of some moments, which reach further back in time than the other moments.
     recent: VecDeque<(f64, Features)>,
-    recent_capacity: usize,
+}
+
+/// Adds a value at the end. If the queue is full, the first value is removed, so that the queue does not allocate.
+fn push_newest<T>(queue: &mut VecDeque<T>, value: T) {
+    if queue.len() == queue.capacity() {
+        queue.pop_front();
+    }
+    queue.push_back(value);
 }
 
 impl FeatureTrack {
@@ -48,13 +53,13 @@ impl FeatureTrack {
     pub fn new(seconds: f64) -> Self {
         let seconds =
             if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, limits::FEATURE_TRACK_SECONDS_MAX) };
-        let capacity = (seconds / SHORTEST_HOP).ceil() as usize + 2;
-        let rows_capacity = capacity.div_ceil(MOMENTS_PER_ROW as usize) + HISTORY_ROWS;
-        let (moments, rows) = (VecDeque::with_capacity(capacity), VecDeque::with_capacity(rows_capacity));
-        let recent_capacity =
-            ((seconds + RECENT_SECONDS) / (SHORTEST_HOP * MOMENTS_PER_RECENT as f64)) as usize + 2;
-        let recent = VecDeque::with_capacity(recent_capacity);
-        Self { moments, capacity, rows, rows_capacity, recent, recent_capacity }
+        let moments = (seconds / SHORTEST_HOP).ceil() as usize + 2;
+        let recent = ((seconds + RECENT_SECONDS) / (SHORTEST_HOP * MOMENTS_PER_RECENT as f64)) as usize + 2;
+        Self {
+            moments: VecDeque::with_capacity(moments),
+            rows: VecDeque::with_capacity(moments.div_ceil(MOMENTS_PER_ROW as usize) + HISTORY_ROWS),
+            recent: VecDeque::with_capacity(recent),
+        }
     }
 
     /// Adds a moment. Stored moments at or after the time of the new moment are dropped first, so that the newest
@@ -63,42 +68,24 @@ impl FeatureTrack {
         if !moment.time.is_finite() {
             return;
         }
-        while self.moments.back().is_some_and(|last| last.time >= moment.time) {
-            self.moments.pop_back();
-        }
-        if self.moments.len() == self.capacity {
-            self.moments.pop_front();
-        }
-        self.moments.push_back(moment.clone());
-        while self.recent.back().is_some_and(|(time, _)| *time >= moment.time) {
-            self.recent.pop_back();
-        }
+        while self.moments.pop_back_if(|last| last.time >= moment.time).is_some() {}
+        while self.recent.pop_back_if(|(time, _)| *time >= moment.time).is_some() {}
+        while self.rows.pop_back_if(|(row, _)| *row * MOMENTS_PER_ROW >= moment.number).is_some() {}
+        push_newest(&mut self.moments, moment.clone());
         if moment.number.is_multiple_of(MOMENTS_PER_RECENT) {
-            if self.recent.len() == self.recent_capacity {
-                self.recent.pop_front();
-            }
-            self.recent.push_back((moment.time, moment.features));
-        }
-        let row = moment.number / MOMENTS_PER_ROW;
-        while self.rows.back().is_some_and(|(last, _)| last * MOMENTS_PER_ROW >= moment.number) {
-            self.rows.pop_back();
+            push_newest(&mut self.recent, (moment.time, moment.features));
         }
         if moment.number.is_multiple_of(MOMENTS_PER_ROW) {
-            if self.rows.len() == self.rows_capacity {
-                self.rows.pop_front();
-            }
-            self.rows.push_back((row, column_means(&moment.spectrum)));
+            let row = moment.number / MOMENTS_PER_ROW;
+            push_newest(&mut self.rows, (row, column_means(&moment.spectrum)));
         }
     }
 
     /// Returns the features at `time` in seconds of stream time, clamped to the first and last moment. Returns silence
     /// if the track is empty or `time` is NaN.
     pub fn at(&self, time: f64) -> Features {
-        match self.around(time) {
-            Some((before, Some(after), amount)) => before.features.lerp(&after.features, amount),
-            Some((only, None, _)) => only.features,
-            None => Features::SILENCE,
-        }
+        let Some((before, after, amount)) = self.around(time) else { return Features::SILENCE };
+        before.features.lerp(&after.features, amount)
     }
 
     /// Returns the known moments of the last seconds before `time`, the oldest first, with unknown places in the song.
@@ -117,16 +104,11 @@ impl FeatureTrack {
     /// Returns the features and tables at `time`. In the tables, all sound before the first moment is silence.
     pub fn sound_at(&self, time: f64) -> Sound {
         let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
-        let features = self.at(time);
-        let spectrum = match after {
-            Some(after) => {
-                before.spectrum.iter().zip(&after.spectrum).map(|(a, b)| a + (b - a) * amount).collect()
-            }
-            None => Arc::from(before.spectrum),
-        };
+        let features = before.features.lerp(&after.features, amount);
+        let spectrum = before.spectrum.iter().zip(&after.spectrum).map(|(a, b)| a + (b - a) * amount);
         let (history, history_offset, history_span) = self.history(before, amount);
         let tables = Tables {
-            spectrum: Some(spectrum),
+            spectrum: Some(spectrum.collect()),
             waveform: Some(self.waveform(before.number, amount, amplitude(features.gain_db))),
             history: Some(history),
             history_offset,
@@ -136,18 +118,16 @@ impl FeatureTrack {
     }
 
     /// Returns the moment at or before `time`, the next moment, and the position between the two moments, 0..1. Outside
-    /// the track, returns only the nearest moment.
-    fn around(&self, time: f64) -> Option<(&TimedFeatures, Option<&TimedFeatures>, f32)> {
+    /// the track, both are the nearest moment.
+    fn around(&self, time: f64) -> Option<(&TimedFeatures, &TimedFeatures, f32)> {
         if time.is_nan() {
             return None;
         }
         let after = self.moments.partition_point(|moment| moment.time <= time);
-        let before = after.checked_sub(1).and_then(|index| self.moments.get(index));
-        match (before, self.moments.get(after)) {
-            (Some(a), Some(b)) => Some((a, Some(b), ((time - a.time) / (b.time - a.time)) as f32)),
-            (Some(only), None) | (None, Some(only)) => Some((only, None, 0.0)),
-            (None, None) => None,
-        }
+        let before = self.moments.get(after.saturating_sub(1))?;
+        let after = self.moments.get(after).or(self.moments.back())?;
+        let step = after.time - before.time;
+        Some((before, after, if step > 0.0 { ((time - before.time) / step) as f32 } else { 0.0 }))
     }
 
     /// Returns the four hops of the waveform at the time `amount` hops after moment `number`.
