@@ -141,7 +141,33 @@ impl SongStructure {
         if time.is_nan() {
             return SongMoment::UNKNOWN;
         }
-        At { song: self, time: time.clamp(0.0, positive(self.seconds)) }.moment()
+        let time = time.clamp(0.0, self.seconds.max(0.0));
+        let [bar, beat_in_bar, to_beat, to_bar] = in_bar(self, time).unwrap_or([0.0, 0.0, NEVER, NEVER]);
+        let (section, next_section) = around(&self.sections, |section| section.start, time);
+        let section = section.or(self.sections.first());
+        let (build, _) = around(&self.builds, |build| build.start, time);
+        let (drop, next_drop) = around(&self.drops, |drop| *drop, time);
+        let (key, minor) = numbers_of(self.key);
+        SongMoment {
+            bar,
+            beat_in_bar,
+            section: section.map_or(0.0, number_of),
+            section_phase: section.map_or(0.0, |section| fraction(time, section.start, section.end)),
+            energy: energy(self, time),
+            build: build
+                .filter(|build| time < build.end)
+                .map_or(0.0, |build| fraction(time, build.start, build.end)),
+            drop: drop.map_or(0.0, |drop| 1.0 - fraction(time, *drop, drop + seconds_of_drop(self, *drop))),
+            key,
+            minor,
+            progress: fraction(time, 0.0, self.seconds),
+            to_beat,
+            to_bar,
+            to_section: next_section.map_or(NEVER, |section| limited(section.start - time)),
+            to_drop: next_drop.map_or(NEVER, |drop| limited(drop - time)),
+            chroma: chroma(self, time),
+            ..SongMoment::UNKNOWN
+        }
     }
 }
 
@@ -155,115 +181,47 @@ impl Features {
     }
 }
 
-/// A time within a song, in seconds.
-#[derive(Clone, Copy)]
-struct At<'a> {
-    song: &'a SongStructure,
-    time: f64,
+/// Returns the last item that started at or before `time`, and the next one.
+fn around<T>(items: &[T], start: impl Fn(&T) -> f64, time: f64) -> (Option<&T>, Option<&T>) {
+    let after = items.partition_point(|item| start(item) <= time);
+    (items[..after].last(), items.get(after))
 }
 
-impl At<'_> {
-    fn moment(self) -> SongMoment {
-        let (bar, beat_in_bar) = self.place_in_bar().unwrap_or_default();
-        let (section, section_phase) = self.place_in_section().unwrap_or_default();
-        let Self { song, time } = self;
-        let after = |start: Option<f64>| start.map_or(NEVER, |start| limited(start - time));
-        let next_section = song.sections.partition_point(|section| section.start <= time);
-        let next_drop = song.drops.partition_point(|drop| *drop <= time);
-        let (to_beat, to_bar) = beat_and_bar(song, time).unwrap_or((NEVER, NEVER));
-        let (key, minor) = numbers_of(song.key);
-        SongMoment {
-            bar,
-            beat_in_bar,
-            section,
-            section_phase,
-            energy: self.energy(),
-            build: self.build(),
-            drop: self.drop(),
-            key,
-            minor,
-            progress: fraction(time, 0.0, song.seconds),
-            to_beat,
-            to_bar,
-            to_section: after(song.sections.get(next_section).map(|section| section.start)),
-            to_drop: after(song.drops.get(next_drop).copied()),
-            chroma: self.chroma(),
-            ..SongMoment::UNKNOWN
-        }
-    }
+/// Interpolates between the middles of the steps, because each step is a mean.
+fn energy(song: &SongStructure, time: f64) -> f32 {
+    let place = (time / song.energy_step.max(1e-3) - 0.5).max(0.0);
+    let first = (place as usize).min(song.energy.len().saturating_sub(1));
+    let at = |index: usize| song.energy.get(index).copied().map(unit);
+    let Some(from) = at(first) else { return 0.0 };
+    mixed(from, at(first + 1).unwrap_or(from), unit((place - first as f64) as f32))
+}
 
-    fn place_in_bar(self) -> Option<(f32, f32)> {
-        let in_bar = self.song.meter?.beats();
-        let place = place(self.song, self.time)?.beats.rem_euclid(in_bar as f64);
-        let number = (place.floor() + 1.0).min(in_bar as f64);
-        Some((below_one(place / in_bar as f64), number as f32))
-    }
+fn seconds_of_drop(song: &SongStructure, drop: f64) -> f64 {
+    let Some(meter) = song.meter else { return DROP_SECONDS };
+    let beats = DROP_BARS * meter.beats() as f64;
+    let first = song.beats.partition_point(|beat| beat.time < drop - 1e-3);
+    let last = song.beats.get(first + beats as usize).map(|beat| beat.time - drop);
+    let by_tempo = || song.tempo.map(|tempo| 60.0 * beats / f64::from(tempo));
+    last.or_else(by_tempo).filter(|seconds| *seconds > 0.0 && seconds.is_finite()).unwrap_or(DROP_SECONDS)
+}
 
-    fn place_in_section(self) -> Option<(f32, f32)> {
-        let after = self.song.sections.partition_point(|section| section.start <= self.time);
-        let section = self.song.sections.get(after.saturating_sub(1))?;
-        Some((number_of(section), fraction(self.time, section.start, section.end)))
-    }
-
-    /// Interpolates between the middles of the steps, because each step is a mean.
-    fn energy(self) -> f32 {
-        let step = positive(self.song.energy_step).max(1e-3);
-        let place = (self.time / step - 0.5).max(0.0);
-        let first = (place as usize).min(self.song.energy.len().saturating_sub(1));
-        let at = |index: usize| self.song.energy.get(index).copied().map(unit);
-        let Some(from) = at(first) else { return 0.0 };
-        mixed(from, at(first + 1).unwrap_or(from), unit((place - first as f64) as f32))
-    }
-
-    fn build(self) -> f32 {
-        let after = self.song.builds.partition_point(|build| build.start <= self.time);
-        let build = after.checked_sub(1).and_then(|index| self.song.builds.get(index));
-        build
-            .filter(|build| self.time < build.end)
-            .map_or(0.0, |build| fraction(self.time, build.start, build.end))
-    }
-
-    fn drop(self) -> f32 {
-        let after = self.song.drops.partition_point(|drop| *drop <= self.time);
-        let Some(drop) = after.checked_sub(1).and_then(|index| self.song.drops.get(index)) else {
-            return 0.0;
-        };
-        1.0 - fraction(self.time, *drop, drop + self.seconds_of_drop(*drop))
-    }
-
-    fn seconds_of_drop(self, drop: f64) -> f64 {
-        let Some(meter) = self.song.meter else { return DROP_SECONDS };
-        let beats = DROP_BARS * meter.beats() as f64;
-        let first = self.song.beats.partition_point(|beat| beat.time < drop - 1e-3);
-        let last = self.song.beats.get(first + beats as usize).map(|beat| beat.time - drop);
-        let by_tempo = || self.song.tempo.map(|tempo| 60.0 * beats / f64::from(tempo));
-        last.or_else(by_tempo).filter(|seconds| *seconds > 0.0 && seconds.is_finite()).unwrap_or(DROP_SECONDS)
-    }
-
-    fn chroma(self) -> [f32; PITCH_CLASSES.len()] {
-        let start = |index: usize| self.song.chroma.get(index).map(|unit| unit.start);
-        let index = self.song.chroma.partition_point(|unit| unit.start <= self.time).saturating_sub(1);
-        let middle_of = |index: usize| {
-            let (from, to) = (start(index)?, start(index + 1).unwrap_or(self.song.seconds));
-            Some(0.5 * (from + to))
-        };
-        let Some(middle) = middle_of(index) else { return SongMoment::UNKNOWN.chroma };
-        let other = if self.time < middle { index.checked_sub(1) } else { Some(index + 1) };
-        let heights = self.heights_of(index);
-        let Some((other, its_middle)) = other.and_then(|other| Some((other, middle_of(other)?))) else {
-            return heights;
-        };
-        let amount = fraction(self.time, middle.min(its_middle), middle.max(its_middle));
-        let (from, to) =
-            if other < index { (self.heights_of(other), heights) } else { (heights, self.heights_of(other)) };
-        std::array::from_fn(|class| mixed(from[class], to[class], amount))
-    }
-
-    fn heights_of(self, index: usize) -> [f32; PITCH_CLASSES.len()] {
-        let Some(unit_of) = self.song.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
-        let strongest = unit_of.fractions.iter().copied().fold(0.0, f32::max);
-        unit_of.fractions.map(|fraction| if strongest > 0.0 { unit(fraction / strongest) } else { 0.0 })
-    }
+fn chroma(song: &SongStructure, time: f64) -> [f32; PITCH_CLASSES.len()] {
+    let beats = &song.chroma;
+    let Some(last) = beats.len().checked_sub(1) else { return SongMoment::UNKNOWN.chroma };
+    let middle = |beat: usize| {
+        let end = beats.get(beat + 1).map_or(song.seconds, |next| next.start);
+        0.5 * (beats[beat].start + end)
+    };
+    let here = beats.partition_point(|beat| beat.start <= time).saturating_sub(1);
+    let next = if time < middle(here) { here } else { here + 1 };
+    let (from, to) = (next.saturating_sub(1), next.min(last));
+    let amount = fraction(time, middle(from), middle(to));
+    let [from, to] = [from, to].map(|beat| {
+        let fractions = beats[beat].fractions;
+        let strongest = fractions.iter().copied().fold(0.0, f32::max);
+        fractions.map(|fraction| if strongest > 0.0 { unit(fraction / strongest) } else { 0.0 })
+    });
+    std::array::from_fn(|class| mixed(from[class], to[class], amount))
 }
 
 /// Returns the root of a key, and 1 for minor; 0 without a key.
@@ -297,11 +255,6 @@ fn unit(value: f32) -> f32 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
-/// Clamps to 0 or more; NaN becomes 0.
-fn positive(value: f64) -> f64 {
-    value.max(0.0)
-}
-
 fn below_one(value: f64) -> f32 {
     unit(value as f32).min(1.0 - f32::EPSILON)
 }
@@ -309,47 +262,46 @@ fn below_one(value: f64) -> f32 {
 // The position of a moment among the beats of a song.
 
 /// A position among the beats. Before the first beat and after the last, beats continue at the tempo of that beat.
-struct Place {
+struct Place<'a> {
     /// Beats since the start of a bar, with a fraction.
     beats: f64,
     /// The time between beats here, in seconds.
     period: f64,
     /// Beats per minute, 0 or more.
     tempo: f32,
-    /// The number of the next beat; `None` outside the beats.
-    next: Option<usize>,
+    /// The beats that follow; none outside the beats.
+    following: &'a [SongBeat],
 }
 
 /// Returns the position at `time` in seconds; `None` if the song has no beats.
-fn place(song: &SongStructure, time: f64) -> Option<Place> {
+fn place(song: &SongStructure, time: f64) -> Option<Place<'_>> {
     let after = song.beats.partition_point(|beat| beat.time <= time);
     // Use the last beat at or before the time, or the first beat if the time is earlier.
     let beat = song.beats.get(after.saturating_sub(1))?;
-    let next = song.beats.get(after).filter(|_| after > 0);
-    let period = next.map_or(60.0 / f64::from(beat.tempo), |next| next.time - beat.time);
+    let following: &[SongBeat] = if after > 0 { &song.beats[after..] } else { &[] };
+    let period = following.first().map_or(60.0 / f64::from(beat.tempo), |next| next.time - beat.time);
     // If two beats are extremely close, treat them as one second apart, so that the result stays finite.
     let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
     let beats = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
     let tempo = if beat.tempo.is_finite() { beat.tempo.max(0.0) } else { 0.0 };
-    Some(Place { beats, period, tempo, next: next.map(|_| after) })
+    Some(Place { beats, period, tempo, following })
 }
-
-// The times until the next beat, bar, section and drop of a song, which is known in advance.
 
 /// The time in seconds until an event that does not follow or that is unknown. Longer times are limited to it.
 const NEVER: f32 = 1_000.0;
 
-/// Returns the times from `time` until the next beat and the next bar, 0..=[`NEVER`]. A beat at `time` has passed.
-fn beat_and_bar(song: &SongStructure, time: f64) -> Option<(f32, f32)> {
+/// Returns the position in the bar, the number of the beat in it, and the times from `time` until the next beat and the
+/// next bar, 0..=[`NEVER`]. A beat at `time` has passed. Returns `None` if the song has no beats.
+fn in_bar(song: &SongStructure, time: f64) -> Option<[f32; 4]> {
     let in_bar = song.meter?.beats();
     let here = place(song, time)?;
-    let following = song.beats.get(here.next.unwrap_or(song.beats.len())..).unwrap_or_default();
+    let of_bar = here.beats.rem_euclid(in_bar as f64);
+    let number = (of_bar.floor() + 1.0).min(in_bar as f64);
     let until = |beat: &SongBeat| beat.time - time;
-    let beat = following.first().map_or((1.0 - here.beats.rem_euclid(1.0)) * here.period, until);
-    let in_beats = in_bar as f64 - here.beats.rem_euclid(in_bar as f64);
-    let downbeat = following.iter().take(in_bar).find(|beat| beat.of_bar == 1);
-    let bar = downbeat.map_or(in_beats * here.period, until);
-    Some((limited(beat), limited(bar)))
+    let beat = here.following.first().map_or((1.0 - here.beats.rem_euclid(1.0)) * here.period, until);
+    let downbeat = here.following.iter().take(in_bar).find(|beat| beat.of_bar == 1);
+    let bar = downbeat.map_or((in_bar as f64 - of_bar) * here.period, until);
+    Some([below_one(of_bar / in_bar as f64), number as f32, limited(beat), limited(bar)])
 }
 
 /// Clamps to 0..=[`NEVER`]; NaN becomes [`NEVER`].
