@@ -222,7 +222,8 @@ impl Analyzer {
         let ahead = self.lookahead + (moment - position) as usize;
         self.buffer.restart(self.buffer.frames.len() - ahead);
         self.slow.restart();
-        self.followers.stereo.restart();
+        // The followers allocate no memory.
+        self.followers = Followers::new(self.hop() as f64 / f64::from(self.sample_rate));
         self.gain.restart();
         self.rhythm.restart(moment / self.buffer.hop as u64);
         self.sounds.restart();

@@ -16,6 +16,8 @@ const SPLIT_ATTACK: f64 = 0.010;
 const SPLIT_RELEASE: f64 = 0.200;
 
 pub(super) struct Sounds {
+    /// The frames per hop, the sample rate, and true for centred windows.
+    setup: (usize, f64, bool),
     pub(super) drums: Drums,
     loudness: Loudness,
     notes: Notes,
@@ -23,23 +25,32 @@ pub(super) struct Sounds {
     follower: Follower,
 }
 
+/// Creates the measurements that allocate no memory.
+fn drums_and_notes(hop: usize, rate: f64, centred: bool) -> (Drums, Notes) {
+    let (short, hop_seconds) = (hop * Resolution::Short.hops(), hop as f64 / rate);
+    let drums = Drums::new(short / 2, rate / short as f64, hop_seconds, centred);
+    (drums, Notes::new(hop, rate, hop_seconds))
+}
+
 impl Sounds {
     pub(super) fn new(hop: usize, rate: f64, centred: bool) -> Self {
         let hop_seconds = hop as f64 / rate;
-        let [middle, short] = [Resolution::Middle, Resolution::Short].map(|window| hop * window.hops());
+        let middle = hop * Resolution::Middle.hops();
+        let (drums, notes) = drums_and_notes(hop, rate, centred);
         Self {
-            drums: Drums::new(short / 2, rate / short as f64, hop_seconds, centred),
+            setup: (hop, rate, centred),
+            drums,
             loudness: Loudness::new(rate, hop_seconds),
-            notes: Notes::new(hop, rate, hop_seconds),
+            notes,
             split: Split::new(middle / 2, rate / middle as f64),
             follower: Follower::new(SPLIT_ATTACK, SPLIT_RELEASE, hop_seconds),
         }
     }
 
     pub(super) fn restart(&mut self) {
-        self.drums.restart();
+        let (hop, rate, centred) = self.setup;
+        (self.drums, self.notes) = drums_and_notes(hop, rate, centred);
         self.loudness.restart();
-        self.notes.restart();
         self.split.restart();
     }
 

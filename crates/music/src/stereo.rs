@@ -24,10 +24,6 @@ impl StereoImage {
         Self { kept: (-hop_seconds / seconds).exp() as f32, sums: [[0.0; 3]; BAND_COUNT] }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.sums = [[0.0; 3]; BAND_COUNT];
-    }
-
     /// Processes a moment. Returns the pan, -1..1, and the width, 0..1, of each band.
     pub(super) fn follow(
         &mut self,

@@ -75,26 +75,19 @@ impl Drums {
     /// Creates a detector for a short window with `bins` bins of `bin_hz` hertz, and a middle window of twice its
     /// length.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64, centred: bool) -> Self {
-        let mut drums = Self {
+        let mut evidence = [0.0; NUMBERS];
+        evidence[NUMBERS - 1] = 1.0;
+        let apart = (APART_SECONDS / hop_seconds).round() as u32;
+        Self {
             rises: BandRises::new(bins, bin_hz, hop_seconds),
             centred,
             low: [0.0; LOW],
-            evidence: [0.0; NUMBERS],
-            strokes: Default::default(),
-            apart: (APART_SECONDS / hop_seconds).round() as u32,
+            evidence,
+            strokes: [Stroke { since: apart, armed: true, ..Stroke::default() }; DRUMS],
+            apart,
             kept: (-hop_seconds / STRONGEST_SECONDS).exp() as f32,
             release: Follower::new(RELEASE, RELEASE, hop_seconds),
-        };
-        drums.restart();
-        drums
-    }
-
-    pub(super) fn restart(&mut self) {
-        self.rises.restart();
-        self.low = [0.0; LOW];
-        self.evidence = [0.0; NUMBERS];
-        self.evidence[NUMBERS - 1] = 1.0;
-        self.strokes = [Stroke { since: self.apart, armed: true, ..Stroke::default() }; DRUMS];
+        }
     }
 
     /// Returns the envelope of each drum: the strength at a stroke, 0..1, then falling.

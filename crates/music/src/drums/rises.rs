@@ -72,11 +72,6 @@ impl BandRises {
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.last = Default::default();
-        (self.bands, self.loudest) = ([Band::AT_FIRST; BANDS], 0.0);
-    }
-
     /// Returns the power of each band.
     pub(super) fn powers(&self, middle: &[f32], short: &[f32]) -> [f32; BANDS] {
         std::array::from_fn(|band| {

@@ -29,10 +29,6 @@ impl ChordFinder {
         Self { classes: [0.0; 12], learned: (1.0 - (-hop_seconds / SECONDS).exp()) as f32, chord: 0 }
     }
 
-    pub(super) fn restart(&mut self) {
-        (self.classes, self.chord) = ([0.0; 12], 0);
-    }
-
     /// Returns the root in semitones above C, 1 for minor, and the certainty, 0..1. An uncertain chord is kept, so that
     /// it does not flicker.
     pub(super) fn follow(&mut self, levels: &[f32; NOTE_COUNT]) -> (f32, f32, f32) {

@@ -33,10 +33,6 @@ impl MelodyFinder {
         Self { note: None, certainty: 0.0, learned: (1.0 - (-hop_seconds / CERTAIN_SECONDS).exp()) as f32 }
     }
 
-    pub(super) fn restart(&mut self) {
-        (self.note, self.certainty) = (None, 0.0);
-    }
-
     /// Returns the melody in semitones above A0 and its certainty, 0..1. `fine` returns the deviation of a semitone.
     pub(super) fn follow(&mut self, levels: &[f32; NOTE_COUNT], fine: impl Fn(usize) -> f32) -> (f32, f32) {
         let prominence = |note: usize| {

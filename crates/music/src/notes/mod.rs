@@ -52,14 +52,6 @@ impl Notes {
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.partials.restart();
-        self.loudest = 0.0;
-        self.levels = [0.0; NOTE_COUNT];
-        self.chord.restart();
-        self.melody.restart();
-    }
-
     /// Measures the notes, the chord and the melody of a moment from the power spectra of the long and the middle
     /// window.
     pub(super) fn follow(&mut self, long: &[f32], middle: &[f32], features: &mut Features) {

@@ -31,10 +31,6 @@ impl Partials {
         Self { profile: std::array::from_fn(partial), amplitudes: [0.0; NOTE_COUNT] }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.amplitudes = [0.0; NOTE_COUNT];
-    }
-
     /// Returns the square root of each note's amplitude.
     pub(super) fn explained(&mut self, tones: &[f32; PLACES]) -> [f32; NOTE_COUNT] {
         let strongest = tones.iter().fold(0.0_f32, |strongest, tone| strongest.max(*tone));
