@@ -41,10 +41,6 @@ impl Rises {
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        (self.loudest, self.before) = (0.0, [[0.0; 2]; LAG]);
-    }
-
     pub(super) fn follow(&mut self, bins: &[f32]) -> LowAndHigh {
         let sum = |range: std::ops::Range<usize>| bins.get(range).unwrap_or_default().iter().sum::<f32>();
         let power = sum(1..bins.len());

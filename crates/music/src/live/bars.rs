@@ -95,10 +95,6 @@ impl LiveBars {
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        *self = Self::new();
-    }
-
     /// Processes a moment: the beat's phase, 0..1 (`None` without a tempo), the onset strengths, and the spectrum.
     pub(super) fn follow(
         &mut self,
@@ -108,7 +104,7 @@ impl LiveBars {
     ) -> LiveBar {
         let Some(phase) = phase else {
             if self.beats > 0 {
-                self.restart();
+                *self = Self::new();
             }
             return LiveBar::default();
         };

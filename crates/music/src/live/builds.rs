@@ -1,8 +1,6 @@
 //! Builds in live input: the high frequencies rise steadily for many seconds while the low ones are withdrawn (Solberg
 //! 2014 on builds in club music).
 
-use std::collections::VecDeque;
-
 use crate::bands::decibels;
 use crate::trend::Trend;
 
@@ -25,44 +23,27 @@ const WITHDRAWN_STEPS: usize = 6;
 const FORGOTTEN_DB: f32 = 0.025;
 
 pub(super) struct Builds {
-    /// Levels of the high and low frequencies, the newest last.
-    high: VecDeque<f32>,
-    low: VecDeque<f32>,
+    /// Levels of the high and low frequencies, the newest first. Unknown high levels are not a number.
+    high: [f32; LENGTHS[2]],
+    low: [f32; WITHDRAWN_STEPS],
     last_power: f32,
     loudest: f32,
 }
 
 impl Builds {
     pub(super) fn new() -> Self {
-        let [.., longest] = LENGTHS;
-        Self {
-            high: VecDeque::with_capacity(longest),
-            low: VecDeque::with_capacity(WITHDRAWN_STEPS),
-            last_power: 0.0,
-            loudest: FLOOR_DB,
-        }
-    }
-
-    pub(super) fn restart(&mut self) {
-        self.high.clear();
-        self.low.clear();
-        (self.last_power, self.loudest) = (0.0, FLOOR_DB);
+        Self { high: [f32::NAN; _], low: [f32::MIN; _], last_power: 0.0, loudest: FLOOR_DB }
     }
 
     /// Returns the progress of a build, 0..1, after a step with these mean powers of high and low frequencies.
     pub(super) fn follow(&mut self, high: f32, low: f32) -> f32 {
-        let push = |levels: &mut VecDeque<f32>, count: usize, level: f32| {
-            if levels.len() == count {
-                levels.pop_front();
-            }
-            levels.push_back(level);
-        };
-        let [.., longest] = LENGTHS;
+        self.high.rotate_right(1);
         // Average over a second, so that a single snare makes no step.
-        push(&mut self.high, longest, decibels(0.5 * (high + self.last_power)).max(FLOOR_DB));
+        self.high[0] = decibels(0.5 * (high + self.last_power)).max(FLOOR_DB);
         self.last_power = high;
         let low = decibels(low);
-        push(&mut self.low, WITHDRAWN_STEPS, low);
+        self.low.rotate_right(1);
+        self.low[0] = low;
         self.loudest = (self.loudest - FORGOTTEN_DB).max(low);
         if self.low.iter().any(|low| *low > self.loudest - WITHDRAWN_DB) {
             return 0.0;
@@ -71,10 +52,10 @@ impl Builds {
         ((rises.fold(0.0, f32::max) - RISE.0) / (RISE.1 - RISE.0)).clamp(0.0, 1.0)
     }
 
-    /// Returns the rise of the last `length` steps in decibels, if it is steady.
+    /// Returns the rise of the last `length` steps in decibels, if it is known and steady.
     fn rise(&self, length: usize) -> Option<f32> {
-        let levels = self.high.range(self.high.len().checked_sub(length)?..);
-        let Trend { slope, straight } = Trend::of(levels.clone().copied());
+        let levels = self.high[..length].iter().rev().copied();
+        let Trend { slope, straight } = Trend::of(levels.clone());
         let rise = slope * (length as f32 - 1.0);
         let step = levels.clone().skip(2).zip(levels).map(|(to, from)| to - from).fold(0.0, f32::max);
         let is_steady = straight >= STRAIGHT_MIN && step <= STEP_FRACTION * rise;

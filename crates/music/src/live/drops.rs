@@ -3,8 +3,6 @@
 //! After a build, the return is reported at once. Without a build, the music must also become much louder and stay so
 //! for a second, because a bass that enters in a ballad returns just as suddenly.
 
-use std::collections::VecDeque;
-
 use crate::bands::decibels;
 
 /// The duration of the fast levels, in seconds.
@@ -54,6 +52,9 @@ const ONSETS_MIN: f32 = 4.2;
 /// The decay of the loudest level, in decibels a second.
 const FORGOTTEN_DB: f32 = 0.03;
 
+/// The slots of [`SOUNDED`] are at most 247 at any sample rate.
+const SLOTS_MAX: usize = 256;
+
 /// Measurements of a slot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slot {
@@ -76,15 +77,13 @@ struct Return {
     level_before: f32,
 }
 
-fn slots_of(seconds: f64, slot_seconds: f64) -> usize {
-    (seconds / slot_seconds).round().max(1.0) as usize
-}
-
 pub(super) struct Drops {
     /// The duration of a slot.
     slot_seconds: f64,
     /// Slots, and the fast levels of low frequencies and of all at their ends in decibels. The newest is first.
-    slots: VecDeque<(Slot, [f32; 2])>,
+    slots: [(Slot, [f32; 2]); SLOTS_MAX],
+    /// The number of known slots, up to those of [`SOUNDED`].
+    known: usize,
     loudest: f32,
     since: f32,
     pending: Option<Return>,
@@ -94,32 +93,25 @@ impl Drops {
     pub(super) fn new(slot_seconds: f64) -> Self {
         Self {
             slot_seconds,
-            slots: VecDeque::with_capacity(slots_of(SOUNDED.0, slot_seconds)),
+            slots: [(Slot::default(), [0.0; 2]); _],
+            known: 0,
             loudest: f32::MIN,
             since: BETWEEN,
             pending: None,
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.slots.clear();
-        (self.loudest, self.since, self.pending) = (f32::MIN, BETWEEN, None);
-    }
-
     /// Processes a slot. Returns true at a drop.
     pub(super) fn follow(&mut self, slot: Slot, after_build: bool) -> bool {
         let (sounded, seconds) = (self.count(SOUNDED.0), self.slot_seconds as f32);
-        if self.slots.len() == sounded {
-            self.slots.pop_back();
-        }
-        self.slots.push_front((slot, [0.0; 2]));
+        self.slots.rotate_right(1);
+        self.slots[0].0 = slot;
         let fast = self.levels(0, self.count(FAST));
-        if let Some((_, levels)) = self.slots.front_mut() {
-            *levels = fast;
-        }
+        self.slots[0].1 = fast;
+        self.known = (self.known + 1).min(sounded);
         self.loudest = (self.loudest - FORGOTTEN_DB * seconds).max(fast[1]);
         self.since += seconds;
-        if self.since < BETWEEN || self.slots.len() < sounded {
+        if self.since < BETWEEN || self.known < sounded {
             self.pending = None;
             return false;
         }
@@ -137,7 +129,7 @@ impl Drops {
 
     /// The number of slots of a duration.
     fn count(&self, seconds: f64) -> usize {
-        slots_of(seconds, self.slot_seconds)
+        (seconds / self.slot_seconds).round().max(1.0) as usize
     }
 
     /// The mean levels of low frequencies and of all over `count` slots, the newest of them `first` slots ago.

@@ -65,11 +65,6 @@ impl Harmony {
         }
     }
 
-    pub(super) fn restart(&mut self) {
-        (self.recent, self.sums, self.pitched) = ([0.0; CLASSES], [0.0; CLASSES], 0.0);
-        (self.triads, self.key) = ([0.0; 2 * CLASSES], None);
-    }
-
     /// Returns the chroma after a hop with these pitch classes.
     pub(super) fn chroma(&mut self, classes: &[f32; CLASSES]) -> [f32; CLASSES] {
         for (recent, now) in self.recent.iter_mut().zip(classes) {

@@ -76,8 +76,10 @@ struct Sums {
     slots: usize,
 }
 
-/// Follows live input.
+/// Follows live input. Owns no memory.
 pub(crate) struct Live {
+    /// What [`Live::new`] was called with.
+    setup: (usize, f64, f64),
     rises: Rises,
     bars: LiveBars,
     harmony: Harmony,
@@ -101,22 +103,15 @@ struct Times {
     drop_length: f32,
 }
 
-impl Times {
-    const AT_FIRST: Self = Self {
-        build: 0.0,
-        since_build: BUILD_SECONDS,
-        since_tempo: TEMPO_SECONDS,
-        drop_length: DROP_SECONDS,
-    };
-}
-
 impl Live {
     /// Creates a listener for short spectra of `bins` bins of `bin_hz` hertz.
     pub(crate) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let hops_per_slot = (SLOT_SECONDS / hop_seconds).round().max(1.0) as usize;
         let slot_seconds = hops_per_slot as f64 * hop_seconds;
         let slots_per_step = (STEP_SECONDS / slot_seconds).round().max(1.0) as usize;
+        let (since_build, since_tempo, drop_length) = (BUILD_SECONDS, TEMPO_SECONDS, DROP_SECONDS);
         Self {
+            setup: (bins, bin_hz, hop_seconds),
             rises: Rises::new(bins, bin_hz, hop_seconds),
             bars: LiveBars::new(),
             harmony: Harmony::new(hop_seconds, slots_per_step as f64 * slot_seconds),
@@ -129,18 +124,13 @@ impl Live {
             sums: Sums::default(),
             follower: Follower::new(BUILD_ATTACK, BUILD_RELEASE, hop_seconds),
             song: LiveSong::UNKNOWN,
-            times: Times::AT_FIRST,
+            times: Times { build: 0.0, since_build, since_tempo, drop_length },
         }
     }
 
     pub(crate) fn restart(&mut self) {
-        self.rises.restart();
-        self.bars.restart();
-        self.harmony.restart();
-        self.builds.restart();
-        self.drops.restart();
-        self.novelty.restart();
-        (self.sums, self.song, self.times) = (Sums::default(), LiveSong::UNKNOWN, Times::AT_FIRST);
+        let (bins, bin_hz, hop_seconds) = self.setup;
+        *self = Self::new(bins, bin_hz, hop_seconds);
     }
 
     /// Processes a hop.

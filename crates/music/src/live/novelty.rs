@@ -1,8 +1,6 @@
 //! How much the last seconds of live input differ from the seconds before, in timbre and harmony: a causal form of the
 //! novelty of Foote (2000), which compares both sides of a moment.
 
-use std::collections::VecDeque;
-
 use super::harmony::CLASSES;
 use crate::bands::decibels;
 use crate::scale::BAND_COUNT;
@@ -36,19 +34,17 @@ struct Step {
 }
 
 pub(super) struct Novelty {
-    /// The newest step is last.
-    steps: VecDeque<Step>,
+    /// The newest step is first.
+    steps: [Step; RECENT + BEFORE],
+    /// The number of known steps.
+    known: usize,
     loudest: f32,
 }
 
 impl Novelty {
     pub(super) fn new() -> Self {
-        Self { steps: VecDeque::with_capacity(RECENT + BEFORE), loudest: f32::MIN }
-    }
-
-    pub(super) fn restart(&mut self) {
-        self.steps.clear();
-        self.loudest = f32::MIN;
+        let step = Step { levels: [0.0; _], classes: [0.0; _] };
+        Self { steps: [step; _], known: 0, loudest: f32::MIN }
     }
 
     /// Returns the novelty after a step with these mean powers and pitch classes.
@@ -59,32 +55,30 @@ impl Novelty {
         self.loudest = levels.iter().copied().fold(self.loudest - FORGOTTEN_DB, f32::max);
         let levels = levels.map(|level| level.max(self.loudest - RANGE_DB));
         let length = classes.iter().map(|x| x * x).sum::<f32>().sqrt().max(LENGTH_MIN);
-        if self.steps.len() == RECENT + BEFORE {
-            self.steps.pop_front();
-        }
-        self.steps.push_back(Step { levels, classes: classes.map(|x| x / length) });
-        match self.steps.len().checked_sub(RECENT) {
-            Some(border) if border >= BEFORE_MIN => self.difference(border),
-            _ => 0.0,
-        }
+        self.steps.rotate_right(1);
+        self.steps[0] = Step { levels, classes: classes.map(|x| x / length) };
+        self.known = (self.known + 1).min(RECENT + BEFORE);
+        if self.known >= RECENT + BEFORE_MIN { self.difference() } else { 0.0 }
     }
 
-    /// Returns the difference between the steps before `border` and the steps from it on.
-    fn difference(&self, border: usize) -> f32 {
-        let (before, recent) = (self.steps.range(..border), self.steps.range(border..));
-        let mean = |steps: &mut dyn Iterator<Item = f32>, count: usize| steps.sum::<f32>() / count as f32;
+    /// Returns the difference between the recent steps and the steps before them.
+    fn difference(&self) -> f32 {
+        let (recent, before) = self.steps[..self.known].split_at(RECENT);
+        let mean = |steps: &[Step], of: &dyn Fn(&Step) -> f32| {
+            steps.iter().rev().map(of).sum::<f32>() / steps.len() as f32
+        };
         let mut levels = 0.0;
         for level in 0..LEVELS {
-            let was = mean(&mut before.clone().map(|step| step.levels[level]), border);
-            let is = mean(&mut recent.clone().map(|step| step.levels[level]), RECENT);
-            let variance = mean(&mut before.clone().map(|step| (step.levels[level] - was).powi(2)), border);
+            let was = mean(before, &|step| step.levels[level]);
+            let is = mean(recent, &|step| step.levels[level]);
+            let variance = mean(before, &|step| (step.levels[level] - was).powi(2));
             let difference = (is - was).abs().min(DIFFERENCE_MAX);
             levels += difference * difference / (DEVIATION_MIN * DEVIATION_MIN + variance);
         }
         let mut classes = 0.0;
         for class in 0..CLASSES {
-            let was = mean(&mut before.clone().map(|step| step.classes[class]), border);
-            let is = mean(&mut recent.clone().map(|step| step.classes[class]), RECENT);
+            let was = mean(before, &|step| step.classes[class]);
+            let is = mean(recent, &|step| step.classes[class]);
             classes += (is - was).powi(2);
         }
         (levels / LEVELS as f32).sqrt() + HARMONY * classes.sqrt()
