@@ -52,8 +52,8 @@ pub(super) struct AutoGain {
     power_follower: Follower,
     gain_follower: Follower,
     gain_db: f32,
+    /// The powers of the last [`HELD_SECONDS`], the newest first.
     held: Vec<f32>,
-    next: usize,
 }
 
 impl AutoGain {
@@ -65,7 +65,6 @@ impl AutoGain {
             gain_follower: Follower::new(GAIN_RISE, GAIN_FALL, hop_seconds),
             gain_db: 0.0,
             held: vec![0.0; (HELD_SECONDS / hop_seconds).ceil() as usize],
-            next: 0,
         }
     }
 
@@ -82,10 +81,8 @@ impl AutoGain {
     /// Processes the power of a moment (1: a full-scale sine in both channels). Returns the gain in decibels.
     pub(super) fn follow(&mut self, power: f32) -> f32 {
         self.power_follower.follow(&mut self.power, power);
-        if let Some(slot) = self.held.get_mut(self.next) {
-            *slot = self.power;
-        }
-        self.next = (self.next + 1) % self.held.len();
+        self.held.rotate_right(1);
+        self.held[0] = self.power;
         let loudest = self.held.iter().fold(0.0_f32, |loudest, power| loudest.max(*power));
         let wanted = if self.gain == Gain::Auto { gain_at(decibels(loudest)) } else { 0.0 };
         self.gain_follower.follow(&mut self.gain_db, wanted);

@@ -10,9 +10,8 @@ const FORGET_SECONDS: f64 = 6.0;
 const MEAN_SECONDS: f64 = 0.4;
 
 pub(super) struct Repetition {
-    /// The past strengths twice in a row, so that the last ones are always contiguous, the newest first.
+    /// The past strengths, the newest first.
     past: Vec<f32>,
-    place: usize,
     sums: Vec<f32>,
     kept: f32,
     mean: f32,
@@ -23,8 +22,7 @@ impl Repetition {
     pub(super) fn new(hop_seconds: f64) -> Self {
         let lags = (LONGEST_SECONDS / hop_seconds) as usize;
         Self {
-            past: vec![0.0; 2 * lags],
-            place: 0,
+            past: vec![0.0; lags],
             sums: vec![0.0; lags],
             kept: (-hop_seconds / FORGET_SECONDS).exp() as f32,
             mean: 0.0,
@@ -39,13 +37,11 @@ impl Repetition {
     }
 
     pub(super) fn follow(&mut self, strength: f32) {
-        let lags = self.sums.len();
         self.mean += self.learned * (strength - self.mean);
         let excess = (strength - self.mean).max(0.0);
-        self.place = (self.place + lags - 1) % lags;
-        self.past[self.place] = excess;
-        self.past[self.place + lags] = excess;
-        for (sum, past) in self.sums.iter_mut().zip(&self.past[self.place..]) {
+        self.past.rotate_right(1);
+        self.past[0] = excess;
+        for (sum, past) in self.sums.iter_mut().zip(&self.past) {
             *sum = self.kept * *sum + excess * past;
         }
     }
