@@ -307,13 +307,8 @@ impl BeatTracker {
     }
 
     fn likeliest(&self, among: Range<usize>) -> usize {
-        let start = among.start;
-        let totals = self.totals[among].iter().enumerate();
-        totals
-            .fold(
-                (start, 0.0),
-                |best, (index, total)| if *total > best.1 { (start + index, *total) } else { best },
-            )
-            .0
+        let likelier = |a: &usize, b: &usize| self.totals[*a].total_cmp(&self.totals[*b]);
+        // `max_by` returns the last of equal rings, so the first is compared last.
+        among.rev().max_by(likelier).unwrap_or_default()
     }
 }
