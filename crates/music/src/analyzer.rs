@@ -318,21 +318,15 @@ impl Analyzer {
         if begins {
             *beat = 1.0;
         }
-        let frames_per_point = hop / WAVE_PER_HOP;
-        mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
+        mean_of_channels(&history[self.wave_stretch.clone()], &mut self.last.wave);
     }
 }
 
-/// Averages both channels over `frames_per_point` frames. If there are fewer frames than points, frames repeat.
-fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
-    if frames_per_point == 0 {
-        for (index, point) in wave.iter_mut().enumerate() {
-            let frame = frames.get(index * frames.len() / WAVE_PER_HOP);
-            *point = frame.map_or(0.0, |[left, right]| 0.5 * (left + right));
-        }
-        return;
-    }
-    for (point, group) in wave.iter_mut().zip(frames.chunks_exact(frames_per_point)) {
-        *point = group.iter().map(|[left, right]| left + right).sum::<f32>() / (2 * frames_per_point) as f32;
+/// Averages both channels over the frames of each point. If there are fewer frames than points, frames repeat.
+fn mean_of_channels(frames: &[StereoFrame], wave: &mut [f32; WAVE_PER_HOP]) {
+    for (index, point) in wave.iter_mut().enumerate() {
+        let [start, end] = [index, index + 1].map(|index| index * frames.len() / WAVE_PER_HOP);
+        let group = &frames[start..end.max(start + 1)];
+        *point = group.iter().map(|[left, right]| left + right).sum::<f32>() / (2 * group.len()) as f32;
     }
 }
