@@ -39,36 +39,16 @@ pub struct SongListener {
     activation: Activation,
     onsets: Onsets,
     rises: Rises,
-    timbre: Timbre,
+    timbre_edges: Vec<usize>,
+    /// The power of each timbre band, averaged since the last slow moment.
+    timbre: [f32; TIMBRE_BANDS],
     slow: SlowWindow,
     pitches: FineChroma,
     /// Measures the integrated loudness. It is `None` after an error; the song then has no loudness.
     meter: Option<EbuR128>,
-    hops: usize,
     frames: u64,
     frames_max: u64,
     heard: Heard,
-}
-
-struct Timbre {
-    edges: Vec<usize>,
-    sums: [f32; TIMBRE_BANDS],
-}
-
-impl Timbre {
-    fn new(length: usize, bin_hz: f64) -> Self {
-        Self { edges: band_bins(TIMBRE_BANDS, bin_hz, length / 2), sums: [0.0; TIMBRE_BANDS] }
-    }
-
-    fn add(&mut self, bins: &[f32]) {
-        for (sum, edges) in self.sums.iter_mut().zip(self.edges.windows(2)) {
-            *sum += bins[edges[0]..edges[1]].iter().sum::<f32>() / SLOW_HOPS as f32;
-        }
-    }
-
-    fn process(&mut self) -> [f32; TIMBRE_BANDS] {
-        std::mem::replace(&mut self.sums, [0.0; TIMBRE_BANDS])
-    }
 }
 
 impl SongListener {
@@ -94,11 +74,11 @@ impl SongListener {
             activation: Activation::new(activation::WHOLE, hop, rate),
             onsets: Onsets::new(short / 2, bin_hz, hop_seconds),
             rises: Rises::new(short / 2, bin_hz, hop_seconds),
-            timbre: Timbre::new(short, bin_hz),
+            timbre_edges: band_bins(TIMBRE_BANDS, bin_hz, short / 2),
+            timbre: [0.0; TIMBRE_BANDS],
             slow: SlowWindow::new(decimator, long_length, gain),
             pitches: FineChroma::new(long_rate / long_length as f64, long_length / 2),
             meter: EbuR128::new(2, rate as u32, Mode::I).ok(),
-            hops: 0,
             frames: 0,
             frames_max: (limits::SONG_SECONDS_MAX * rate) as u64,
             heard: Heard {
@@ -164,19 +144,21 @@ impl SongListener {
         let [short, middle] = &mut self.spectra;
         let bins = &short.measure(self.buffer.newest(SHORT_HOPS * hop)).power;
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
-        self.timbre.add(bins);
+        for (mean, edges) in self.timbre.iter_mut().zip(self.timbre_edges.windows(2)) {
+            *mean += bins[edges[0]..edges[1]].iter().sum::<f32>() / SLOW_HOPS as f32;
+        }
         // Low sounds alone do not count as onsets of a section.
         let Onset { begins, flux, .. } = self.onsets.follow(bins, None);
         self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
-        self.hops += 1;
-        if self.hops.is_multiple_of(STEP_HOPS) {
+        let hops = self.heard.moments.len();
+        if hops.is_multiple_of(STEP_HOPS) {
             let spectrum = middle.measure(self.buffer.newest(WINDOW_HOPS * hop));
             let odds = self.activation.follow(&spectrum.power);
             self.heard.beat_odds.push(odds);
         }
-        if self.hops.is_multiple_of(SLOW_HOPS) {
+        if hops.is_multiple_of(SLOW_HOPS) {
             let chroma = self.pitches.chroma(&self.slow.spectrum().power);
-            let timbre = self.timbre.process();
+            let timbre = std::mem::take(&mut self.timbre);
             self.heard.slow.push(SlowMoment { timbre, chroma });
         }
     }
