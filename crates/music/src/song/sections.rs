@@ -8,8 +8,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::harmony::Harmony;
-use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
-use super::units::{Unit, distance, units};
+use super::heard::{Heard, TIMBRE_BANDS};
+use super::units::{Unit, distance, units, within};
 
 /// The cost of a section. A cost of 1 is the mean squared deviation of the song's bars from their mean.
 const SECTION_COST: f32 = 2.0;
@@ -255,11 +255,7 @@ pub struct SectionSound {
 
 /// Measures the sound from `start` to `end`, in seconds. In silence all values are 0.
 pub(super) fn section_sound(heard: &Heard, start: f64, end: f64) -> SectionSound {
-    let place = |time: f64, step: f64, count: usize| ((time / step).round().max(0.0) as usize).min(count);
-    let range = |step: f64, count: usize| place(start, step, count)..place(end, step, count);
-    let moments = heard.moments.get(range(heard.hop_seconds, heard.moments.len())).unwrap_or_default();
-    let slow_seconds = heard.hop_seconds * SLOW_HOPS as f64;
-    let slow = heard.slow.get(range(slow_seconds, heard.slow.len())).unwrap_or_default();
+    let (moments, slow) = within(heard, start, end);
     let seconds = (moments.len() as f64 * heard.hop_seconds) as f32;
     let onsets = moments.iter().filter(|moment| moment.begins).count() as f32;
     let (mut all, mut weighted) = (0.0_f32, 0.0_f32);

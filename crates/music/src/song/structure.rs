@@ -140,40 +140,29 @@ impl SongStructure {
         }
         let mut beats = beats(heard);
         beats.retain(|beat| *beat < seconds);
-        let bar_times = if beats.is_empty() {
-            grid(&[], STEP_WITHOUT_BEATS, seconds)
+        // If the song has no beats, a bar and a beat are the same, and harmony is compared in shorter steps.
+        let (bar_times, beat_times, steps) = if beats.is_empty() {
+            let times = grid(&[], STEP_WITHOUT_BEATS, seconds);
+            (times.clone(), times, grid(&[], SHORT_STEP, seconds))
         } else {
-            structure.set_beats(heard, &beats)
+            let times = grid(&beats, period(&beats), seconds);
+            (structure.set_beats(heard, &beats), times.clone(), times)
         };
         // Silence before and after the song does not belong to a bar's sound.
         let sounding = heard.sounding();
         let of_sound: Vec<f64> =
             bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
         let mut bars = units(heard, &of_sound);
-        let beat_times =
-            if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
         let of_beats = units(heard, &beat_times);
-        let starts = beat_times.iter().copied();
-        structure.chroma = starts
-            .zip(&of_beats)
-            .map(|(start, unit)| PitchFractions { start, fractions: unit.chroma })
-            .collect();
+        let fractions =
+            |(start, unit): (&f64, &Unit)| PitchFractions { start: *start, fractions: unit.chroma };
+        structure.chroma = beat_times.iter().zip(&of_beats).map(fractions).collect();
         let triads = chords(&of_beats);
         structure.chords = joined(&beat_times, &triads);
-        let has_pitches = pitches_of(&of_beats).is_some();
-        if !has_pitches {
+        let mut of_steps = units(heard, &steps);
+        if pitches_of(&of_beats).is_none() {
             // Without harmony the measured pitches are random.
-            bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
-        }
-        let (steps, mut of_steps) = if beats.is_empty() {
-            let steps = grid(&[], SHORT_STEP, seconds);
-            let of_steps = units(heard, &steps);
-            (steps, of_steps)
-        } else {
-            (beat_times.clone(), of_beats.clone())
-        };
-        if !has_pitches {
-            of_steps.iter_mut().for_each(|step| step.chroma = [0.0; 12]);
+            bars.iter_mut().chain(&mut of_steps).for_each(|unit| unit.chroma = [0.0; 12]);
         }
         let firsts: Vec<usize> =
             bar_times.iter().map(|bar| steps.partition_point(|step| *step < bar - 1e-3)).collect();

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::heard::{Heard, Moment, SLOW_HOPS, TIMBRE_BANDS};
+use super::heard::{Heard, Moment, SLOW_HOPS, SlowMoment, TIMBRE_BANDS};
 use super::strengths::deviation;
 
 /// The approximate flux of noise.
@@ -41,16 +41,13 @@ pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
 
 fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     let level = |power: f32| (10.0 * (power / loudest).max(1e-12).log10() + RANGE_DB).clamp(0.0, RANGE_DB);
-    let range = |count: usize, seconds: f64| places(from..to, count, seconds, 0.0);
+    let (moments, slow) = within(heard, from, to);
     let mut timbre = [0.0; TIMBRE_BANDS];
-    let slow_seconds = heard.hop_seconds * SLOW_HOPS as f64;
-    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds)).unwrap_or_default();
     for moment in slow {
         for (sum, power) in timbre.iter_mut().zip(&moment.timbre) {
             *sum += power / slow.len() as f32;
         }
     }
-    let moments = heard.moments.get(range(heard.moments.len(), heard.hop_seconds)).unwrap_or_default();
     let count = moments.len().max(1) as f32;
     let mean = |of: fn(&Moment) -> f32| moments.iter().map(of).sum::<f32>() / count;
     Unit {
@@ -60,6 +57,13 @@ fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
         low: level(mean(|moment| moment.low_power)),
         onsets: mean(|moment| (moment.flux - FLUX_OF_NOISE).max(0.0)),
     }
+}
+
+/// Returns the moments and the slow moments between two times, at least one of each.
+pub(super) fn within(heard: &Heard, from: f64, to: f64) -> (&[Moment], &[SlowMoment]) {
+    let moments = places(from..to, heard.moments.len(), heard.hop_seconds, 0.0);
+    let slow = places(from..to, heard.slow.len(), heard.hop_seconds * SLOW_HOPS as f64, 0.0);
+    (&heard.moments[moments], &heard.slow[slow])
 }
 
 /// Returns the indices of the measurements within `times`, at least one. There are `count`; they are `seconds` apart,
