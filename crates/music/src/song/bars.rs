@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::heard::Heard;
+use super::heard::{Heard, Moment};
 use super::key::largest;
 use super::units::{Unit, distance, standardised};
 
@@ -64,26 +64,37 @@ struct Evidence {
 
 /// Returns the meter, and the position of each beat in its bar, from 0.
 pub(super) fn bars(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> (Meter, Vec<usize>) {
-    let evidence = evidence(heard, strengths, beats, units);
-    let meter = meter(heard, strengths, beats, &evidence);
+    let row = |of: fn(&Moment) -> f32| heard.moments.iter().map(of).collect::<Vec<f32>>();
+    let (lows, highs) = (row(|moment| moment.low_rise), row(|moment| moment.high_rise));
+    let near = |row: &[f32], time: f64, reach: usize| {
+        let middle = (time / heard.hop_seconds).round() as usize;
+        let end = (middle + reach + 1).min(row.len());
+        row[middle.saturating_sub(reach).min(end)..end].iter().fold(0.0_f32, |a, b| a.max(*b))
+    };
+    let evidence = evidence([&lows, &highs, strengths], beats, units, &near);
+    let meter = if [strengths, highs.as_slice()].into_iter().any(|row| has_thirds(row, beats, &near)) {
+        Meter::SixEight
+    } else {
+        three_or_four(beats.len(), &evidence)
+    };
     let positions = path(meter.beats(), &evidence);
     (meter, positions)
 }
 
-fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> Evidence {
-    let place = |time: f64| (time / heard.hop_seconds).round().max(0.0) as usize;
-    let range = |time: f64| {
-        let middle = place(time);
-        let end = (middle + AROUND + 1).min(strengths.len());
-        middle.saturating_sub(AROUND).min(end)..end
-    };
-    let strength = |time: f64| strengths[range(time)].iter().fold(0.0_f32, |a, b| a.max(*b));
-    let low = |time: f64| heard.moments[range(time)].iter().fold(0.0_f32, |a, b| a.max(b.low_rise));
-    let high = |time: f64| heard.moments[range(time)].iter().fold(0.0_f32, |a, b| a.max(b.high_rise));
-    let half = |index: usize| {
-        let here = beats[index];
-        let next = beats.get(index + 1).copied().unwrap_or(here);
-        (here + next) / 2.0
+/// Returns the largest value of a row within some hops of a time.
+type Near<'a> = &'a dyn Fn(&[f32], f64, usize) -> f32;
+
+fn evidence(
+    [lows, highs, strengths]: [&[f32]; 3],
+    beats: &[f64],
+    units: &[Unit],
+    near: Near<'_>,
+) -> Evidence {
+    let count = beats.len();
+    let next = |index: usize| beats.get(index + 1).unwrap_or(&beats[index]);
+    let halves: Vec<f64> = (0..count).map(|index| (beats[index] + next(index)) / 2.0).collect();
+    let of = |row: &[f32], times: &[f64]| {
+        standardised(&times.iter().map(|time| near(row, *time, AROUND)).collect::<Vec<f32>>(), 0.1)
     };
     // Compare the two beats before with the two beats after, so that a passing note counts less than a new chord.
     let mean = |from: usize, to: usize| {
@@ -93,9 +104,7 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         }
         sum
     };
-    let count = beats.len();
-    let indices = 0..count;
-    let harmony = indices.clone().map(|index| {
+    let harmony = (0..count).map(|index| {
         if index == 0 || index + 1 >= units.len() {
             return 0.0;
         }
@@ -103,70 +112,41 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         let wide = distance(&mean(index.saturating_sub(2), index), &mean(index, index + 2));
         near + wide
     });
-    let sound = indices.clone().map(|index| {
-        match (index.checked_sub(1).and_then(|b| units.get(b)), units.get(index)) {
-            (Some(before), Some(after)) => {
-                before.timbre.iter().zip(&after.timbre).map(|(b, a)| (a - b).max(0.0)).sum::<f32>()
-            }
-            _ => 0.0,
-        }
-    });
-    let harmony: Vec<f32> = harmony.collect();
-    let sound: Vec<f32> = sound.collect();
-    let of = |value: &dyn Fn(usize) -> f32, least: f32| {
-        standardised(&indices.clone().map(value).collect::<Vec<f32>>(), least)
-    };
+    let mut sound = vec![0.0_f32; count];
+    for (sound, pair) in sound.iter_mut().skip(1).zip(units.windows(2)) {
+        *sound = pair[0].timbre.iter().zip(&pair[1].timbre).map(|(b, a)| (a - b).max(0.0)).sum();
+    }
     Evidence {
-        low: of(&|index| low(beats[index]), 0.1),
-        high: of(&|index| high(beats[index]), 0.1),
-        struck: of(&|index| strength(beats[index]), 0.1),
-        half: of(&|index| strength(half(index)), 0.1),
-        low_half: of(&|index| low(half(index)), 0.1),
-        harmony: standardised(&harmony, 0.02),
+        low: of(lows, beats),
+        high: of(highs, beats),
+        struck: of(strengths, beats),
+        half: of(strengths, &halves),
+        low_half: of(lows, &halves),
+        harmony: standardised(&harmony.collect::<Vec<f32>>(), 0.02),
         sound: standardised(&sound, 5.0),
     }
 }
 
-fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -> Meter {
-    let rows = [
-        &evidence.low,
-        &evidence.high,
-        &evidence.struck,
-        &evidence.half,
-        &evidence.low_half,
-        &evidence.harmony,
-    ];
+fn three_or_four(beats: usize, evidence: &Evidence) -> Meter {
+    let Evidence { low, high, struck, half, low_half, harmony, .. } = evidence;
+    let rows = [low, high, struck, half, low_half, harmony];
     // The mean product of standardised values is their correlation.
     let alike = |lag: usize| {
-        let count = beats.len().saturating_sub(lag);
         let of_row = |row: &&Vec<f32>| {
-            row.iter()
-                .zip(&row[lag.min(row.len())..])
-                .map(|(a, b)| a.clamp(-2.0, 2.0) * b.clamp(-2.0, 2.0))
-                .sum::<f32>()
+            let pairs = row.iter().zip(&row[lag.min(row.len())..]);
+            pairs.map(|(a, b)| a.clamp(-2.0, 2.0) * b.clamp(-2.0, 2.0)).sum::<f32>()
         };
-        rows.iter().map(of_row).sum::<f32>() / (count.max(1) * rows.len()) as f32
+        rows.iter().map(of_row).sum::<f32>() / (beats.saturating_sub(lag).max(1) * rows.len()) as f32
     };
     let four = (alike(4) + alike(8)) / 2.0;
     let three = (alike(3) + alike(6) + alike(9)) / 3.0;
-    let highs: Vec<f32> = heard.moments.iter().map(|moment| moment.high_rise).collect();
-    if has_thirds(heard, strengths, beats) || has_thirds(heard, &highs, beats) {
-        Meter::SixEight
-    } else if three > four + THREE_OVER_FOUR {
-        Meter::ThreeFour
-    } else {
-        Meter::FourFour
-    }
+    if three > four + THREE_OVER_FOUR { Meter::ThreeFour } else { Meter::FourFour }
 }
 
 /// True if the second and third parts of ternary beats both have onsets. Swing has onsets only at the third part.
-fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
+fn has_thirds(row: &[f32], beats: &[f64], near: Near<'_>) -> bool {
     let mean_at = |fraction: f64| {
-        let at = |pair: &[f64]| {
-            let place = ((pair[0] + fraction * (pair[1] - pair[0])) / heard.hop_seconds).round() as usize;
-            let end = (place + 3).min(strengths.len());
-            strengths[place.saturating_sub(2).min(end)..end].iter().fold(0.0_f32, |a, b| a.max(*b))
-        };
+        let at = |pair: &[f64]| near(row, pair[0] + fraction * (pair[1] - pair[0]), 2);
         beats.windows(2).map(at).sum::<f32>() / beats.len().max(1) as f32
     };
     let thirds = mean_at(1.0 / 3.0).min(mean_at(2.0 / 3.0));
