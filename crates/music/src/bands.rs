@@ -19,62 +19,49 @@ pub fn band_edge(index: usize) -> f64 {
 
 /// The weights of the bins in each band. Bin k covers the range from k - ½ to k + ½. Its weight is the fraction of this
 /// range inside the band, so no power is lost or counted twice. [`Resolution::fraction`] weights the three windows.
-pub(super) struct Bands {
-    bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
-    weights: Vec<f32>,
-}
+pub(super) struct Bands([[Bins; Resolution::ALL.len()]; BAND_COUNT]);
 
-/// The bins of a band. They start at `first_bin`; their weights are `weights[first_weight..first_weight + count]`.
-#[derive(Clone, Copy, Default)]
+/// The bins of a band in one window, from the first bin on.
 struct Bins {
-    first_bin: usize,
-    first_weight: usize,
-    count: usize,
+    first: usize,
+    weights: Vec<f32>,
 }
 
 impl Bands {
     /// Creates the weights for windows of [`Resolution::hops`] times `hop` frames; 0 above half the sample rate.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
-        let mut weights = Vec::new();
-        let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];
-        for (index, of_band) in bands.iter_mut().enumerate() {
-            for (bins, resolution) in of_band.iter_mut().zip(Resolution::ALL) {
-                let length = hop * resolution.hops();
-                let (bin_count, bin_hz) = (length / 2, sample_rate / length as f64);
-                let (low, high) = (band_edge(index) / bin_hz, band_edge(index + 1) / bin_hz);
-                let shared = |bin: usize| {
-                    let centre = bin as f64;
-                    let inside = ((centre + 0.5).min(high) - (centre - 0.5).max(low)).max(0.0);
-                    (inside * resolution.fraction(centre * bin_hz)) as f32
-                };
-                let first = (low.round() as usize).min(bin_count);
-                let end = (high.round() as usize + 1).min(bin_count);
-                if (first..end).any(|bin| shared(bin) > 0.0) {
-                    *bins = Bins { first_bin: first, first_weight: weights.len(), count: end - first };
-                    weights.extend((first..end).map(shared));
-                }
-            }
-        }
-        Self { bands, weights }
+        let bins = |band: usize, resolution: Resolution| {
+            let length = hop * resolution.hops();
+            let (bin_count, bin_hz) = (length / 2, sample_rate / length as f64);
+            let (low, high) = (band_edge(band) / bin_hz, band_edge(band + 1) / bin_hz);
+            let shared = |bin: usize| {
+                let centre = bin as f64;
+                let inside = ((centre + 0.5).min(high) - (centre - 0.5).max(low)).max(0.0);
+                (inside * resolution.fraction(centre * bin_hz)) as f32
+            };
+            let first = (low.round() as usize).min(bin_count);
+            let end = (high.round() as usize + 1).min(bin_count);
+            // A window that has no share of the band is not read.
+            let end = if (first..end).any(|bin| shared(bin) > 0.0) { end } else { first };
+            Bins { first, weights: (first..end).map(shared).collect() }
+        };
+        Self(std::array::from_fn(|band| Resolution::ALL.map(|resolution| bins(band, resolution))))
     }
 
     pub(super) fn powers(&self, spectra: [&[f32]; Resolution::ALL.len()]) -> [f32; BAND_COUNT] {
-        self.bands.map(|of_band| {
-            let of_window = |(bins, power): (Bins, &[f32])| {
-                let weights = &self.weights[bins.first_weight..][..bins.count];
-                power[bins.first_bin..].iter().zip(weights).map(|(p, w)| p * w).sum::<f32>()
+        self.0.each_ref().map(|of_band| {
+            let of_window = |(bins, power): (&Bins, &[f32])| {
+                power[bins.first..].iter().zip(&bins.weights).map(|(p, w)| p * w).sum::<f32>()
             };
-            of_band.into_iter().zip(spectra).map(of_window).sum()
+            of_band.iter().zip(spectra).map(of_window).sum()
         })
     }
 
     /// Returns the sums of [`Spectrum::stereo`] for each band, on the scale of [`Bands::powers`].
     pub(super) fn stereo(&self, spectra: [&Spectrum; Resolution::ALL.len()]) -> [[f32; 2]; BAND_COUNT] {
-        self.bands.map(|of_band| {
-            let of_window = |(bins, spectrum): (Bins, &Spectrum)| {
-                spectrum.stereo(bins.first_bin, &self.weights[bins.first_weight..][..bins.count])
-            };
-            let parts = of_band.into_iter().zip(spectra).map(of_window);
+        self.0.each_ref().map(|of_band| {
+            let of_window = |(bins, spectrum): (&Bins, &Spectrum)| spectrum.stereo(bins.first, &bins.weights);
+            let parts = of_band.iter().zip(spectra).map(of_window);
             parts.fold([0.0; 2], |sums, part| [sums[0] + part[0], sums[1] + part[1]])
         })
     }
@@ -112,12 +99,11 @@ mod tests {
         for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {
             let bands = Bands::new(hop, rate);
             let mut given = Resolution::ALL.map(|resolution| vec![0.0_f64; hop * resolution.hops() / 2]);
-            for (index, of_band) in bands.bands.iter().enumerate() {
+            for (index, of_band) in bands.0.iter().enumerate() {
                 let mut width = 0.0;
                 for ((bins, given), resolution) in of_band.iter().zip(&mut given).zip(Resolution::ALL) {
                     let bin_hz = rate / (hop * resolution.hops()) as f64;
-                    let weights = &bands.weights[bins.first_weight..][..bins.count];
-                    for (bin, &weight) in (bins.first_bin..).zip(weights) {
+                    for (bin, &weight) in (bins.first..).zip(&bins.weights) {
                         given[bin] += f64::from(weight);
                         width += f64::from(weight) * bin_hz;
                     }
