@@ -2,7 +2,7 @@
 
 use super::bands::decibels;
 use super::resolution::Resolution;
-use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
+use super::scale::{SPECTRUM_POINTS, spectrum_hz};
 
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
@@ -13,13 +13,8 @@ const HEIGHT_ONE_DB: f32 = -12.0;
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 pub(super) struct Lines {
-    points: Vec<Point>,
-}
-
-struct Point {
-    parts: [Part; 2],
-    /// True if the frequency is below half the sample rate.
-    exists: bool,
+    /// Of the windows of each point, at most two have a part. A point above half the sample rate has no part.
+    points: Vec<[Part; 2]>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -49,24 +44,25 @@ impl Lines {
         let points = (0..SPECTRUM_POINTS).map(|index| {
             let hz = spectrum_hz(index as f64 / steps);
             let mut parts = [Part::default(); 2];
-            let fractions = Resolution::ALL.map(|resolution| resolution.fraction(hz)).into_iter().enumerate();
-            for (part, (window, fraction)) in
-                parts.iter_mut().zip(fractions.filter(|(_, fraction)| *fraction > 0.0))
-            {
-                let length = hop * Resolution::ALL.map(Resolution::hops)[window];
+            let windows = Resolution::ALL
+                .into_iter()
+                .enumerate()
+                .filter(|(_, resolution)| resolution.fraction(hz) > 0.0 && hz < sample_rate / 2.0);
+            for (part, (window, resolution)) in parts.iter_mut().zip(windows) {
+                let length = hop * resolution.hops();
                 let bin = |place: f64| spectrum_hz(place / steps) * length as f64 / sample_rate;
                 let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
                 let here = bin(index as f64);
-                *part = if high > low {
+                let (first, count, between) = if high > low {
                     // Several bins are within the point's reach: use the largest power.
-                    let count = (high - low) as usize + 1;
-                    Part { window, fraction: fraction as f32, first_bin: low as usize, count, between: None }
+                    (low, (high - low) as usize + 1, None)
                 } else {
-                    let between = Some((here - here.floor()) as f32);
-                    Part { window, fraction: fraction as f32, first_bin: here as usize, count: 2, between }
+                    (here, 2, Some((here - here.floor()) as f32))
                 };
+                let fraction = resolution.fraction(hz) as f32;
+                *part = Part { window, fraction, first_bin: first as usize, count, between };
             }
-            Point { parts, exists: hz < sample_rate / 2.0 }
+            parts
         });
         Self { points: points.collect() }
     }
@@ -80,10 +76,9 @@ impl Lines {
         gain_db: f32,
         heights: &mut [f32; SPECTRUM_POINTS],
     ) {
-        for (height, point) in heights.iter_mut().zip(&self.points) {
-            let power: f32 = point.parts.iter().map(|part| part.power(spectra[part.window])).sum();
-            let level = if point.exists { decibels(NOISE_BANDWIDTH * power) } else { LEVEL_FLOOR_DB };
-            let above = level + gain_db - HEIGHT_ZERO_DB;
+        for (height, parts) in heights.iter_mut().zip(&self.points) {
+            let power: f32 = parts.iter().map(|part| part.power(spectra[part.window])).sum();
+            let above = decibels(NOISE_BANDWIDTH * power) + gain_db - HEIGHT_ZERO_DB;
             *height = (above / (HEIGHT_ONE_DB - HEIGHT_ZERO_DB)).clamp(0.0, 1.0);
         }
     }
