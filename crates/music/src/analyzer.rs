@@ -221,11 +221,10 @@ impl Analyzer {
         // `ahead` never exceeds the buffer: the moment is less than a hop ahead, and its window reaches back further.
         let ahead = self.lookahead + (moment - position) as usize;
         self.buffer.restart(self.buffer.frames.len() - ahead);
-        self.slow.restart();
         // The followers allocate no memory.
         self.followers = Followers::new(self.hop() as f64 / f64::from(self.sample_rate));
         self.gain.restart();
-        self.rhythm.restart(moment / self.buffer.hop as u64);
+        self.rhythm.restart();
         self.sounds.restart();
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
@@ -263,11 +262,9 @@ impl Analyzer {
 
     fn measure(&mut self) {
         let (history, hop) = (&self.buffer.frames, self.buffer.hop);
-        if std::mem::replace(&mut self.progress.has_measured, true) {
-            self.slow.follow(history, hop);
-        } else {
-            self.slow.fill(history);
-        }
+        // The first measurement after a restart fills the whole long window.
+        let has_measured = std::mem::replace(&mut self.progress.has_measured, true);
+        self.slow.follow(history, if has_measured { hop } else { history.len() });
         let long = self.slow.spectrum();
         let [middle, short] =
             self.windows.each_mut().map(|(place, spectrum)| spectrum.measure(&history[place.clone()]));

@@ -13,8 +13,6 @@ pub(super) struct Rhythm {
     activation: Activation,
     /// The newest log odds of a beat.
     odds: f32,
-    /// The number of the next hop.
-    hop: u64,
     beats: BeatTracker,
     /// For live input only. Bars, keys and drops of songs come from [`crate::song`].
     live: Option<Live>,
@@ -35,24 +33,22 @@ impl Rhythm {
             onsets: Onsets::new(bins, bin_hz, hop_seconds),
             activation,
             odds: 0.0,
-            hop: 0,
             beats: BeatTracker::new(hop_seconds, late, later),
             live: is_live.then(|| Live::new(bins, bin_hz, hop_seconds)),
         }
     }
 
-    /// Forgets all hops. The next hop has the number `hop`.
-    pub(super) fn restart(&mut self, hop: u64) {
+    pub(super) fn restart(&mut self) {
         self.onsets.restart();
         self.activation.restart();
-        (self.odds, self.hop) = (0.0, hop);
+        self.odds = 0.0;
         self.beats.restart();
         if let Some(live) = &mut self.live {
             live.restart();
         }
     }
 
-    /// Processes a moment whose notes and curve are known. Writes its beat and, for live input, its place in the form.
+    /// Processes a moment whose number, notes and curve are known. Writes its beat and, for live input, its place in the form.
     /// Returns true at an onset.
     pub(super) fn follow(
         &mut self,
@@ -61,10 +57,9 @@ impl Rhythm {
         moment: &mut TimedFeatures,
     ) -> bool {
         let Onset { begins, relative_flux: flux, .. } = self.onsets.follow(short, Some(middle));
-        if self.hop.is_multiple_of(STEP_HOPS as u64) {
+        if moment.number.is_multiple_of(STEP_HOPS as u64) {
             self.odds = self.activation.follow(middle);
         }
-        self.hop += 1;
         let beat = self.beats.follow(self.odds, flux, begins);
         let TimedFeatures { features, spectrum, .. } = moment;
         (features.tempo, features.phase) = (beat.tempo, beat.phase);

@@ -97,20 +97,12 @@ impl SlowWindow {
         Self { kept: vec![[0.0; 2]; length], decimator, spectrum }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.kept.fill([0.0; 2]);
-    }
-
-    /// Advances the window by a hop of `hop` frames. Afterwards the window ends at the newest of `frames`.
-    pub(super) fn follow(&mut self, frames: &[StereoFrame], hop: usize) {
-        let new = hop / self.decimator.step;
+    /// Advances the window by `count` frames. Afterwards the window ends at the newest of `frames`.
+    pub(super) fn follow(&mut self, frames: &[StereoFrame], count: usize) {
+        let new = count / self.decimator.step;
         self.kept.copy_within(new.., 0);
         let start = self.kept.len() - new;
         self.decimator.keep(frames, &mut self.kept[start..]);
-    }
-
-    pub(super) fn fill(&mut self, frames: &[StereoFrame]) {
-        self.decimator.keep(frames, &mut self.kept);
     }
 
     pub(super) fn spectrum(&mut self) -> &Spectrum {
