@@ -169,7 +169,11 @@ fn numbers<S: Serializer>(array: &[f32; NOTE_COUNT], serializer: S) -> Result<S:
 
 trait Numbers: Sized {
     fn mixed(self, other: Self, amount: f32) -> Self;
-    fn number_alone(self) -> Option<f32>;
+
+    /// The number as scenes read it; `None` for lists.
+    fn number_alone(self) -> Option<f32> {
+        None
+    }
 }
 
 impl Numbers for f32 {
@@ -186,10 +190,6 @@ impl<const N: usize> Numbers for [f32; N] {
     fn mixed(self, other: Self, amount: f32) -> Self {
         std::array::from_fn(|i| self[i].mixed(other[i], amount))
     }
-
-    fn number_alone(self) -> Option<f32> {
-        None
-    }
 }
 
 impl Numbers for LiveSong {
@@ -202,10 +202,6 @@ impl Numbers for LiveSong {
             drop: self.drop.mixed(other.drop, amount),
             novelty: self.novelty.mixed(other.novelty, amount),
         }
-    }
-
-    fn number_alone(self) -> Option<f32> {
-        None
     }
 }
 
