@@ -195,21 +195,13 @@ impl SongStructure {
         let of_beats = units(heard, beats);
         let (meter, positions) = bars(heard, &onset_strengths(heard), beats, &of_beats);
         self.meter = Some(meter);
-        let tempo_at = |index: usize| {
+        let beat = |index: usize| {
             // Average the tempo over four beats, so that the rounding to hops does not show.
             let (from, to) = (index.saturating_sub(2), (index + 2).min(beats.len() - 1));
-            (60.0 * (to - from) as f64 / (beats[to] - beats[from]).max(1e-3)) as f32
+            let tempo = (60.0 * (to - from) as f64 / (beats[to] - beats[from]).max(1e-3)) as f32;
+            SongBeat { time: beats[index], of_bar: positions[index] as u8 + 1, tempo }
         };
-        self.beats = beats
-            .iter()
-            .zip(&positions)
-            .enumerate()
-            .map(|(index, (time, position))| SongBeat {
-                time: *time,
-                of_bar: *position as u8 + 1,
-                tempo: tempo_at(index),
-            })
-            .collect();
+        self.beats = (0..beats.len()).map(beat).collect();
         self.tempo = Some((60.0 / period(beats)) as f32);
         let downbeats: Vec<f64> = self.downbeats().collect();
         grid(&downbeats, period(beats) * meter.beats() as f64, self.seconds)
