@@ -48,10 +48,7 @@ impl Tonality {
 
     /// Returns the correlation of pitch class weights, C first, with the profile of this key (Krumhansl 1990).
     pub(crate) fn fit_as_key(self, classes: &[f32; 12]) -> f32 {
-        let profile = match self.mode {
-            Mode::Major => MAJOR,
-            Mode::Minor => MINOR,
-        };
+        let profile = if self.mode == Mode::Major { MAJOR } else { MINOR };
         correlation(&turned(classes, self.root), &profile)
     }
 
