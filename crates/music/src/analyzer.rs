@@ -44,8 +44,8 @@ const BASS: std::ops::Range<usize> = 0..8;
 const MID: std::ops::Range<usize> = 8..21;
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// The middle of the windows is this many hops before the moment, with centred and with trailing windows.
-const MIDDLE_LATE: (f32, f32) = (0.0, 2.0);
+/// The middle of trailing windows is this many hops before the moment.
+const TRAILING_LATE: f32 = 2.0;
 
 /// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 1_500.0;
@@ -144,19 +144,13 @@ impl Analyzer {
         let hop_seconds = hop as f64 / rate;
         let decimator = Decimator::new(hop);
         let slow_length = longest / decimator.step;
-        let (lookahead, late) = match alignment {
-            // The moment is at the middle of the decimated long window.
-            Alignment::Centred => {
-                ((slow_length / 2 - 1) * decimator.step + decimator.delay() + 1, MIDDLE_LATE.0)
-            }
-            Alignment::Trailing => (0, MIDDLE_LATE.1),
-        };
-        let place = |length: usize| match alignment {
-            Alignment::Centred => {
-                let start = longest - lookahead - length / 2;
-                start..start + length
-            }
-            Alignment::Trailing => longest - length..longest,
+        let centred = alignment == Alignment::Centred;
+        // A centred moment is at the middle of the decimated long window.
+        let centre = (slow_length / 2 - 1) * decimator.step + decimator.delay() + 1;
+        let (lookahead, late) = if centred { (centre, 0.0) } else { (0, TRAILING_LATE) };
+        let place = |length: usize| {
+            let start = longest - lookahead - if centred { length / 2 } else { length };
+            start..start + length
         };
         let slow_gain = |bin: usize, decimator: &Decimator| {
             let hz = bin as f64 * rate / longest as f64;
@@ -181,8 +175,8 @@ impl Analyzer {
             lines: Lines::new(hop, rate),
             followers: Followers::new(hop_seconds),
             gain: AutoGain::new(gain, hop_seconds),
-            rhythm: Rhythm::new(hop, rate, late, alignment == Alignment::Trailing),
-            sounds: Sounds::new(hop, rate, alignment == Alignment::Centred),
+            rhythm: Rhythm::new(hop, rate, late, !centred),
+            sounds: Sounds::new(hop, rate, centred),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };
         analyzer.restart(0);
