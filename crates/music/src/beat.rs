@@ -73,12 +73,18 @@ pub(super) struct Beat {
     pub(super) phase: f32,
 }
 
+/// The states of a period, one for each hop of it.
 struct Ring {
-    /// The index of the first state in the belief.
-    start: usize,
-    period: usize,
-    /// The offset within the ring of the state that is at the start of the beat.
+    /// The belief in each state.
+    states: Vec<f32>,
+    /// The index of the state that is at the start of the beat.
     head: usize,
+    /// The sum of the states.
+    total: f32,
+    /// The share of the redistributed belief that each state gets.
+    doubt: f32,
+    /// `passing[REACH + from - to]` is the probability of a change from ring `from` to this ring `to`.
+    passing: [f32; 2 * REACH + 1],
 }
 
 /// Returns the sum of `values`. It is computed as eight partial sums, so that the compiler can vectorize the loop.
@@ -91,30 +97,21 @@ fn sum_of(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
-struct RecentOnsets {
-    /// Number of hops without an onset after which all is forgotten.
-    forget: u32,
-    /// Number of hops since the last onset.
-    since: u32,
-    count: u32,
-}
-
 pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
-    belief: Vec<f32>,
-    /// For each ring: the share of the redistributed belief that each of its states gets.
-    doubt: Vec<f32>,
-    /// `passing[to][REACH + from - to]` is the probability of a change from period `from` to period `to`.
-    passing: Vec<[f32; 2 * REACH + 1]>,
     /// The belief that leaves each ring at the end of a beat, padded with zeros at both ends.
     leaving: Vec<f32>,
-    totals: Vec<f32>,
     /// The number of hops that count as the start of a beat.
     start: usize,
     /// The fluxes of the last hops, the newest first. The oldest [`HELD`] are as late as the odds.
     fluxes: Vec<f32>,
-    onsets: RecentOnsets,
+    /// The number of onsets.
+    onsets: u32,
+    /// The number of hops since the last onset.
+    since: u32,
+    /// The number of hops without an onset after which all is forgotten.
+    forget: u32,
     /// The delay of the odds, in hops.
     late: f32,
     repetition: Repetition,
@@ -126,63 +123,53 @@ impl BeatTracker {
     /// hops after the flux shows them.
     pub(super) fn new(hop_seconds: f64, late: f32, later: usize) -> Self {
         let period = |tempo: f64| (60.0 / tempo / hop_seconds).round() as usize;
-        let mut rings: Vec<Ring> = Vec::new();
-        let mut states = 0;
-        for period in period(TEMPO.0)..=period(TEMPO.1) {
-            rings.push(Ring { start: states, period, head: 0 });
-            states += period;
-        }
-        let likely = rings.iter().map(|ring| {
-            let tempo = 60.0 / (ring.period as f64 * hop_seconds);
+        let periods: Vec<usize> = (period(TEMPO.0)..=period(TEMPO.1)).collect();
+        let likely = periods.iter().map(|period| {
+            let tempo = 60.0 / (*period as f64 * hop_seconds);
             (-0.5 * ((tempo / LIKELY.0).log2() / LIKELY.1).powi(2)).exp()
         });
         let likely: Vec<f64> = likely.collect();
         let sum: f64 = likely.iter().sum();
-        let doubt = rings.iter().zip(&likely).map(|(ring, l)| (l / sum / ring.period as f64) as f32);
         let most = likely.iter().fold(0.0_f64, |most, l| most.max(*l));
-        let again: Vec<f32> = likely.iter().map(|l| (l / most) as f32).collect();
         let weight = |to: usize, from: usize| {
-            let moments = rings[to].period.abs_diff(rings[from].period) as f32;
-            let beyond = (moments - 1.0).max(0.0) / rings[from].period as f32;
+            let moments = periods[to].abs_diff(periods[from]) as f32;
+            let beyond = (moments - 1.0).max(0.0) / periods[from] as f32;
             (-TEMPO_STIFFNESS * beyond - NEIGHBOUR * moments.min(1.0)).exp()
         };
-        let count = rings.len();
+        let count = periods.len();
         let near = |ring: usize| ring.saturating_sub(REACH)..(ring + REACH + 1).min(count);
-        let passing = (0..count).map(|to| {
-            let mut row = [0.0; 2 * REACH + 1];
+        let ring = |to: usize| {
+            let (doubt, again) = ((likely[to] / sum / periods[to] as f64) as f32, (likely[to] / most) as f32);
+            let mut passing = [0.0; 2 * REACH + 1];
             for from in near(to) {
                 let all: f32 = near(from).map(|to| weight(to, from)).sum();
-                row[REACH + from - to] = again[to] * weight(to, from) / all;
+                passing[REACH + from - to] = again * weight(to, from) / all;
             }
-            row
-        });
-        let passing = passing.collect();
-        let mut tracker = Self {
+            Ring { states: vec![doubt; periods[to]], head: 0, total: 0.0, doubt, passing }
+        };
+        let forget = (FORGET_SECONDS / hop_seconds) as u32;
+        Self {
             moments_per_second: (1.0 / hop_seconds) as f32,
-            doubt: doubt.collect(),
-            belief: vec![0.0; states],
-            passing,
+            rings: (0..count).map(ring).collect(),
             leaving: vec![0.0; count + 2 * REACH],
-            totals: vec![0.0; count],
-            rings,
             start: (START_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
             fluxes: vec![0.0; later + HELD],
-            onsets: RecentOnsets { forget: (FORGET_SECONDS / hop_seconds) as u32, since: 0, count: 0 },
+            onsets: 0,
+            since: forget,
+            forget,
             late,
             repetition: Repetition::new(hop_seconds),
             reported: Beat::default(),
-        };
-        tracker.restart();
-        tracker
+        }
     }
 
     pub(super) fn restart(&mut self) {
-        for (ring, doubt) in self.rings.iter_mut().zip(&self.doubt) {
+        for ring in &mut self.rings {
             ring.head = 0;
-            self.belief[ring.start..ring.start + ring.period].fill(*doubt);
+            ring.states.fill(ring.doubt);
         }
         self.fluxes.fill(0.0);
-        (self.onsets.since, self.onsets.count) = (self.onsets.forget, 0);
+        (self.since, self.onsets) = (self.forget, 0);
         self.repetition.restart();
         self.reported = Beat::default();
     }
@@ -190,11 +177,10 @@ impl BeatTracker {
     /// Processes a hop with the log `odds` of a beat. `flux` is relative to the largest recent flux, 0..1. `begins` is
     /// true at the onset of a sound.
     pub(super) fn follow(&mut self, odds: f32, flux: f32, begins: bool) -> Beat {
-        let onsets = &mut self.onsets;
-        onsets.since = if begins { 0 } else { onsets.since.saturating_add(1) };
-        onsets.count = onsets.count.saturating_add(u32::from(begins));
-        if onsets.since >= onsets.forget {
-            if self.reported != Beat::default() || onsets.since == onsets.forget {
+        self.since = if begins { 0 } else { self.since.saturating_add(1) };
+        self.onsets = self.onsets.saturating_add(u32::from(begins));
+        if self.since >= self.forget {
+            if self.reported != Beat::default() || self.since == self.forget {
                 self.restart();
             }
             return Beat::default();
@@ -210,13 +196,12 @@ impl BeatTracker {
 
     fn move_on(&mut self) {
         for (ring, leaving) in self.rings.iter_mut().zip(&mut self.leaving[REACH..]) {
-            ring.head = (ring.head + ring.period - 1) % ring.period;
-            *leaving = self.belief[ring.start + ring.head];
+            ring.head = (ring.head + ring.states.len() - 1) % ring.states.len();
+            *leaving = ring.states[ring.head];
         }
-        let near = self.leaving.windows(2 * REACH + 1);
-        for ((ring, passing), near) in self.rings.iter().zip(&self.passing).zip(near) {
-            let entering = passing.iter().zip(near).map(|(passing, leaving)| passing * leaving).sum();
-            self.belief[ring.start + ring.head] = entering;
+        for (ring, near) in self.rings.iter_mut().zip(self.leaving.windows(2 * REACH + 1)) {
+            let entering = ring.passing.iter().zip(near).map(|(passing, leaving)| passing * leaving).sum();
+            ring.states[ring.head] = entering;
         }
     }
 
@@ -225,50 +210,48 @@ impl BeatTracker {
         let [beat, half] = ONSET_WEIGHTS.map(|weight| onset.powf(weight));
         let beat = beat * (WEIGHT * (odds.clamp(ODDS.0, ODDS.1) - USUAL)).exp();
         let mut sum = 0.0;
-        for (ring, total) in self.rings.iter().zip(&mut self.totals) {
-            let states = &mut self.belief[ring.start..ring.start + ring.period];
-            for (first, likelihood) in [(ring.head, beat), (ring.head + ring.period.div_ceil(2), half)] {
+        for ring in &mut self.rings {
+            let period = ring.states.len();
+            for (first, likelihood) in [(ring.head, beat), (ring.head + period.div_ceil(2), half)] {
                 for place in first..first + self.start {
-                    states[place % ring.period] *= likelihood;
+                    ring.states[place % period] *= likelihood;
                 }
             }
-            *total = sum_of(states);
-            sum += *total;
+            ring.total = sum_of(&ring.states);
+            sum += ring.total;
         }
         let scale = if sum > 0.0 { (1.0 - DOUBT) / sum } else { 0.0 };
-        for ((ring, total), doubt) in self.rings.iter().zip(&mut self.totals).zip(&self.doubt) {
-            let doubt = DOUBT * doubt;
-            for state in &mut self.belief[ring.start..ring.start + ring.period] {
-                *state = *state * scale + doubt;
-            }
-            *total = *total * scale + doubt * ring.period as f32;
+        for ring in &mut self.rings {
+            let doubt = DOUBT * ring.doubt;
+            ring.states.iter_mut().for_each(|state| *state = *state * scale + doubt);
+            ring.total = ring.total * scale + doubt * ring.states.len() as f32;
         }
     }
 
     fn current(&mut self) -> Beat {
         let best = self.chosen();
-        let around = self.around(best);
-        let (mut x, mut y, mut mass, mut moments) = (0.0, 0.0, 0.0, 0.0);
-        for (ring, total) in self.rings[around.clone()].iter().zip(&self.totals[around]) {
-            let step = TAU / ring.period as f32;
+        let [mut x, mut y, mut mass, mut moments] = [0.0_f32; 4];
+        for ring in &self.rings[self.around(best)] {
+            let period = ring.states.len() as f32;
+            let step = TAU / period;
             let (mut sine, mut cosine) = (0.0_f32, 1.0_f32);
             let (step_sine, step_cosine) = step.sin_cos();
-            let states = &self.belief[ring.start..ring.start + ring.period];
-            for state in states[ring.head..].iter().chain(&states[..ring.head]) {
+            let (before, beat) = ring.states.split_at(ring.head);
+            for state in beat.iter().chain(before) {
                 x += state * cosine;
                 y += state * sine;
                 (sine, cosine) =
                     (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
             }
-            mass += total;
-            moments += total * ring.period as f32;
+            mass += ring.total;
+            moments += ring.total * period;
         }
         let sure = x.hypot(y);
         let period = moments / mass.max(f32::MIN_POSITIVE);
         let is_reported = self.reported.tempo > 0.0;
         let enough = if is_reported { REPORTED.1 } else { REPORTED.0 };
         let repeats = is_reported || self.repetition.at(period) >= REPEATED_MIN;
-        if sure < enough || self.onsets.count < ONSETS_MIN || !repeats {
+        if sure < enough || self.onsets < ONSETS_MIN || !repeats {
             self.reported = Beat::default();
             return self.reported;
         }
@@ -293,21 +276,21 @@ impl BeatTracker {
         if self.reported.tempo <= 0.0 {
             return best;
         }
-        let shortest = self.rings.first().map_or(0, |ring| ring.period);
+        let shortest = self.rings.first().map_or(0, |ring| ring.states.len());
         let period = (60.0 * self.moments_per_second / self.reported.tempo).round() as usize;
         let reported = self.likeliest(self.around(period.saturating_sub(shortest).min(self.rings.len() - 1)));
-        let belief = |ring: usize| self.totals[self.around(ring)].iter().sum::<f32>();
+        let belief = |ring: usize| self.rings[self.around(ring)].iter().map(|ring| ring.total).sum::<f32>();
         if belief(best) < INERTIA * belief(reported) { reported } else { best }
     }
 
     /// Returns the rings whose tempo is within a twelfth of the tempo of `ring`.
     fn around(&self, ring: usize) -> Range<usize> {
-        let reach = self.rings.get(ring).map_or(0, |ring| (ring.period / 12).max(1));
+        let reach = self.rings.get(ring).map_or(0, |ring| (ring.states.len() / 12).max(1));
         ring.saturating_sub(reach)..(ring + reach + 1).min(self.rings.len())
     }
 
     fn likeliest(&self, among: Range<usize>) -> usize {
-        let likelier = |a: &usize, b: &usize| self.totals[*a].total_cmp(&self.totals[*b]);
+        let likelier = |a: &usize, b: &usize| self.rings[*a].total.total_cmp(&self.rings[*b].total);
         // `max_by` returns the last of equal rings, so the first is compared last.
         among.rev().max_by(likelier).unwrap_or_default()
     }
