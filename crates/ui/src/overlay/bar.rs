@@ -255,12 +255,12 @@ impl Control {
                     acts.commands.push(*command);
                 }
                 match icon {
-                    Icon::Source => {
+                    Icon::SOURCE => {
                         let bottom = response.rect.center_bottom() - vec2(0.0, LEVEL.y);
                         let level = bar.level.clamp(0.0, 1.0);
                         style::fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), level);
                     }
-                    Icon::Repeat | Icon::RepeatOne => {
+                    Icon::REPEAT | Icon::REPEAT_ONE => {
                         let holds = match bar.now.repeat {
                             Repeat::Off => "repeat is off",
                             Repeat::All => "repeats all tracks",
@@ -289,37 +289,37 @@ fn controls(bar: &Bar<'_>, painter: &Painter) -> [Vec<(u8, Control)>; 2] {
     let button = |icon, command, lamp| Control::Button(icon, Box::new(command), lamp);
     let panel =
         |icon, panel| button(icon, Command::TogglePanel(panel), Lamp::Seen(bar.panels.open == Some(panel)));
-    let pause = if now.paused { Icon::Play } else { Icon::Pause };
-    let sound = if now.muted { Icon::Muted } else { Icon::Volume };
-    let repeat = if now.repeat == Repeat::One { Icon::RepeatOne } else { Icon::Repeat };
+    let pause = if now.paused { Icon::PLAY } else { Icon::PAUSE };
+    let sound = if now.muted { Icon::MUTED } else { Icon::VOLUME };
+    let repeat = if now.repeat == Repeat::One { Icon::REPEAT_ONE } else { Icon::REPEAT };
     let times = style::line(painter, &now.times(), style::SMALL_SIZE, style::DIM, f32::MAX);
     let mut left = vec![
-        (10, button(Icon::Previous, Command::PreviousTrack, Lamp::None)),
+        (10, button(Icon::PREVIOUS, Command::PreviousTrack, Lamp::None)),
         (0, button(pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused))),
-        (3, button(Icon::Next, Command::NextTrack, Lamp::None)),
-        (15, button(Icon::Shuffle, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled))),
+        (3, button(Icon::NEXT, Command::NextTrack, Lamp::None)),
+        (15, button(Icon::SHUFFLE, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled))),
         (16, button(repeat, Command::NextRepeat, Lamp::Seen(now.repeat != Repeat::Off))),
         (8, button(sound, Command::Mute(Switch::Toggle), Lamp::Hidden(now.muted))),
         (9, Control::Volume),
         (4, Control::Times(times)),
     ];
     let mut right = vec![
-        (2, button(Icon::Fullscreen, Command::Fullscreen(Switch::Toggle), Lamp::Hidden(bar.fullscreen))),
-        (1, button(Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.panels.help))),
-        (6, panel(Icon::Settings, Panel::Settings)),
-        (13, button(Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.panels.sliders))),
-        (12, panel(Icon::Text, Panel::Editor)),
-        (5, panel(Icon::Scenes, Panel::Scenes)),
-        (19, button(Icon::Decks, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks))),
-        (18, button(Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows))),
-        (14, panel(Icon::Source, Panel::Sources)),
-        (7, panel(Icon::Tracks, Panel::Tracks)),
-        (11, panel(Icon::Folder, Panel::Files)),
-        (17, panel(Icon::Video, Panel::Video)),
+        (2, button(Icon::FULLSCREEN, Command::Fullscreen(Switch::Toggle), Lamp::Hidden(bar.fullscreen))),
+        (1, button(Icon::KEYS, Command::ToggleHelp, Lamp::Seen(bar.panels.help))),
+        (6, panel(Icon::SETTINGS, Panel::Settings)),
+        (13, button(Icon::SLIDERS, Command::ToggleSliders, Lamp::Seen(bar.panels.sliders))),
+        (12, panel(Icon::TEXT, Panel::Editor)),
+        (5, panel(Icon::SCENES, Panel::Scenes)),
+        (19, button(Icon::DECKS, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks))),
+        (18, button(Icon::SHOW, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows))),
+        (14, panel(Icon::SOURCE, Panel::Sources)),
+        (7, panel(Icon::TRACKS, Panel::Tracks)),
+        (11, panel(Icon::FOLDER, Panel::Files)),
+        (17, panel(Icon::VIDEO, Panel::Video)),
     ];
     if now.live {
-        left.retain(|(_, control)| matches!(control, Control::Button(Icon::Pause | Icon::Play, ..)));
-        right.retain(|(_, control)| !matches!(control, Control::Button(Icon::Tracks, ..)));
+        left.retain(|(_, control)| matches!(control, Control::Button(Icon::PAUSE | Icon::PLAY, ..)));
+        right.retain(|(_, control)| !matches!(control, Control::Button(Icon::TRACKS, ..)));
     }
     [left, right]
 }

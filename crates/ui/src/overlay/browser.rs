@@ -164,7 +164,7 @@ fn draw_tile(
     style::put(painter, left, &tile.name, style::TEXT_SIZE, color, rect.width() - 26.0);
     if tile.favourite || marks.hovered() || response.hovered() {
         let color = if tile.favourite { style::ACCENT } else { style::DIM };
-        icons::draw(painter, Icon::Star, star, 12.0, color);
+        icons::draw(painter, Icon::STAR, star, 12.0, color);
     }
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &tile.name));
     assisted::selected(&marks, egui::Role::CheckBox, tile.favourite, format_args!("mark {}", tile.name));

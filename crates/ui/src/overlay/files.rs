@@ -60,7 +60,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser
     let marks = ui.interact(star, ui.scope_id().with("mark"), Sense::click());
     let is_favourite = files.is_favourite();
     let color = style::lit(is_favourite, marks.hovered(), style::DIM);
-    icons::draw(ui.painter(), Icon::Star, star, 14.0, color);
+    icons::draw(ui.painter(), Icon::STAR, star, 14.0, color);
     let name = "keep this folder among the shortcuts (Ctrl+D)";
     marks.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, is_favourite, name));
     if marks.clicked() {
@@ -69,7 +69,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(On<FileBrowser
     let up = Rect::from_min_size(place.min - vec2(0.0, 2.0), vec2(ROW, ROW));
     let rises = ui.interact(up, ui.scope_id().with("up"), Sense::click());
     let color = if rises.hovered() { style::TEXT } else { style::ACCENT };
-    icons::draw(ui.painter(), Icon::Up, up, 14.0, color);
+    icons::draw(ui.painter(), Icon::UP, up, 14.0, color);
     rises.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "the folder above (Backspace)"));
     if rises.clicked() {
         ask(on(FileBrowser::enter_parent));
@@ -201,9 +201,9 @@ fn row(
         }
     };
     if has_adding {
-        part(&adds, Icon::Plus, format!("add {} to the tracks", entry.name), open(true));
+        part(&adds, Icon::PLUS, format!("add {} to the tracks", entry.name), open(true));
         let play = Box::new(move |files: &mut FileBrowser| files.play(place));
-        part(&plays, Icon::Play, format!("play {}", entry.name), play);
+        part(&plays, Icon::PLAY, format!("play {}", entry.name), play);
         adds.on_hover_text("add to the tracks (Shift+Enter)");
         plays.on_hover_text("play");
     }
@@ -217,10 +217,10 @@ fn draw_entry(painter: &Painter, rect: Rect, entry: &FileEntry, tags: Option<&Tr
         (false, _) => style::TEXT,
     };
     let icon = match entry.kind {
-        FileKind::Folder => Some(Icon::Folder),
-        FileKind::List => Some(Icon::Tracks),
-        FileKind::Scene => Some(Icon::Scenes),
-        FileKind::Music => Some(Icon::Note),
+        FileKind::Folder => Some(Icon::FOLDER),
+        FileKind::List => Some(Icon::TRACKS),
+        FileKind::Scene => Some(Icon::SCENES),
+        FileKind::Music => Some(Icon::NOTE),
         FileKind::Other => None,
     };
     if let Some(icon) = icon {

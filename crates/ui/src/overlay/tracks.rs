@@ -126,7 +126,7 @@ fn row(ui: &mut Ui, width: f32, panel: &TrackPanel, at: usize, acts: &mut Acts) 
     if over || is_selected {
         painter.rect_filled(place, 4.0, style::RAIL);
         let color = if crossed.hovered() { style::TEXT } else { style::DIM };
-        icons::draw(&painter, Icon::Cross, cross, 11.0, color);
+        icons::draw(&painter, Icon::CROSS, cross, 11.0, color);
     }
     let words = Words::of(panel, index);
     words.draw(&painter, place, cross.left(), index == panel.present);
@@ -212,7 +212,7 @@ impl Words {
         let indent = 10.0 + 7.5 * self.digits as f32;
         if is_present {
             let sign = Rect::from_min_size(place.min, vec2(indent, ROW));
-            icons::draw(painter, Icon::Play, sign, 10.0, style::ACCENT);
+            icons::draw(painter, Icon::PLAY, sign, 10.0, style::ACCENT);
         } else {
             put(&self.number, place.left() + 2.0, indent, style::SMALL_SIZE, style::DIM);
         }
