@@ -70,7 +70,7 @@ pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, acts: &
         if let Some(changed) = settings(ui, slider, &bound.binding) {
             acts.commands.push(bind(Some(changed)));
         }
-        match chips::row(ui, "acts", &chips_of(slider, bound)) {
+        match chips::row(ui, "acts", chips_of(slider, bound)) {
             Some(0) if bound.is_active => {
                 acts.commands.push(bind(None));
                 *open = OpenBinding::default();
@@ -172,11 +172,8 @@ fn inputs(ui: &mut Ui, name: &str, chosen: Option<&str>, open: &mut OpenBinding)
         let name_of_chip = format!("bind {name} to {label}");
         Chip::new(label, name_of_chip, chosen == Some(&*input.name()))
     };
-    let mut chips: Vec<Chip<'_>> = listed.iter().map(chip).collect();
-    if !open.lists_all {
-        chips.push(Chip::new("more…", format!("more sounds for {name}"), false));
-    }
-    let place = chips::row(ui, "sounds", &chips);
+    let more = (!open.lists_all).then(|| Chip::new("more…", format!("more sounds for {name}"), false));
+    let place = chips::row(ui, "sounds", listed.iter().map(chip).chain(more));
     let input = place.and_then(|place| listed.get(place).copied());
     open.lists_all |= place.is_some() && input.is_none();
     input.or_else(|| waves(ui, name, chosen.and_then(UnitInput::named)))

@@ -69,8 +69,7 @@ fn filters(ui: &mut Ui, browser: &SceneBrowser, acts: &mut Acts) {
         };
         Chip::new(*name, format!("{kind}: {name}"), filters.is_on(*filter))
     });
-    let chips: Vec<Chip<'_>> = chips.collect();
-    let clicked = chips::row(ui, "filters", &chips).and_then(|at| all.get(at));
+    let clicked = chips::row(ui, "filters", chips).and_then(|at| all.get(at));
     if let Some((_, filter)) = clicked.copied() {
         let act = on(move |scenes: &mut SceneBrowser| scenes.filter(filter));
         acts.on_panels.push(PanelAct::Scenes(act));

@@ -34,13 +34,13 @@ impl<'a> Chip<'a> {
 }
 
 /// Draws a row of chips. Returns the index of the clicked chip.
-pub(super) fn row(ui: &mut Ui, id: &str, chips: &[Chip<'_>]) -> Option<usize> {
+pub(super) fn row<'a>(ui: &mut Ui, id: &str, chips: impl IntoIterator<Item = Chip<'a>>) -> Option<usize> {
     let mut clicked = None;
     ui.push_id(id, |ui| {
         ui.spacing_mut().item_spacing = vec2(GAP, GAP);
         ui.horizontal_wrapped(|ui| {
-            for (place, chip) in chips.iter().enumerate() {
-                if single(ui, chip, ui.max_rect().width(), None) {
+            for (place, chip) in chips.into_iter().enumerate() {
+                if single(ui, &chip, ui.max_rect().width(), None) {
                     clicked = Some(place);
                 }
             }
@@ -56,8 +56,7 @@ pub(super) fn choose<'a, T: Copy>(
     values: &[T],
     chip: impl Fn(T) -> Chip<'a>,
 ) -> Option<T> {
-    let chips: Vec<Chip<'_>> = values.iter().copied().map(chip).collect();
-    row(ui, id, &chips).and_then(|place| values.get(place)).copied()
+    row(ui, id, values.iter().copied().map(chip)).and_then(|place| values.get(place)).copied()
 }
 
 /// Draws a chip of at most `width` points. `id` keeps the focus with it if chips before it come and go. Returns true if it

@@ -52,7 +52,7 @@ fn buttons(ui: &mut Ui, sheet: &CueSheet, acts: &mut Acts) {
         Chip::new("back", "back to the entry before".to_owned(), false),
         Chip::new("next", "next entry".to_owned(), false),
     ];
-    match chips::row(ui, "steps", &chips) {
+    match chips::row(ui, "steps", chips) {
         Some(0) => acts.commands.push(Command::PreviousCue),
         Some(_) => acts.commands.push(Command::CueAt(next(sheet) + 1)),
         None => {}

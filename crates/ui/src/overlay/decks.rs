@@ -74,7 +74,7 @@ fn ways(ui: &mut Ui, strip: &DeckStrip, acts: &mut Acts) {
     chips.push(Chip::new("cross over", "move the crossfader to the other deck".to_owned(), false));
     chips.push(Chip::new("swap", "swap the decks at once".to_owned(), false));
     chips.push(Chip::new("one scene", "return to one scene".to_owned(), false));
-    let Some(clicked) = chips::row(ui, "ways to mix", &chips) else { return };
+    let Some(clicked) = chips::row(ui, "ways to mix", chips) else { return };
     let command = match clicked.checked_sub(strip.mixes.len()) {
         None => Command::MixDecks(clicked + 1),
         Some(0) => Command::CrossOver,

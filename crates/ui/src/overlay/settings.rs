@@ -175,8 +175,7 @@ fn draw_row(
                     let name_of = format!("{}: {name}", row.name);
                     Chip { role: Some(egui::Role::RadioButton), ..Chip::new(*name, name_of, at == *chosen) }
                 };
-                let chips: Vec<Chip<'_>> = options.iter().enumerate().map(chip).collect();
-                return chips::row(ui, "values", &chips).map(pick);
+                return chips::row(ui, "values", options.iter().enumerate().map(chip)).map(pick);
             }
             let (number, settled) = draw_number(ui, row, held)?;
             Some(Box::new(move |panel| Vec::from_iter(panel.change_number(place, number, settled))))

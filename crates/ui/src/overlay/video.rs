@@ -71,15 +71,11 @@ fn draw_choice(
         style::put(ui.painter(), left, name, style::TEXT_SIZE, color, NAME - INDENT);
     };
     let drawn = words::named_row(ui, vec2(NAME, LINE), selected.is_some(), put_name, |ui| {
-        let chips: Vec<Chip<'_>> = options
-            .iter()
-            .enumerate()
-            .map(|(index, option)| {
-                let is_lit = *chosen == Some(index) || selected == Some(Some(index));
-                Chip::new(&option.text, format!("{name}: {}", option.text), is_lit)
-            })
-            .collect();
-        if let Some(option) = chips::row(ui, name, &chips) {
+        let chips = options.iter().enumerate().map(|(index, option)| {
+            let is_lit = *chosen == Some(index) || selected == Some(Some(index));
+            Chip::new(&option.text, format!("{name}: {}", option.text), is_lit)
+        });
+        if let Some(option) = chips::row(ui, name, chips) {
             ask(choose(*what, option));
         }
     });
@@ -113,14 +109,10 @@ fn draw_job(
         ui.add_space(3.0);
         ui.horizontal(|ui| {
             ui.add_space(INDENT);
-            let chips: Vec<Chip<'_>> = actions
-                .iter()
-                .enumerate()
-                .map(|(index, (_, words))| {
-                    Chip::new(*words, format!("{words}, {name}"), selected == Some(Some(index)))
-                })
-                .collect();
-            if let Some((action, _)) = chips::row(ui, "actions", &chips).and_then(|at| actions.get(at)) {
+            let chips = actions.iter().enumerate().map(|(index, (_, words))| {
+                Chip::new(*words, format!("{words}, {name}"), selected == Some(Some(index)))
+            });
+            if let Some((action, _)) = chips::row(ui, "actions", chips).and_then(|at| actions.get(at)) {
                 ask(job(*id, *action));
             }
         });
@@ -189,7 +181,7 @@ impl Foot {
             let is_selected = matches!(panel.rows.get(panel.selected), Some(VideoRow::Make { .. }));
             let chip =
                 Chip { is_dim: !is_ready, ..Chip::new(MAKE, MAKE.to_owned(), is_selected && *is_ready) };
-            if chips::row(ui, MAKE, &[chip]).is_some() && *is_ready {
+            if chips::row(ui, MAKE, [chip]).is_some() && *is_ready {
                 ask(Command::Video(VideoEdit::Make));
             }
         });
