@@ -270,7 +270,7 @@ impl Editor {
                 let words = self.picture.toggle_light();
                 self.show_notice(words);
             }
-            EditAction::Profile => self.picture.toggle_profile(),
+            EditAction::Profile => self.picture.profiles = !self.picture.profiles,
             EditAction::Leave => self.leave(),
         }
     }
@@ -279,7 +279,7 @@ impl Editor {
         let small = self.held_numbers.close_picker(&mut self.texts)
             || self.close_probed()
             || self.finding.line.is_some()
-            || self.picture.close_profile();
+            || std::mem::take(&mut self.picture.profiles);
         self.close_small();
         self.notice.clear();
         if !small {

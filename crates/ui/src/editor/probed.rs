@@ -19,8 +19,9 @@ pub(crate) struct ProbedPicture {
     camera: Option<Camera>,
     pub(crate) probed: Option<Probed>,
     /// True while parts drawn by the lines at the cursor are highlighted.
-    lights: bool,
-    profiles: bool,
+    pub(crate) lights: bool,
+    /// True while the cost of each object is shown.
+    pub(crate) profiles: bool,
     pub(crate) ray_statistics: Option<Arc<RayStatistics>>,
 }
 
@@ -41,28 +42,9 @@ impl ProbedPicture {
 
     pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
-        self.forget_ray_statistics_if_unused();
         match self.lights {
             true => "highlighting what the line at the cursor draws",
             false => "highlighting off",
-        }
-    }
-
-    pub(super) fn toggle_profile(&mut self) {
-        self.profiles = !self.profiles;
-        self.forget_ray_statistics_if_unused();
-    }
-
-    pub(super) fn close_profile(&mut self) -> bool {
-        let is_open = self.profiles;
-        self.profiles = false;
-        self.forget_ray_statistics_if_unused();
-        is_open
-    }
-
-    fn forget_ray_statistics_if_unused(&mut self) {
-        if !self.wants_ray_statistics() {
-            self.ray_statistics = None;
         }
     }
 
@@ -104,10 +86,6 @@ impl ProbedPicture {
 
     pub(crate) fn view(&self) -> Option<(&Map, &Camera)> {
         self.map.as_ref().zip(self.camera.as_ref())
-    }
-
-    pub(crate) fn switches(&self) -> (bool, bool) {
-        (self.lights, self.profiles)
     }
 
     /// The objects by descending cost, and the ray statistics, which also contain the sky.

@@ -81,11 +81,10 @@ fn header(ui: &mut Ui, space: Rect, editor: &Editor, document: &Document, acts: 
         _ => None,
     };
     let save = save.map(|words| (words, EditAction::Save, None));
-    let (lights, profiles) = editor.picture.switches();
     let others = [
         ("new", EditAction::New, None),
-        ("profile", EditAction::Profile, Some(profiles)),
-        ("highlight", EditAction::Light, Some(lights)),
+        ("profile", EditAction::Profile, Some(editor.picture.profiles)),
+        ("highlight", EditAction::Light, Some(editor.picture.lights)),
     ];
     let buttons = UiBuilder::new().max_rect(line.with_max_x(cross.left() - 6.0));
     let mut buttons = ui.new_child(buttons.layout(Layout::right_to_left(Align::Center)));

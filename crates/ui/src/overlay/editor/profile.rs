@@ -32,7 +32,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
 
 /// Draws the table at the bottom of `space`. Returns the table's top edge.
 pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, acts: &mut Acts) -> f32 {
-    if !editor.picture.switches().1 {
+    if !editor.picture.profiles {
         return space.bottom();
     }
     let mut rows = rows(editor);
