@@ -1,11 +1,9 @@
 //! Draws the visible lines of the text: line numbers, colours, selection, mistakes, cursor, and grips on numbers.
 
-use std::sync::Arc;
-
 use egui::output::IMEOutput;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Color32, CursorIcon, FontId, Galley, IMEPurpose, Id, Painter, Pos2, Rect, Response, Sense, Stroke,
+    Color32, CursorIcon, FontId, IMEPurpose, Id, Painter, PointerState, Pos2, Rect, Response, Sense, Stroke,
     StrokeKind, Ui, Vec2, pos2, vec2,
 };
 use mariana_editing::{TripleKind, TurnSpeed, cells};
@@ -173,33 +171,25 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
             break;
         }
         if row_starts.next_if(|start| *start <= cell.column).is_some() {
-            run.flush(painter, page, line, font);
+            run.flush(painter, page, line);
         }
         while words.next_if(|word| word.end <= cell.start).is_some() {}
         let word = words.peek().filter(|word| word.start <= cell.start);
         let color = word.map_or(style::TEXT, |word| color_of(word.kind));
         let bytes = text.get(cell.start..cell.end).unwrap_or_default();
-        match bytes {
-            b"\t" => {}
-            [byte @ b' '..=b'~'] => {
-                if !run.ends_at(cell.column) {
-                    run.flush(painter, page, line, font);
-                    run.column = cell.column;
-                }
-                run.push(char::from(*byte), color);
-            }
-            _ => {
-                run.flush(painter, page, line, font);
-                let (shown, color) = match std::str::from_utf8(bytes) {
-                    Ok(shown) if cell.is_text && !shown.contains(char::is_control) => (shown, color),
-                    _ => ("\u{fffd}", style::ERROR),
-                };
-                let galley = painter.layout_no_wrap(shown.to_owned(), font.clone(), color);
-                painter.galley(page.at(line, cell.column), galley, color);
-            }
+        let (shown, color) = match std::str::from_utf8(bytes) {
+            Ok("\t") => continue,
+            Ok(shown) if cell.is_text && !shown.contains(char::is_control) => (shown, color),
+            _ => ("\u{fffd}", style::ERROR),
+        };
+        // A letter beyond ASCII has more bytes than columns, so the next letter begins another run.
+        if !shown.is_ascii() || cell.column != run.column + run.job.text.len() {
+            run.flush(painter, page, line);
+            run.column = cell.column;
         }
+        run.job.append(shown, 0.0, TextFormat::simple(font.clone(), color));
     }
-    run.flush(painter, page, line, font);
+    run.flush(painter, page, line);
 }
 
 fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
@@ -213,43 +203,20 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
     }
 }
 
+/// Letters side by side, and the column of the first one.
 #[derive(Default)]
 struct TextRun {
     column: usize,
-    text: String,
-    colors: Vec<(usize, Color32)>,
+    job: LayoutJob,
 }
 
 impl TextRun {
-    fn ends_at(&self, column: usize) -> bool {
-        column == self.column + self.text.len()
-    }
-
-    fn push(&mut self, letter: char, color: Color32) {
-        if self.colors.last().is_none_or(|(_, last)| *last != color) {
-            self.colors.push((self.text.len(), color));
+    fn flush(&mut self, painter: &Painter, page: &Page, line: usize) {
+        let Self { column, job } = std::mem::take(self);
+        if !job.text.trim().is_empty() {
+            painter.galley(page.at(line, column), painter.layout_job(job), style::TEXT);
         }
-        self.text.push(letter);
     }
-
-    fn flush(&mut self, painter: &Painter, page: &Page, line: usize, font: &FontId) {
-        let Self { column, text, colors } = std::mem::take(self);
-        if text.trim().is_empty() {
-            return;
-        }
-        let galley = laid_out(painter, &text, &colors, font);
-        painter.galley(page.at(line, column), galley, style::TEXT);
-    }
-}
-
-fn laid_out(painter: &Painter, text: &str, colors: &[(usize, Color32)], font: &FontId) -> Arc<Galley> {
-    let mut job = LayoutJob::default();
-    let ends = colors.iter().skip(1).map(|(start, _)| *start).chain([text.len()]);
-    for ((start, color), end) in colors.iter().zip(ends) {
-        let part = text.get(*start..end).unwrap_or_default();
-        job.append(part, 0.0, TextFormat::simple(font.clone(), *color));
-    }
-    painter.layout_job(job)
 }
 
 fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Document) {
@@ -325,17 +292,9 @@ fn point(
     acts: &mut Acts,
 ) {
     let buffer = document.editing.buffer();
-    let (modifiers, pressed, down, moved, scrolled) = ui.input(|input| {
-        let pointer = &input.pointer;
-        let moved = pointer.delta().x;
-        (
-            input.modifiers,
-            pointer.primary_pressed(),
-            pointer.primary_down(),
-            moved,
-            input.smooth_scroll_delta(),
-        )
-    });
+    let (modifiers, pointer, scrolled) =
+        ui.input(|input| (input.modifiers, input.pointer.clone(), input.smooth_scroll_delta()));
+    let (pressed, down) = (pointer.primary_pressed(), pointer.primary_down());
     if editor.held_numbers.turns_three() {
         // The user is changing the numbers with the picker or the cross, so the text ignores the pointer.
         if !down {
@@ -351,6 +310,7 @@ fn point(
         };
         draw_grip(painter, grip_of(page.rect_of(buffer, &turned)), true);
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+        let moved = pointer.delta().x;
         if !down {
             acts.on_editor(Editor::let_go);
         } else if moved != 0.0 {
@@ -387,7 +347,7 @@ fn point(
         acts.on_editor(move |editor| editor.press(offset, 3, false));
     } else if response.double_clicked() {
         acts.on_editor(move |editor| editor.press(offset, 2, false));
-    } else if response.dragged() && down && moved_enough(ui) {
+    } else if response.dragged() && down && has_moved(&pointer) {
         acts.on_editor(move |editor| editor.drag_to(offset));
     } else if grips.is_none() {
         hover_help(response, document, page, offset, at);
@@ -395,11 +355,9 @@ fn point(
 }
 
 /// True if the pointer has moved since the press. A small movement during a click must not select text.
-fn moved_enough(ui: &Ui) -> bool {
-    ui.input(|input| {
-        let way = input.pointer.press_origin().zip(input.pointer.latest_pos());
-        way.is_some_and(|(from, to)| from.distance(to) > 3.0)
-    })
+fn has_moved(pointer: &PointerState) -> bool {
+    let way = pointer.press_origin().zip(pointer.latest_pos());
+    way.is_some_and(|(from, to)| from.distance(to) > 3.0)
 }
 
 fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
