@@ -18,7 +18,7 @@ use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Message, Typing, WindowMessage, inbox};
 use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
-use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
+use crate::shell::wallpaper::{FPS, Layers, Wall, Wallpaper, is_wayland, of_screen_saver};
 use crate::shell::window::{Ground, OpenWindow, WindowOptions};
 use crate::shell::window_screen::WindowScreen;
 use crate::shell::window_thread;
@@ -72,9 +72,10 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
         let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
+        let wall = output_surfaces.clone().map(Wall::new);
         let wallpaper = settings.wallpaper.then(|| Wallpaper::start(output_surfaces, &of_show));
         let handle = window.handle();
-        let screen = Box::new(WindowScreen::new(window, inbox, of_window, output, wallpaper)?);
+        let screen = Box::new(WindowScreen::new(window, inbox, of_window, output, wallpaper, wall)?);
         #[cfg(windows)]
         crate::shell::console::close_if_own();
         let wake = of_show.waking();

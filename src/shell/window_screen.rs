@@ -19,13 +19,15 @@ use crate::shell::monitors::Rect as PlaceOnDesktop;
 use crate::shell::output::Output;
 use crate::shell::shared_window::SharedWindow;
 use crate::shell::translate::input_of;
-use crate::shell::wallpaper::{Wallpaper, filling};
+use crate::shell::wallpaper::{Wall, Wallpaper, filling};
 use crate::shell::window::{GlWindowContext, OpenWindow};
 use crate::ui::desk_picture::AROUND;
 
 pub(crate) struct WindowScreen {
     output: Output,
     wallpaper: Option<Wallpaper>,
+    /// The surfaces of a wallpaper on Wayland, which show the frame instead of the window.
+    wall: Option<Wall>,
     placed_at: Option<PlaceOnDesktop>,
     /// True if the window is completely covered.
     occluded: bool,
@@ -40,18 +42,20 @@ pub(crate) struct WindowScreen {
 }
 
 impl WindowScreen {
-    /// Creates a context for a window. Frames also appear on `output`, or only on the `wallpaper`.
+    /// Creates a context for a window. Frames also appear on `output`, or only on the `wall` of a `wallpaper`.
     pub(crate) fn new(
         window: OpenWindow,
         inbox: Receiver<Message>,
         typing: Typing,
         output: Output,
         wallpaper: Option<Wallpaper>,
+        wall: Option<Wall>,
     ) -> Result<Self, SessionError> {
         Ok(Self {
             window: window.bind()?,
             output,
             wallpaper,
+            wall,
             placed_at: None,
             occluded: false,
             inbox,
@@ -80,10 +84,6 @@ impl WindowScreen {
             self.output.request(None);
         }
         self.window.request_redraw();
-    }
-
-    fn hides_window(&self) -> bool {
-        self.wallpaper.as_ref().is_some_and(Wallpaper::hides_window)
     }
 }
 
@@ -132,8 +132,8 @@ impl Screen for WindowScreen {
 
     fn renew(mut self: Box<Self>) -> Result<Box<dyn Screen>, SessionError> {
         self.output.close(&self.window);
-        if let Some(wallpaper) = &mut self.wallpaper {
-            wallpaper.let_go();
+        if let Some(wall) = &mut self.wall {
+            wall.let_go();
         }
         let Self { window, .. } = *self;
         let window = window.let_go().bind()?;
@@ -154,8 +154,9 @@ impl Screen for WindowScreen {
 
     fn picture_size(&self) -> Option<(u32, u32)> {
         let of_wallpaper = self.wallpaper.as_ref().and_then(Wallpaper::screen);
-        let of_window = self.window.size().filter(|_| !self.hides_window());
-        self.output.size().or(of_wallpaper).or(of_window)
+        let of_wall = self.wall.as_ref().and_then(Wall::screen);
+        let of_window = self.window.size().filter(|_| self.wall.is_none());
+        self.output.size().or(of_wall).or(of_wallpaper).or(of_window)
     }
 
     fn place(&self) -> Option<(i32, i32)> {
@@ -212,20 +213,21 @@ impl Screen for WindowScreen {
     }
 
     fn is_seen(&self) -> bool {
-        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
+        let is_paused = self.wallpaper.as_ref().is_some_and(Wallpaper::is_paused);
+        let rests = self.wall.as_ref().map_or(is_paused, |wall| wall.rests(is_paused));
         !(self.occluded || rests) || self.output.size().is_some()
     }
 
     fn shows_words(&self) -> bool {
-        self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words)
+        self.wall.as_ref().is_none_or(Wall::shows_words)
     }
 
     fn is_awaited(&self) -> bool {
-        !self.hides_window()
+        self.wall.is_none()
     }
 
     fn is_stale(&self) -> bool {
-        self.output.is_stale() || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
+        self.output.is_stale() || self.wall.as_ref().is_some_and(Wall::is_due)
     }
 
     fn show(
@@ -237,36 +239,32 @@ impl Screen for WindowScreen {
         paint: Paint<'_>,
     ) -> Result<Duration, SessionError> {
         let begun = Instant::now();
-        let Self { window, wallpaper, .. } = self;
+        let Self { window, wallpaper, wall, .. } = self;
+        if let Some(wall) = wall {
+            let mut paint = Some(paint);
+            wall.show(window, is_new, |pixels, has_words| {
+                if lay.screen == pixels {
+                    lay.show(renderer, pixels, WHOLE)?;
+                } else {
+                    lay.show_panel(renderer, pixels, filling(lay.screen, pixels, WHOLE))?;
+                }
+                match paint.take_if(|_| has_words) {
+                    Some(paint) => paint(pixels),
+                    None => Ok(()),
+                }
+            })?;
+            return Ok(begun.elapsed());
+        }
         let size = window.size().unwrap_or_default();
-        match wallpaper {
-            Some(wallpaper) if wallpaper.hides_window() => {
-                let mut paint = Some(paint);
-                wallpaper.show(window, is_new, |pixels, has_words| {
-                    if lay.screen == pixels {
-                        lay.show(renderer, pixels, WHOLE)?;
-                    } else {
-                        lay.show_panel(renderer, pixels, filling(lay.screen, pixels, WHOLE))?;
-                    }
-                    match paint.take_if(|_| has_words) {
-                        Some(paint) => paint(pixels),
-                        None => Ok(()),
-                    }
-                })?;
-                return Ok(begun.elapsed());
-            }
-            Some(wallpaper) if !wallpaper.panels(lay.screen).is_empty() => {
-                for panel in wallpaper.panels(lay.screen) {
-                    lay.show_panel(renderer, size, panel)?;
-                }
-            }
-            _ => match small {
-                Some(area) => {
-                    window.gl().clear_window(size, AROUND)?;
-                    lay.show_small(renderer, size, area)?;
-                }
-                None => lay.show(renderer, size, lay.area_in(size))?,
-            },
+        let panels = wallpaper.as_ref().map(|wallpaper| wallpaper.panels(lay.screen)).unwrap_or_default();
+        if let Some(area) = small.filter(|_| panels.is_empty()) {
+            window.gl().clear_window(size, AROUND)?;
+            lay.show_small(renderer, size, area)?;
+        } else if panels.is_empty() {
+            lay.show(renderer, size, lay.area_in(size))?;
+        }
+        for panel in panels {
+            lay.show_panel(renderer, size, panel)?;
         }
         paint(size)?;
         let painting = begun.elapsed();
@@ -275,7 +273,7 @@ impl Screen for WindowScreen {
     }
 
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError> {
-        let Some(size) = self.window.size().filter(|_| !self.hides_window()) else { return Ok(()) };
+        let Some(size) = self.window.size().filter(|_| self.wall.is_none()) else { return Ok(()) };
         self.window.gl().clear_window(size, [0.0; 3])?;
         paint(size)?;
         self.window.swap()
@@ -293,8 +291,8 @@ impl Screen for WindowScreen {
     }
 
     fn update(&mut self) -> Vec<String> {
-        if let Some(wallpaper) = &mut self.wallpaper {
-            wallpaper.update(&self.window);
+        if let Some(wall) = &mut self.wall {
+            wall.update(&self.window);
         }
         if let Some(place) = self.wallpaper.as_ref().and_then(Wallpaper::place)
             && self.placed_at != Some(place)

@@ -17,20 +17,17 @@ mod windows;
 
 pub(crate) use layers::{Layers, OutputSurfaces, is_wayland};
 use rest::WallpaperPause;
-use wall::Wall;
+pub(crate) use wall::Wall;
 
 use crate::placement::Area;
+use crate::session::Waker;
 use crate::session::lay::Panel;
-use crate::session::{SessionError, Waker};
 use crate::shell::monitors::{Monitor, MonitorWatch, Rect, around};
-use crate::shell::window::GlWindowContext;
 
 /// Default frame cap, in frames per second.
 pub(crate) const FPS: f64 = 30.0;
 
 pub(crate) struct Wallpaper {
-    /// The surfaces on Wayland; `None` for a window on X11.
-    wall: Option<Wall>,
     /// Unknown on Wayland.
     monitors: MonitorWatch,
     rest: WallpaperPause,
@@ -44,70 +41,22 @@ impl Wallpaper {
         if output_surfaces.is_none() {
             monitors.begin(waker.waking());
         }
-        Self { wall: output_surfaces.map(Wall::new), monitors, rest }
+        Self { monitors, rest }
     }
 
-    pub(crate) fn update(&mut self, window: &GlWindowContext) {
-        if let Some(wall) = &mut self.wall {
-            wall.update(window);
-        }
-    }
-
-    /// Drops everything that belongs to the OpenGL context.
-    pub(crate) fn let_go(&mut self) {
-        if let Some(wall) = &mut self.wall {
-            wall.let_go();
-        }
-    }
-
-    /// Draws the stale Wayland surfaces, or all if `is_new`. `draw` gets the size in pixels, and true if the surface
-    /// shows text.
-    pub(crate) fn show(
-        &mut self,
-        window: &GlWindowContext,
-        is_new: bool,
-        draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
-    ) -> Result<(), SessionError> {
-        let Some(wall) = &mut self.wall else { return Ok(()) };
-        if is_new {
-            wall.redraw();
-        }
-        wall.show(window, draw)
-    }
-
-    /// True if the window is invisible, and surfaces show the frame.
-    pub(crate) fn hides_window(&self) -> bool {
-        self.wall.is_some()
-    }
-
-    /// True if a visible surface is stale.
-    pub(crate) fn is_due(&self) -> bool {
-        self.wall.as_ref().is_some_and(Wall::is_due)
-    }
-
-    /// True if the wallpaper is paused: covered, or on battery. A surface without a frame is drawn first.
-    pub(crate) fn rests(&self) -> bool {
-        let is_on = self.rest.is_on();
-        self.wall.as_ref().map_or(is_on, |wall| !wall.has_blank() && (is_on || !wall.is_ready()))
-    }
-
-    pub(crate) fn shows_words(&self) -> bool {
-        self.wall.as_ref().is_none_or(Wall::shows_words)
+    /// True if the wallpaper is paused: covered, or on battery.
+    pub(crate) fn is_paused(&self) -> bool {
+        self.rest.is_on()
     }
 
     pub(crate) fn place(&self) -> Option<Rect> {
         around(&self.monitors.known()?)
     }
 
-    /// Returns the size of the frame, which is the size of the largest monitor.
+    /// Returns the size of the largest monitor.
     pub(crate) fn screen(&self) -> Option<(u32, u32)> {
-        let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
-        match &self.wall {
-            Some(wall) => wall.screen(),
-            None => {
-                self.monitors.known()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
-            }
-        }
+        let pixels = |size: &(u32, u32)| u64::from(size.0) * u64::from(size.1);
+        self.monitors.known()?.iter().map(|monitor| monitor.size).max_by_key(pixels)
     }
 
     /// Returns the part of a frame of `shape` pixels that each monitor shows.

@@ -42,11 +42,11 @@ impl Hung {
 }
 
 impl Wall {
-    pub(super) fn new(output_surfaces: OutputSurfaces) -> Self {
+    pub(crate) fn new(output_surfaces: OutputSurfaces) -> Self {
         Self { output_surfaces, hung: Vec::new() }
     }
 
-    pub(super) fn update(&mut self, window: &GlWindowContext) {
+    pub(crate) fn update(&mut self, window: &GlWindowContext) {
         let present = self.output_surfaces.present();
         self.hung.retain(|hung| {
             let stays =
@@ -78,43 +78,43 @@ impl Wall {
         }
     }
 
-    pub(super) fn let_go(&mut self) {
+    /// Drops everything that belongs to the OpenGL context.
+    pub(crate) fn let_go(&mut self) {
         self.hung.clear();
     }
 
-    pub(super) fn screen(&self) -> Option<(u32, u32)> {
+    /// Returns the size of the frame, which is the size of the largest surface.
+    pub(crate) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: &(u32, u32)| u64::from(size.0) * u64::from(size.1);
         self.hung.iter().map(|hung| hung.extent.pixels).max_by_key(pixels)
     }
 
-    pub(super) fn is_due(&self) -> bool {
+    /// True if a visible surface is stale.
+    pub(crate) fn is_due(&self) -> bool {
         self.hung.iter().any(|hung| hung.is_stale && hung.is_ready())
     }
 
-    pub(super) fn has_blank(&self) -> bool {
-        self.hung.iter().any(|hung| hung.is_blank && hung.is_ready())
-    }
-
-    pub(super) fn is_ready(&self) -> bool {
-        self.hung.iter().any(Hung::is_ready)
+    /// True if no surface wants a frame, or if the wallpaper `is_paused`. A surface without a frame is drawn first.
+    pub(crate) fn rests(&self, is_paused: bool) -> bool {
+        let has_blank = self.hung.iter().any(|hung| hung.is_blank && hung.is_ready());
+        !has_blank && (is_paused || !self.hung.iter().any(Hung::is_ready))
     }
 
     /// True if the compositor wants a frame on the first surface, which also shows text.
-    pub(super) fn shows_words(&self) -> bool {
+    pub(crate) fn shows_words(&self) -> bool {
         self.hung.first().is_some_and(Hung::is_ready)
     }
 
-    pub(super) fn redraw(&mut self) {
-        self.hung.iter_mut().for_each(|hung| hung.is_stale = true);
-    }
-
-    /// Draws stale surfaces that want a frame: `draw` gets the size in pixels, and true if the surface shows text.
-    pub(super) fn show(
+    /// Draws the stale surfaces that want a frame, or all of them if `is_new`. `draw` gets the size in pixels, and true
+    /// if the surface shows text.
+    pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,
+        is_new: bool,
         mut draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
     ) -> Result<(), SessionError> {
         for (place, hung) in self.hung.iter_mut().enumerate() {
+            hung.is_stale |= is_new;
             let is_due = hung.is_stale && hung.is_ready();
             let Some(surface) = hung.surface.as_ref().filter(|_| is_due) else { continue };
             window.draw_on(surface, || draw(hung.extent.pixels, place == 0))?;
