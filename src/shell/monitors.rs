@@ -1,7 +1,7 @@
 //! The desktop's monitors: names, positions, sizes, and their changes. On X11 a thread polls them, because window
 //! managers and drivers do not report all changes. X11's monitors (RandR 1.5) may be parts of a screen.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use mariana_work::{Latest, Shared, looping};
 
 pub use crate::monitor::Monitor;
 pub(crate) use crate::monitor::{named, names};
@@ -20,37 +20,38 @@ pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     Some(((left, top), (length(left, right), length(top, bottom))))
 }
 
+/// All monitors from left to right; `None` while they are unknown.
+type Known = Option<Vec<Monitor>>;
+
+/// The known monitors, and the thread that polls them; `None` at first.
 #[derive(Default)]
-pub(crate) struct MonitorWatch {
-    known: Arc<Mutex<Option<Vec<Monitor>>>>,
-    begun: bool,
-}
+pub(crate) struct MonitorWatch(Option<Latest<Known>>);
 
 impl MonitorWatch {
     /// Starts to poll the monitors. Calls `wake` on another thread after each change.
     pub(crate) fn begin(&mut self, wake: impl Fn() + Send + 'static) {
-        if !std::mem::replace(&mut self.begun, true) {
-            let known = Arc::downgrade(&self.known);
+        if self.0.is_none() {
             #[cfg(all(unix, not(target_os = "macos")))]
-            let watch = move || x11::watch(&known, &wake);
+            let watch = move |known: &Shared<Known>| x11::watch(known, &wake);
             #[cfg(not(all(unix, not(target_os = "macos"))))]
-            let watch = move || drop((known, wake));
-            if let Err(error) = std::thread::Builder::new().name("monitors".into()).spawn(watch) {
-                tracing::warn!("cannot watch the monitors: {error}");
-            }
+            let watch = move |_: &Shared<Known>| drop(wake);
+            let watching = looping("monitors", None, watch);
+            let watching = watching.inspect_err(|error| tracing::warn!("cannot watch the monitors: {error}"));
+            self.0 = watching.ok();
         }
     }
 
     /// Sets the monitors on a window system that reports them, which makes polling unnecessary.
     pub(crate) fn set(&mut self, monitors: Vec<Monitor>) {
-        self.begun = true;
+        let known = Latest::<Known>::default();
+        *known.lock() = Some(monitors);
         // Dropping the old value ends the thread that polls, if there is one.
-        self.known = Arc::new(Mutex::new(Some(monitors)));
+        self.0 = Some(known);
     }
 
     /// Returns all monitors from left to right; `None` while they are unknown.
     pub(crate) fn known(&self) -> Option<Vec<Monitor>> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0.as_ref()?.lock().clone()
     }
 }
 
@@ -71,15 +72,15 @@ pub fn present() -> Result<Vec<Monitor>, String> {
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(crate) mod x11 {
     use std::error::Error;
-    use std::sync::{Mutex, PoisonError, Weak};
     use std::time::Duration;
 
+    use mariana_work::Shared;
     use x11rb::connection::Connection;
     use x11rb::protocol::randr::ConnectionExt as _;
     use x11rb::protocol::xproto::{ConnectionExt as _, Window};
     use x11rb::rust_connection::RustConnection;
 
-    use super::Monitor;
+    use super::{Known, Monitor};
 
     const PERIOD: Duration = Duration::from_millis(500);
 
@@ -111,23 +112,22 @@ pub(crate) mod x11 {
     }
 
     /// Polls until the [`super::MonitorWatch`] is dropped.
-    pub(crate) fn watch(known: &Weak<Mutex<Option<Vec<Monitor>>>>, wake: &dyn Fn()) {
+    pub(super) fn watch(known: &Shared<Known>, wake: &dyn Fn()) {
         let (connection, root) = match connect() {
             Ok(connected) => connected,
             Err(error) => return tracing::info!("monitors are not watched: {error}"),
         };
-        while let Some(known) = known.upgrade() {
+        while !known.is_over() {
             let found = match monitors(&connection, root) {
                 Ok(found) => found,
                 Err(error) => return tracing::info!("monitors are no longer watched: {error}"),
             };
-            let before = known.lock().unwrap_or_else(PoisonError::into_inner).replace(found.clone());
+            let before = known.lock().replace(found.clone());
             if before.as_ref() != Some(&found) {
                 tracing::info!("monitors: {}", super::names(&found));
                 wake();
             }
-            drop(known);
-            std::thread::sleep(PERIOD);
+            known.rest(PERIOD);
         }
     }
 }
