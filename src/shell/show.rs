@@ -69,7 +69,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let play = move |window: OpenWindow| {
         let settings = &opening.prepared.settings;
         if settings.gl_info {
-            return Ok(print_line(&window.bind()?.gl().info().to_string())?);
+            return Ok(print_line(&window.bind()?.gl.info().to_string())?);
         }
         let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
         let wall = output_surfaces.clone().map(Wall::new);

@@ -19,14 +19,13 @@ use glutin::surface::{GlSurface, Surface, WindowSurface};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::raw_window_handle::RawWindowHandle;
-use winit::window::{Fullscreen, Window, WindowAttributes};
+use winit::window::{Window, WindowAttributes};
 
 use crate::gpu::api::Api;
-use crate::gpu::{Gl, GpuError, WorkerContext};
+use crate::gpu::{Gl, GpuError};
 use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::messages::WindowMessage;
-use crate::shell::monitors::Rect;
 use crate::shell::shared_window::{SharedWindow, WindowCalls, surface_attributes};
 use second::grounded;
 pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
@@ -59,7 +58,7 @@ pub(crate) struct OpenWindow {
 
 pub(crate) struct GlWindowContext {
     // Dropped in this order: context, surface, window.
-    gl: Gl,
+    pub(crate) gl: Gl,
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
     pub(crate) open: OpenWindow,
@@ -140,10 +139,6 @@ impl OpenWindow {
 }
 
 impl GlWindowContext {
-    pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
-        WorkerContext::beside_window(&self.open.config, self.gl.info(), count)
-    }
-
     /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.
     pub(crate) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, open } = self;
@@ -154,10 +149,6 @@ impl GlWindowContext {
         }
         drop(surface);
         OpenWindow { log_debug: false, ..open }
-    }
-
-    pub(crate) fn gl(&self) -> &Gl {
-        &self.gl
     }
 
     pub(crate) fn window(&self) -> WindowCalls<'_> {
@@ -171,12 +162,6 @@ impl GlWindowContext {
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.open.size.get();
         (width > 0 && height > 0).then_some((width, height))
-    }
-
-    pub(crate) fn record_place(&self, place: (i32, i32)) {
-        if !self.is_fullscreen() {
-            self.open.place.set(Some(place));
-        }
     }
 
     pub(crate) fn resize(&self, size: (u32, u32)) {
@@ -199,17 +184,6 @@ impl GlWindowContext {
 
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.open.window.is_fullscreen()
-    }
-
-    pub(crate) fn fill(&self, place: Rect) {
-        let ((x, y), (width, height)) = place;
-        let window = self.window();
-        window.set_outer_position(PhysicalPosition::new(x, y));
-        let _ = window.request_inner_size(PhysicalSize::new(width, height));
-    }
-
-    pub(crate) fn set_fullscreen(&self, on: bool) {
-        self.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
 }
 

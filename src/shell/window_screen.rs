@@ -7,6 +7,7 @@ use egui::accesskit::TreeUpdate;
 use egui::{CursorIcon, Rect};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
+use winit::window::Fullscreen;
 
 use crate::export::print::print_message;
 use crate::gpu::{Gl, Renderer, WorkerContext};
@@ -68,7 +69,9 @@ impl WindowScreen {
 
     fn record_event(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::Moved(place) => self.window.record_place((*place).into()),
+            WindowEvent::Moved(place) if !self.window.is_fullscreen() => {
+                self.window.open.place.set(Some((*place).into()));
+            }
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
                 self.window.request_redraw();
@@ -123,11 +126,11 @@ impl Screen for WindowScreen {
     }
 
     fn gl(&self) -> &Gl {
-        self.window.gl()
+        &self.window.gl
     }
 
     fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
-        self.window.worker_contexts(count)
+        WorkerContext::beside_window(&self.window.open.config, self.window.gl.info(), count)
     }
 
     fn renew(mut self: Box<Self>) -> Result<Box<dyn Screen>, SessionError> {
@@ -168,7 +171,7 @@ impl Screen for WindowScreen {
     }
 
     fn set_fullscreen(&mut self, on: bool) {
-        self.window.set_fullscreen(on);
+        self.window.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
 
     fn set_title(&mut self, title: &str) {
@@ -258,7 +261,7 @@ impl Screen for WindowScreen {
         let size = window.size().unwrap_or_default();
         let panels = wallpaper.as_ref().map(|wallpaper| wallpaper.panels(lay.screen)).unwrap_or_default();
         if let Some(area) = small.filter(|_| panels.is_empty()) {
-            window.gl().clear_window(size, AROUND)?;
+            window.gl.clear_window(size, AROUND)?;
             lay.show_small(renderer, size, area)?;
         } else if panels.is_empty() {
             lay.show(renderer, size, lay.area_in(size))?;
@@ -274,7 +277,7 @@ impl Screen for WindowScreen {
 
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError> {
         let Some(size) = self.window.size().filter(|_| self.wall.is_none()) else { return Ok(()) };
-        self.window.gl().clear_window(size, [0.0; 3])?;
+        self.window.gl.clear_window(size, [0.0; 3])?;
         paint(size)?;
         self.window.swap()
     }
@@ -298,7 +301,10 @@ impl Screen for WindowScreen {
             && self.placed_at != Some(place)
         {
             self.placed_at = Some(place);
-            self.window.fill(place);
+            let ((x, y), (width, height)) = place;
+            let window = self.window.window();
+            window.set_outer_position(PhysicalPosition::new(x, y));
+            let _ = window.request_inner_size(PhysicalSize::new(width, height));
         }
         let was = self.output.size();
         self.news.extend(self.output.update(&self.window));
