@@ -27,7 +27,8 @@ pub enum KnobEdit {
 pub struct KnobMemory {
     /// Without a settings folder, it writes nothing, and mappings last until the program ends.
     writer_thread: Worker<KnobEdit, Kept>,
-    file: MappingFile,
+    /// The current mappings. Only the pick-up state of the knobs may be changed here.
+    pub file: MappingFile,
 }
 
 type Kept = Result<MappingFile, StoredFileError>;
@@ -52,16 +53,6 @@ impl KnobMemory {
         (Self { writer_thread: path.map(keeper).unwrap_or_default(), file }, trouble)
     }
 
-    /// Returns the current mappings.
-    pub fn file(&self) -> &MappingFile {
-        &self.file
-    }
-
-    /// Returns the current mappings. The pick-up state of the knobs may be changed.
-    pub fn file_mut(&mut self) -> &mut MappingFile {
-        &mut self.file
-    }
-
     /// Changes the mappings at once, and the file soon after.
     pub fn change(&mut self, edit: &KnobEdit) {
         apply(&mut self.file, edit);
@@ -73,16 +64,11 @@ impl KnobMemory {
     /// # Errors
     /// Fails if the file cannot be read or written. The change then lasts until the program ends.
     pub fn poll(&mut self) -> Option<Result<(), StoredFileError>> {
-        let kept = self.writer_thread.poll()?;
-        Some(self.apply(kept))
-    }
-
-    fn apply(&mut self, kept: Kept) -> Result<(), StoredFileError> {
-        let after = kept?;
-        if self.writer_thread.is_idle() && after.mappings.list() != self.file.mappings.list() {
-            self.file = after;
-        }
-        Ok(())
+        Some(self.writer_thread.poll()?.map(|after| {
+            if self.writer_thread.is_idle() && after.mappings.list() != self.file.mappings.list() {
+                self.file = after;
+            }
+        }))
     }
 }
 
@@ -125,8 +111,7 @@ mod tests {
 
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), StoredFileError> {
         memory.change(&edit);
-        let kept = memory.writer_thread.within(Duration::MAX).unwrap();
-        memory.apply(kept)
+        std::iter::repeat_with(|| memory.poll()).find_map(|kept| kept).unwrap()
     }
 
     fn names(memory: &KnobMemory) -> Vec<String> {
@@ -134,7 +119,7 @@ mod tests {
             Target::Param { name, .. } => name.clone(),
             Target::Action { name, .. } => name.clone(),
         };
-        memory.file().mappings.list().iter().map(name).collect()
+        memory.file.mappings.list().iter().map(name).collect()
     }
 
     #[test]
@@ -155,7 +140,7 @@ mod tests {
         one.change(&KnobEdit::Clock(false));
         drop(one);
         let last = open();
-        assert_eq!((last.file().mappings.list(), last.file().clock), (&[inverted][..], false));
+        assert_eq!((last.file.mappings.list(), last.file.clock), (&[inverted][..], false));
     }
 
     #[test]
@@ -185,6 +170,6 @@ mod tests {
         assert_eq!(names(&memory), ["size"]);
         let (mut nowhere, trouble) = KnobMemory::open(None);
         nowhere.change(&KnobEdit::Clock(false));
-        assert_eq!((nowhere.file().clock, nowhere.poll(), trouble), (false, None, None));
+        assert_eq!((nowhere.file.clock, nowhere.poll(), trouble), (false, None, None));
     }
 }

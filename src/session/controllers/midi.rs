@@ -79,7 +79,7 @@ impl Midi {
 
     /// The last reading of the MIDI clock, if it is followed, and that clock's current time in seconds.
     pub(crate) fn clock(&self) -> Option<(ClockReading, f64)> {
-        self.hub.as_ref().filter(|_| self.memory.file().clock)?.clock()
+        self.hub.as_ref().filter(|_| self.memory.file.clock)?.clock()
     }
 
     pub(super) fn learning(&self) -> Option<&Target> {
@@ -130,7 +130,7 @@ impl Midi {
                 Some(learning) => learning.notice(knob, now),
                 None => {
                     self.record_encoder(knob);
-                    let mappings = &mut self.memory.file_mut().mappings;
+                    let mappings = &mut self.memory.file.mappings;
                     outcomes.extend(mappings.apply(knob, commands::for_controllers(), stands));
                 }
             }
@@ -142,7 +142,7 @@ impl Midi {
     fn record_encoder(&mut self, knob: &KnobMove) {
         let KnobMove { source, device, encoding: Some(encoding), .. } = knob else { return };
         let is_new = |one: &&Mapping| one.encoding.is_none() && one.is_moved_by(knob);
-        let new: Vec<Mapping> = self.memory.file().mappings.list().iter().filter(is_new).cloned().collect();
+        let new: Vec<Mapping> = self.memory.file.mappings.list().iter().filter(is_new).cloned().collect();
         if !new.is_empty() {
             self.news.push((format!("{source} of {device} is an endless knob"), true));
         }
@@ -156,7 +156,7 @@ impl Midi {
         let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
         self.learning = None;
-        let is_known = self.memory.file().mappings.list().iter().any(|one| {
+        let is_known = self.memory.file.mappings.list().iter().any(|one| {
             (&one.device, one.source, &one.target) == (&mapping.device, mapping.source, &mapping.target)
         });
         let (device, source, target) = (mapping.device.clone(), mapping.source, words_of(&mapping.target));

@@ -136,10 +136,10 @@ impl Controllers {
             osc: self.network.state(),
             phone: self.phones.facts(),
             midi: self.midi.state(),
-            clock: self.midi.memory.file().clock,
+            clock: self.midi.memory.file.clock,
             clock_tempo: self.midi.clock().map(|(reading, _)| reading.tempo),
             counts: self.input_queue.counts(),
-            mappings: self.midi.memory.file().mappings.list(),
+            mappings: self.midi.memory.file.mappings.list(),
             learning: self.midi.learning(),
         }
     }
