@@ -1,11 +1,24 @@
-//! The completion list.
+//! The completion list, and previews of the library's shapes in it. A thread renders each preview when it is first
+//! needed.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use image::RgbaImage;
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Proposal, proposals};
+use mariana_field::lang::examples;
+use mariana_field::ray_probe::preview;
+use mariana_work::{Worker, in_order};
 
 use super::document::Document;
-use super::object_previews::{ObjectPreview, ObjectPreviews};
 use super::texts::Edit;
+
+/// Side of a preview in pixels.
+const SIDE: usize = 48;
+
+/// A preview: red, green, blue and coverage of each pixel.
+pub(crate) type ObjectPreview = Arc<RgbaImage>;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Proposing {
@@ -33,24 +46,44 @@ pub(super) enum Choice {
 
 pub(crate) struct Proposals {
     pub(crate) shown: Option<Proposing>,
-    object_previews: ObjectPreviews,
+    /// Finished previews; `None` while a preview is being rendered.
+    previews: BTreeMap<&'static str, Option<ObjectPreview>>,
+    painter: Worker<(&'static str, &'static str), (&'static str, ObjectPreview)>,
 }
 
 impl Proposals {
-    /// Starts with a closed list. `wake` is called on another thread when a preview is finished.
+    /// Starts with a closed list, and the thread, which calls `wake` after each preview. If the thread cannot start,
+    /// there are no previews.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        Self { shown: None, object_previews: ObjectPreviews::new(wake) }
+        let draw = |(name, formula)| {
+            let pixels = preview(formula, SIDE)?.into_flattened();
+            Some((name, Arc::new(RgbaImage::from_raw(SIDE as u32, SIDE as u32, pixels)?)))
+        };
+        let painter = in_order("previews", wake, move || draw).inspect_err(|error| {
+            tracing::warn!("cannot start the thread for shape previews, so the list shows none: {error}");
+        });
+        Self { shown: None, previews: BTreeMap::new(), painter: painter.unwrap_or_default() }
     }
 
     pub(crate) fn object_preview(&self) -> Option<&ObjectPreview> {
-        self.object_previews.of(self.shown.as_ref()?.of_library()?)
+        self.previews.get(self.shown.as_ref()?.of_library()?)?.as_ref()
     }
 
+    /// Requests the preview of the selected name. Returns true if a preview has come.
     pub(super) fn update(&mut self) -> bool {
-        if let Some(name) = self.shown.as_ref().and_then(Proposing::of_library) {
-            self.object_previews.request(name);
+        let wanted = self.shown.as_ref().and_then(Proposing::of_library);
+        if let Some(one) = wanted.and_then(|wanted| examples().find(|(name, _)| *name == wanted))
+            && !self.previews.contains_key(one.0)
+        {
+            self.previews.insert(one.0, None);
+            self.painter.send(one);
         }
-        self.object_previews.update()
+        let mut any = false;
+        while let Some((name, picture)) = self.painter.poll() {
+            self.previews.insert(name, Some(picture));
+            any = true;
+        }
+        any
     }
 
     /// Finds candidates for the name at the cursor. If the user `asked`, works even before a letter is typed. Returns
