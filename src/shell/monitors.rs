@@ -20,6 +20,15 @@ pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     Some(((left, top), (length(left, right), length(top, bottom))))
 }
 
+/// Returns width and height of the common part of two rectangles; negative if they are apart.
+pub(crate) fn overlap(a: &Rect, b: &Rect) -> [i64; 2] {
+    let common = |from: i32, length: u32, of: i32, most: u32| {
+        let (from, of) = (i64::from(from), i64::from(of));
+        (from + i64::from(length)).min(of + i64::from(most)) - from.max(of)
+    };
+    [common(a.0.0, a.1.0, b.0.0, b.1.0), common(a.0.1, a.1.1, b.0.1, b.1.1)]
+}
+
 /// All monitors from left to right; `None` while they are unknown.
 type Known = Option<Vec<Monitor>>;
 

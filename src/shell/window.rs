@@ -26,6 +26,7 @@ use crate::gpu::{Gl, GpuError};
 use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::messages::WindowMessage;
+use crate::shell::monitors::{Rect, overlap};
 use crate::shell::shared_window::{SharedWindow, WindowCalls, surface_attributes};
 use second::grounded;
 pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
@@ -209,22 +210,15 @@ pub(crate) fn shared(
 }
 
 /// Width and height of the smallest part of a window's upper edge by which the user can drag the window, in pixels.
-const GRASP: (i64, i64) = (64, 24);
+const GRASP: (u32, u32) = (64, 24);
 
 /// True if the user can reach the upper edge of a window's frame at `place` on a monitor (positions and sizes). The
 /// monitor of a saved position may have been disconnected.
-fn can_be_grasped(
-    place: (i32, i32),
-    size: (u32, u32),
-    mut monitors: impl Iterator<Item = ((i32, i32), (u32, u32))>,
-) -> bool {
-    let common = |from: i32, length: i64, of: i32, most: u32| {
-        let (from, of) = (i64::from(from), i64::from(of));
-        (from + length).min(of + i64::from(most)) - from.max(of)
-    };
-    monitors.any(|((x, y), (width, height))| {
-        common(place.0, i64::from(size.0), x, width) >= GRASP.0
-            && common(place.1, 2 * GRASP.1, y, height) >= GRASP.1
+fn can_be_grasped(place: (i32, i32), size: (u32, u32), mut monitors: impl Iterator<Item = Rect>) -> bool {
+    let upper_edge = (place, (size.0, 2 * GRASP.1));
+    monitors.any(|monitor| {
+        let [across, down] = overlap(&upper_edge, &monitor);
+        across >= i64::from(GRASP.0) && down >= i64::from(GRASP.1)
     })
 }
 

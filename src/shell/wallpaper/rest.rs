@@ -12,7 +12,7 @@ use super::power;
 use super::windows::Windows;
 use crate::session::Waker;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
-use crate::shell::monitors::Rect;
+use crate::shell::monitors::{Rect, overlap};
 
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
@@ -65,15 +65,11 @@ impl WallpaperPause {
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 /// True if every monitor is covered by a window.
 pub(super) fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
-    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
-    let covers = |(window, size): &Rect, (monitor, extent): &Rect| {
-        window.0 <= monitor.0
-            && window.1 <= monitor.1
-            && end(window.0, size.0) >= end(monitor.0, extent.0)
-            && end(window.1, size.1) >= end(monitor.1, extent.1)
+    let is_covered = |monitor: &Rect| {
+        let whole = [monitor.1.0, monitor.1.1].map(i64::from);
+        windows.iter().any(|window| overlap(window, monitor) == whole)
     };
-    !monitors.is_empty()
-        && monitors.iter().all(|monitor| windows.iter().any(|window| covers(window, monitor)))
+    !monitors.is_empty() && monitors.iter().all(is_covered)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, Window};
 use x11rb::rust_connection::RustConnection;
 
 use super::rest::are_covered;
-use crate::shell::monitors::{Rect, x11};
+use crate::shell::monitors::{Rect, overlap, x11};
 
 x11rb::atom_manager! {
     Names: NamesCookie {
@@ -96,14 +96,9 @@ impl Windows {
 }
 
 fn fills(window: &Rect, monitor: &Rect) -> bool {
-    let ((place, size), (monitor, extent)) = (*window, *monitor);
-    let common = |from: i32, length: u32, of: i32, most: u32| {
-        let (from, of) = (f64::from(from), f64::from(of));
-        (from + f64::from(length)).min(of + f64::from(most)) - from.max(of)
-    };
-    let across = common(place.0, size.0, monitor.0, extent.0) / f64::from(extent.0.max(1));
-    let down = common(place.1, size.1, monitor.1, extent.1) / f64::from(extent.1.max(1));
-    across >= 1.0 - BARS && down >= 1.0 - BARS
+    let [across, down] = overlap(window, monitor);
+    let least = |side: u32| (1.0 - BARS) * f64::from(side);
+    across as f64 >= least(monitor.1.0) && down as f64 >= least(monitor.1.1)
 }
 
 /// Returns the size of a window in pixels; `None` if the window does not exist.
