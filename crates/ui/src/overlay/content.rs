@@ -219,20 +219,12 @@ impl OverlayContent<'_> {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help.map(|panel| (panel.query(), panel.selected))).hash(&mut hasher);
         (self.hint, &self.sources, self.calm).hash(&mut hasher);
-        let notice = self.notice.filter(|notice| !notice.is_gone(now));
-        notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
-        notice.and_then(|notice| notice.fraction).map(f32::to_bits).hash(&mut hasher);
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer, self.panel, self.learning).hash(&mut hasher);
         self.editor.map(|panel| panel.revision).hash(&mut hasher);
-        if let Some(cues) = &self.cues {
-            cues.current.hash(&mut hasher);
-            for row in cues.rows.iter() {
-                (&row.moment, row.start.map(f64::to_bits), row.waits, &row.scene).hash(&mut hasher);
-            }
-        }
         // Numbers with a fraction have no hash, but a text.
-        format!("{:?}", (self.cues.is_some(), &self.decks, self.params, self.picture)).hash(&mut hasher);
+        let notice = self.notice.filter(|notice| !notice.is_gone(now));
+        format!("{:?}", (notice, &self.cues, &self.decks, self.params, self.picture)).hash(&mut hasher);
         let preview = |next: &NextScene| next.picture.as_ref().map(Arc::as_ptr);
         let next =
             self.next.map(|next| (&next.title, preview(next), [next.level, next.beat].map(f32::to_bits)));
