@@ -17,6 +17,7 @@ pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 impl Editor {
     /// Handles a key press while the modifiers `held` are held. Returns true if the editor used the key.
     pub fn handle_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+        use NamedKey::{Backspace, Delete, Enter, Tab};
         self.revision += 1;
         let action = action_of(&press.key, press.latin, held);
         // Esc still closes an editor whose file is not read in time.
@@ -24,10 +25,9 @@ impl Editor {
             let is_used = press.text.is_some()
                 || action.is_some()
                 || way_of(&press.key, held, 1).is_some()
-                || matches!(press.key, Key::Character(_))
-                || is_editing_key(&press.key);
+                || matches!(press.key, Key::Character(_) | Key::Named(Enter | Backspace | Delete | Tab));
             if is_used {
-                self.focus.keep(Early::Key(press.clone(), held));
+                self.focus.early.push(Early::Key(press.clone(), held));
             }
             return is_used;
         }
@@ -108,7 +108,7 @@ impl Editor {
 
     /// Shows text that an input method is composing at the cursor.
     pub fn set_preedit(&mut self, letters: &str) {
-        self.focus.compose(letters);
+        self.focus.preedit = letters.replace(char::is_control, "");
         self.revision += 1;
     }
 
@@ -116,7 +116,7 @@ impl Editor {
     pub fn type_text(&mut self, text: &str) {
         self.focus.preedit.clear();
         if is_loading(self) {
-            return self.focus.keep(Early::Text(text.to_owned()));
+            return self.focus.early.push(Early::Text(text.to_owned()));
         }
         if let Some(query) = self.finding.typed() {
             query.push_str(text);
@@ -158,11 +158,6 @@ pub(super) fn replay_early_keys(editor: &mut Editor) {
             Early::Text(text) => editor.type_text(&text),
         }
     }
-}
-
-fn is_editing_key(key: &Key) -> bool {
-    use NamedKey::{Backspace, Delete, Enter, Tab};
-    matches!(key, Key::Named(Enter | Backspace | Delete | Tab))
 }
 
 impl Editor {

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,15 +37,12 @@ pub(crate) struct Document {
     /// The last version of the text that had no mistakes. The frame shows this version.
     shown: u64,
     /// For each draft sent to the loader, oldest first: the version of all drafts, and the version of this text.
-    sent: VecDeque<(u64, u64)>,
+    sent: Vec<(u64, u64)>,
     /// The version of the text that was last passed on to the loader.
     noted: u64,
     /// The position of the first visible row.
     pub view: RowPosition,
 }
-
-/// Maximum number of entries of [`Document::sent`].
-const SENT_MAX: usize = 256;
 
 impl Document {
     /// The document of a file is empty until the file has been read.
@@ -65,7 +61,7 @@ impl Document {
             checked: 0,
             found: None,
             shown: 0,
-            sent: VecDeque::from([(0, 0)]),
+            sent: vec![(0, 0)],
             noted: 0,
             view: (0.0, 0.0),
         }
@@ -183,10 +179,7 @@ impl Document {
     }
 
     pub(crate) fn record_sent(&mut self, drafts: u64) {
-        if self.sent.len() >= SENT_MAX {
-            self.sent.pop_front();
-        }
-        self.sent.push_back((drafts, self.editing.version()));
+        self.sent.push((drafts, self.editing.version()));
     }
 
     /// Shows the mistakes in the text, which has this number among the texts of the scene.

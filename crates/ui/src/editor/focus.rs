@@ -2,12 +2,6 @@
 
 use mariana_commands::input::{KeyPress, Modifiers};
 
-/// Maximum number of displayed letters of a composition.
-const PREEDIT_MAX: usize = 64;
-
-/// Maximum number of keys that wait for a text.
-const EARLY_MAX: usize = 4096;
-
 /// Input that arrived before the text was read.
 pub(super) enum Early {
     Key(KeyPress, Modifiers),
@@ -39,16 +33,5 @@ impl Focus {
     pub(super) fn leaves_out(&mut self, repeat: bool) -> bool {
         self.ignores_repeats &= repeat;
         self.ignores_repeats
-    }
-
-    /// Keeps input until the text is read. Too much input is dropped.
-    pub(super) fn keep(&mut self, input: Early) {
-        if self.early.len() < EARLY_MAX {
-            self.early.push(input);
-        }
-    }
-
-    pub(super) fn compose(&mut self, letters: &str) {
-        self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
     }
 }
