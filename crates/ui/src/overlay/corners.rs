@@ -43,8 +43,7 @@ pub(super) fn show(pass: &mut Pass<'_>, screen: Rect, handles: &CornerHandles) -
             let (rect, response) = ui.allocate_exact_size(grab.size(), Sense::drag());
             let held = response.dragged() || response.hovered();
             let painter = ui.painter();
-            let at = Rect::from_center_size(rect.center(), vec2(0.0, 0.0)).center();
-            let at = at + (seen - grab.center());
+            let at = rect.center() + (seen - grab.center());
             painter.circle_filled(at, RADIUS, if held { style::ACCENT } else { style::GROUND });
             let color = if corner == handles.selected { style::ACCENT } else { style::TEXT };
             painter.circle_stroke(at, RADIUS, Stroke::new(2.0, color));

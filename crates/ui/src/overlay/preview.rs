@@ -45,9 +45,7 @@ pub(super) fn show(context: &egui::Context, rooms: &Rooms, next: &NextScene) -> 
     painter.circle_filled(beat, 4.0, style::RAIL);
     painter.circle_filled(beat, 4.0, style::ACCENT.gamma_multiply(next.beat));
     let rail = Rect::from_min_max(pos2(place.left(), bottom - LEVEL), pos2(place.right(), bottom));
-    painter.rect_filled(rail, 1.0, style::RAIL);
-    let fraction = vec2(rail.width() * next.level.clamp(0.0, 1.0), rail.height());
-    painter.rect_filled(Rect::from_min_size(rail.min, fraction), 1.0, style::ACCENT);
+    style::fraction(&painter, rail, next.level);
     assisted::text(context, "next scene", &words, true);
     whole
 }

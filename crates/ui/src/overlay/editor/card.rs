@@ -64,20 +64,15 @@ pub(super) fn show(
             add(left + names, value, font, style::TEXT, width - names, ROW);
         }
         let Some((name, number, words)) = &line else { return };
-        let place = Rect::from_min_max(pos2(rect.left() + 4.0, y), rect.max - vec2(4.0, 4.0));
+        let place = rect.with_min_y(rect.bottom() - 2.0 * ROW - 10.0).shrink(4.0);
         let response = ui.interact(place, Id::unique("probed line"), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
         if response.hovered() {
             painter.rect_filled(place, 3.0, style::RAIL);
         }
         let heading = format!("{name}, line {number}: click to go there");
-        let mut add = |text: &str, font, color| {
-            let galley = style::line_in(painter, text, font, color, width);
-            painter.galley(pos2(left, y), galley, color);
-            y += ROW;
-        };
-        add(&heading, style::proportional(style::SMALL_SIZE), style::DIM);
-        add(words, style::monospace(12.0), style::TEXT);
+        add(left, &heading, style::proportional(style::SMALL_SIZE), style::DIM, width, ROW);
+        add(left, words, style::monospace(12.0), style::TEXT, width, ROW);
         if response.clicked() {
             acts.on_editor(Editor::jump_to_probed);
         }
