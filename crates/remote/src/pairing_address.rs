@@ -17,7 +17,7 @@ pub struct PairingAddress {
     /// The URL.
     pub url: String,
     /// The QR code of the URL.
-    pub code: Option<Code>,
+    pub code: Code,
     /// True if only this computer can open the address.
     pub is_local: bool,
 }
@@ -53,7 +53,7 @@ fn reachable(listens: IpAddr) -> IpAddr {
 }
 
 /// A QR code without its white margin.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Code {
     /// Number of modules along an edge.
     pub side: usize,
@@ -64,11 +64,11 @@ impl Code {
     /// The width of the required white margin, in modules.
     pub const EDGE: usize = 4;
 
-    /// Encodes a text. Returns `None` if the text is too long.
-    pub fn of(text: &str) -> Option<Self> {
-        let code = QrCode::with_error_correction_level(text, EcLevel::M).ok()?;
+    /// Encodes a text. The code of a text that is too long is empty.
+    pub fn of(text: &str) -> Self {
+        let Ok(code) = QrCode::with_error_correction_level(text, EcLevel::M) else { return Self::default() };
         let dark = code.to_colors().into_iter().map(|color| color == qrcode::Color::Dark).collect();
-        Some(Self { side: code.width(), dark })
+        Self { side: code.width(), dark }
     }
 
     /// Returns the positions of the dark modules, from the left and from the top.
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_code_is_a_square_with_three_finder_patterns() {
-        let code = Code::of("http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/").unwrap();
+        let code = Code::of("http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/");
         assert!((21..=37).contains(&code.side), "{} modules are hard to scan", code.side);
         let dark: std::collections::BTreeSet<_> = code.dark().collect();
         let last = code.side - 1;
@@ -114,6 +114,6 @@ mod tests {
             assert!(dark.contains(&corner), "{corner:?}");
         }
         assert!(!dark.contains(&(1, 1)) && dark.iter().all(|(x, y)| *x <= last && *y <= last));
-        assert_eq!(Code::of(&"x".repeat(5_000)), None);
+        assert_eq!(Code::of(&"x".repeat(5_000)), Code::default());
     }
 }

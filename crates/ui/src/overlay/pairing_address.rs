@@ -8,24 +8,17 @@ use mariana_remote::{Code, PairingAddress};
 /// Maximum side of the code with its margin, in points. The next constant is a fraction of the panel's width.
 const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
-const LINES_HEIGHT: f32 = 90.0;
 const GAP: f32 = 14.0;
 const AROUND: f32 = 6.0;
 
 pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -> Response {
     let width = ui.available_width();
     let pixel = 1.0 / ui.pixels_per_point();
-    let square = pairing_address
-        .code
-        .as_ref()
-        .map_or(0.0, |code| square(code, SIDE_MAX.min(FRACTION_MAX * width), pixel));
-    let side = pairing_address.code.as_ref().map_or(LINES_HEIGHT, |code| square * squares(code) as f32);
-    let height = side + 2.0 * AROUND;
+    let code = &pairing_address.code;
+    let square = square(code, SIDE_MAX.min(FRACTION_MAX * width), pixel);
+    let height = square * squares(code) as f32 + 2.0 * AROUND;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
-    let drawn = match &pairing_address.code {
-        Some(code) => draw_code(ui.painter(), code, rect.min + vec2(0.0, AROUND), square, pixel),
-        None => Rect::from_min_size(rect.min, vec2(0.0, 0.0)),
-    };
+    let drawn = draw_code(ui.painter(), code, rect.min + vec2(0.0, AROUND), square, pixel);
     let left = drawn.right() + GAP;
     let width = (rect.right() - left - AROUND).max(1.0);
     let lines = [

@@ -131,7 +131,7 @@ fn the_code_of_the_address_is_drawn_in_whole_pixels_at_any_scale() {
             _ => None,
         });
         let mesh = mesh.unwrap();
-        let squares = pairing_address.code.as_ref().unwrap().dark().count() + 1;
+        let squares = pairing_address.code.dark().count() + 1;
         assert_eq!(mesh.vertices.len(), 4 * squares);
         for vertex in &mesh.vertices {
             for at in [vertex.pos.x * scale, vertex.pos.y * scale] {
@@ -139,7 +139,7 @@ fn the_code_of_the_address_is_drawn_in_whole_pixels_at_any_scale() {
             }
         }
         let side = scale * (mesh.vertices[3].pos - mesh.vertices[0].pos).x;
-        let count = (pairing_address.code.as_ref().unwrap().side + 2 * mariana_remote::Code::EDGE) as f32;
+        let count = (pairing_address.code.side + 2 * mariana_remote::Code::EDGE) as f32;
         assert!(side / count >= 3.0, "squares of {} pixels are too small for a camera", side / count);
     }
 }
