@@ -16,8 +16,6 @@ pub(crate) fn input_of(event: &WindowEvent) -> Option<Input> {
         WindowEvent::MouseInput { state, button, .. } => Input::PointerButton {
             button: match button {
                 MouseButton::Left => PointerButton::Primary,
-                MouseButton::Right => PointerButton::Secondary,
-                MouseButton::Middle => PointerButton::Middle,
                 _ => PointerButton::Other,
             },
             pressed: *state == ElementState::Pressed,

@@ -123,10 +123,6 @@ pub enum Input {
 pub enum PointerButton {
     /// The left button.
     Primary,
-    /// The right button.
-    Secondary,
-    /// The wheel as a button.
-    Middle,
     /// Any other button.
     Other,
 }

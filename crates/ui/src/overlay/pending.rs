@@ -40,13 +40,13 @@ impl PendingInput {
         self.raw.events.retain(|event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. }));
     }
 
-    /// Adds events of the pointer and of modifier keys. egui gets no other keys.
+    /// Adds events of the pointer's first button and of modifier keys. egui gets no other buttons and keys.
     pub(super) fn add(&mut self, input: &Input, pixels_per_point: f32) {
         let points = |[x, y]: [f64; 2]| pos2(x as f32, y as f32) / pixels_per_point;
         match input {
             Input::PointerMoved(place) => self.move_to(points(*place)),
             Input::PointerLeft => self.leave(),
-            Input::PointerButton { button, pressed } => self.press(*button, *pressed),
+            Input::PointerButton { button: PointerButton::Primary, pressed } => self.press(*pressed),
             Input::Wheel(wheel) => {
                 let (unit, delta) = match wheel {
                     Wheel::Notches([x, y]) => (MouseWheelUnit::Line, vec2(*x as f32, *y as f32)),
@@ -68,6 +68,7 @@ impl PendingInput {
                 }
                 self.raw.events.push(Event::WindowFocused(*focused));
             }
+            Input::PointerButton { button: PointerButton::Other, .. } => {}
             Input::Key(_) | Input::Text(_) | Input::Composing(_) | Input::Dropped(_) => {}
         }
     }
@@ -90,16 +91,10 @@ impl PendingInput {
         self.raw.events.push(Event::PointerGone);
     }
 
-    fn press(&mut self, button: PointerButton, pressed: bool) {
-        let button = match button {
-            PointerButton::Primary => egui::PointerButton::Primary,
-            PointerButton::Secondary => egui::PointerButton::Secondary,
-            PointerButton::Middle => egui::PointerButton::Middle,
-            PointerButton::Other => return,
-        };
-        if let Some(pos) = self.place {
-            self.raw.events.push(Event::PointerButton { pos, button, pressed, modifiers: self.held });
-        }
+    fn press(&mut self, pressed: bool) {
+        let (button, modifiers) = (egui::PointerButton::Primary, self.held);
+        let press = self.place.map(|pos| Event::PointerButton { pos, button, pressed, modifiers });
+        self.raw.events.extend(press);
     }
 
     fn touch(&mut self, finger: u64, phase: TouchPhase, pos: Pos2) {
@@ -122,12 +117,12 @@ impl PendingInput {
             TouchPhase::Started => {
                 self.finger = Some(finger);
                 self.move_to(pos);
-                self.press(PointerButton::Primary, true);
+                self.press(true);
             }
             TouchPhase::Moved => self.move_to(pos),
             TouchPhase::Ended => {
                 self.finger = None;
-                self.press(PointerButton::Primary, false);
+                self.press(false);
                 self.leave();
             }
             TouchPhase::Cancelled => {
