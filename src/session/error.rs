@@ -4,7 +4,6 @@ use crate::export::ExportError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use crate::sending::SendError;
-use crate::ui::UiError;
 use mariana_player::PlayerError;
 
 /// An error that ends a session.
@@ -53,13 +52,10 @@ pub enum SessionError {
     /// Standard output cannot be written.
     #[error(transparent)]
     Print(#[from] ExportError),
-    /// The panels cannot be drawn.
-    #[error(transparent)]
-    Ui(#[from] UiError),
     /// The scene cannot be read, or has mistakes.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The frame cannot be drawn.
+    /// The frame or the panels cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The song cannot continue, because it was damaged or removed.

@@ -11,7 +11,6 @@ use crate::commands::{Command, Sender, ShowState};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
-use crate::ui::UiError;
 use crate::ui::overlay::PanelSwitches;
 
 /// If a replaced context is lost within this time, it is not replaced again.
@@ -178,8 +177,7 @@ impl Run {
 /// The operation during which the driver lost the context; `None` for other errors.
 fn doing_at_loss(error: &SessionError) -> Option<&'static str> {
     match error {
-        SessionError::Gpu(GpuError::ContextLost(doing))
-        | SessionError::Ui(UiError::Gpu(GpuError::ContextLost(doing))) => Some(doing),
+        SessionError::Gpu(GpuError::ContextLost(doing)) => Some(doing),
         _ => None,
     }
 }
@@ -189,10 +187,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_context_lost_in_the_panels_is_recognized() {
-        let lost = || GpuError::ContextLost("drawing");
-        assert_eq!(doing_at_loss(&SessionError::Gpu(lost())), Some("drawing"));
-        assert_eq!(doing_at_loss(&SessionError::Ui(UiError::Gpu(lost()))), Some("drawing"));
+    fn a_lost_context_is_recognized() {
+        assert_eq!(doing_at_loss(&SessionError::Gpu(GpuError::ContextLost("drawing"))), Some("drawing"));
         assert_eq!(doing_at_loss(&SessionError::NoMonitor), None);
     }
 }

@@ -181,7 +181,6 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "mariana-scenes",
             "mariana-settings",
             "mariana-work",
-            "thiserror",
             "tracing",
         ],
     ),

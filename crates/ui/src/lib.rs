@@ -46,16 +46,3 @@ pub mod text_query;
 pub mod track_panel;
 pub mod user_input;
 pub mod video_panel;
-
-use mariana_render::gpu::error::GpuError;
-
-/// An error while drawing the panels.
-#[derive(Debug, thiserror::Error)]
-pub enum UiError {
-    /// The driver rejects the shaders or buffers of the panels.
-    #[error("the driver cannot draw the panels ({0}): update the graphics driver")]
-    Painter(String),
-    /// Any other error of the driver.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}

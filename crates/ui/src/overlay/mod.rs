@@ -71,8 +71,8 @@ pub use ray::RayView;
 pub use switches::PanelSwitches;
 pub use welcome::Welcome;
 
-use crate::UiError;
 use mariana_commands::input::{Input, Key, NamedKey};
+use mariana_render::gpu::error::GpuError;
 use mariana_render::gpu::gl::Gl;
 use mariana_render::system_fonts::SystemFonts;
 
@@ -201,14 +201,14 @@ impl Overlay {
     /// there is no content.
     ///
     /// # Errors
-    /// [`UiError::Painter`] or [`UiError::Gpu`] if the driver reports an error.
+    /// Fails if the driver reports an error.
     pub fn paint(
         &mut self,
         scale: f32,
         size: (u32, u32),
         content: OverlayContent<'_>,
         now: Instant,
-    ) -> Result<Painted, UiError> {
+    ) -> Result<Painted, GpuError> {
         if content.is_empty(now) {
             self.panels.forget_focus();
             if self.shown.take().is_some() {
@@ -238,11 +238,13 @@ impl Overlay {
         size: (u32, u32),
         content: &OverlayContent<'_>,
         now: Instant,
-    ) -> Result<Painted, UiError> {
+    ) -> Result<Painted, GpuError> {
         // Create the painter first: egui's textures need it.
         if self.painter.is_none() {
             let painter = Painter::new(self.gl.shared(), "", None, false);
-            self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
+            let refused = |reason| GpuError::Object { what: "the painter of the panels", reason };
+            let remedy = "update the graphics driver";
+            self.painter = Some(painter.map_err(|error| refused(format!("{error}; {remedy}")))?);
         }
         let interactive = content.is_interactive();
         let input = self.raw_input(scale, size, interactive, now);
