@@ -9,6 +9,7 @@ use winit::event_loop::EventLoop;
 
 use crate::session::{SessionError, Waker};
 use crate::shell::messages::WindowMessage;
+use crate::shell::window::DrawTarget;
 
 pub(crate) fn is_wayland() -> bool {
     false
@@ -35,15 +36,17 @@ impl OutputSurface {
         match self.0 {}
     }
 
-    pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
-        match self.0 {}
-    }
-
     pub(crate) fn fit(&self, _: Extent) {
         match self.0 {}
     }
+}
 
-    pub(crate) fn request_frame(&self) {
+impl DrawTarget for OutputSurface {
+    fn handle(&self) -> Option<RawWindowHandle> {
+        match self.0 {}
+    }
+
+    fn is_about_to_show(&self) {
         match self.0 {}
     }
 }

@@ -31,7 +31,8 @@ impl WallpaperPause {
             let mut rested = false;
             while !shared.is_over() {
                 #[cfg(all(unix, not(target_os = "macos")))]
-                let is_covered = windows.as_ref().is_some_and(Windows::cover_everything);
+                let is_covered =
+                    windows.as_ref().is_some_and(|windows| windows.cover_everything().unwrap_or(false));
                 #[cfg(not(all(unix, not(target_os = "macos"))))]
                 let is_covered = false;
                 let is_unseen =

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use raw_window_handle::RawWindowHandle;
-
 use super::layers::{Extent, OutputSurface, OutputSurfaces};
 use crate::export::print::print_message;
 use crate::session::SessionError;
-use crate::shell::window::{DrawTarget, GlWindowContext, SecondSurface};
+use crate::shell::window::{GlWindowContext, SecondSurface};
 
 pub(crate) struct Wall {
     output_surfaces: OutputSurfaces,
@@ -23,16 +21,6 @@ struct Hung {
     is_stale: bool,
     /// True if the surface has no frame of its size yet.
     is_blank: bool,
-}
-
-impl DrawTarget for OutputSurface {
-    fn handle(&self) -> Option<RawWindowHandle> {
-        self.handle()
-    }
-
-    fn is_about_to_show(&self) {
-        self.request_frame();
-    }
 }
 
 impl Hung {

@@ -45,11 +45,7 @@ impl Windows {
         connect().inspect_err(|error| tracing::info!("windows are not watched: {error}")).ok()
     }
 
-    pub(super) fn cover_everything(&self) -> bool {
-        self.query().unwrap_or(false)
-    }
-
-    fn query(&self) -> Result<bool, Box<dyn Error>> {
+    pub(super) fn cover_everything(&self) -> Result<bool, Box<dyn Error>> {
         let monitors = x11::monitors(&self.connection, self.root)?;
         let monitors: Vec<Rect> = monitors.iter().map(|monitor| (monitor.place, monitor.size)).collect();
         let present = self.numbers(self.root, self.names._NET_CURRENT_DESKTOP, AtomEnum::CARDINAL)?;

@@ -15,6 +15,7 @@ use wayland_client::{Proxy, QueueHandle};
 use winit::event_loop::OwnedDisplayHandle;
 
 use super::LayersState;
+use crate::shell::window::DrawTarget;
 
 /// A surface counts as covered after this time without a request for a frame. Slow monitors show 24 frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
@@ -89,23 +90,12 @@ impl OutputSurface {
         state.extent.is_some() && state.waits_since.is_none()
     }
 
-    pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
-        let surface = std::ptr::NonNull::new(self.surface().id().as_ptr().cast())?;
-        Some(WaylandWindowHandle::new(surface).into())
-    }
-
     pub(crate) fn fit(&self, extent: Extent) {
         let units = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
         match &self.borne.viewport {
             Some(viewport) => viewport.set_destination(units(extent.units.0), units(extent.units.1)),
             None => self.surface().set_buffer_scale(units(extent.scale)),
         }
-    }
-
-    /// Requests a callback for the next frame. Must be called before each frame is shown.
-    pub(crate) fn request_frame(&self) {
-        lock(&self.state).waits_since = Some(Instant::now());
-        self.surface().frame(&self.queue, self.surface().clone());
     }
 
     pub(super) fn output(&self) -> &WlOutput {
@@ -149,6 +139,19 @@ impl OutputSurface {
             (state.extent, state.waits_since) = (Some(extent), None);
         }
         is_new
+    }
+}
+
+impl DrawTarget for OutputSurface {
+    fn handle(&self) -> Option<RawWindowHandle> {
+        let surface = std::ptr::NonNull::new(self.surface().id().as_ptr().cast())?;
+        Some(WaylandWindowHandle::new(surface).into())
+    }
+
+    /// Requests a callback for the next frame.
+    fn is_about_to_show(&self) {
+        lock(&self.state).waits_since = Some(Instant::now());
+        self.surface().frame(&self.queue, self.surface().clone());
     }
 }
 
