@@ -57,15 +57,12 @@ fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
         let rest = rest.trim_end();
         rest.get(rest.rfind(|c| !is_letter(c)).map_or(0, |at| at + 1)..).unwrap_or_default().to_owned()
     });
-    let stem = field.filter(|field| field.starts_with(|c: char| c.is_ascii_alphabetic()));
-    let stem = stem.unwrap_or_else(|| "knob".to_owned());
+    let field = field.filter(|field| field.starts_with(|c: char| c.is_ascii_alphabetic()));
+    // The suffix distinguishes the parameter from the field in the text.
+    let stem = field.map_or_else(|| "knob".to_owned(), |field| field + "_knob");
     let text = String::from_utf8_lossy(text);
     let is_there = |name: &str| text.split(|c| !is_letter(c)).any(|word| word == name);
-    let names = (0_usize..).map(|number| match number {
-        // The suffix distinguishes the parameter from the field in the text.
-        0 => format!("{stem}_knob"),
-        number => format!("{stem}_knob{}", number + 1),
-    });
-    let mut names = names.map(|name| if stem == "knob" { name.replacen("knob_", "", 1) } else { name });
-    names.find(|name| !is_there(name)).unwrap_or(stem)
+    let numbered = (2_usize..).map(|number| format!("{stem}{number}"));
+    let free = std::iter::once(stem.clone()).chain(numbered).find(|name| !is_there(name));
+    free.unwrap_or(stem)
 }
