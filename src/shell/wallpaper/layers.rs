@@ -111,7 +111,7 @@ struct LayersState {
     outputs: OutputState,
     compositor: CompositorState,
     shell: LayerShell,
-    viewporter: Option<wp_viewporter::WpViewporter>,
+    viewporter: wp_viewporter::WpViewporter,
     output_surfaces: OutputSurfaces,
     display: OwnedDisplayHandle,
     waker: Waker,
@@ -134,7 +134,7 @@ impl LayersState {
             outputs: OutputState::new(&globals, &handle),
             compositor: compositor.map_err(|error| refused("a wallpaper", &error))?,
             shell,
-            viewporter: globals.bind(&handle, 1..=1, ()).ok(),
+            viewporter: globals.bind(&handle, 1..=1, ()).map_err(|error| refused("a wallpaper", &error))?,
             output_surfaces: OutputSurfaces::default(),
             display,
             waker: waker.clone(),
@@ -157,7 +157,7 @@ impl LayersState {
             all.add(0, 0, i32::MAX, i32::MAX);
             surface.set_opaque_region(Some(all.wl_region()));
         }
-        let viewport = self.viewporter.as_ref().map(|it| it.get_viewport(&surface, queue, ()));
+        let viewport = self.viewporter.get_viewport(&surface, queue, ());
         let layer = self.shell.create_layer_surface(
             queue,
             surface,

@@ -26,19 +26,17 @@ pub(crate) struct Extent {
     pub(crate) pixels: (u32, u32),
     /// Size in the compositor's logical units.
     units: (u32, u32),
-    /// Pixels per unit, used if the compositor cannot scale frames.
-    scale: u32,
 }
 
 impl Extent {
-    /// Returns the extent of a surface of `units` with the integer `scale`. If the compositor can stretch the surface,
-    /// uses the output's pixels (`mode`), so that fractional scales are exact.
-    fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32, is_stretched: bool) -> Self {
+    /// Returns the extent of a surface of `units` on an output with the integer `scale`. Frames have the output's pixels
+    /// (`mode`), if they are known, so that fractional scales are exact.
+    fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32) -> Self {
         let units = (units.0.max(1), units.1.max(1));
         let scale = scale.max(1);
         let whole = (units.0.saturating_mul(scale), units.1.saturating_mul(scale));
-        let pixels = mode.filter(|mode| is_stretched && mode.0 > 0 && mode.1 > 0).unwrap_or(whole);
-        Self { pixels, units, scale }
+        let pixels = mode.filter(|mode| mode.0 > 0 && mode.1 > 0).unwrap_or(whole);
+        Self { pixels, units }
     }
 }
 
@@ -55,8 +53,8 @@ pub(crate) struct OutputSurface {
 pub(super) struct Borne {
     pub(super) output: WlOutput,
     pub(super) layer: LayerSurface,
-    /// Scales the surface's frames, if the compositor can.
-    pub(super) viewport: Option<WpViewport>,
+    /// Scales the surface's frames.
+    pub(super) viewport: WpViewport,
     /// The last field: the objects above are invalid without it.
     #[expect(dead_code, reason = "keeps the display alive")]
     pub(super) display: OwnedDisplayHandle,
@@ -92,10 +90,7 @@ impl OutputSurface {
 
     pub(crate) fn fit(&self, extent: Extent) {
         let units = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
-        match &self.borne.viewport {
-            Some(viewport) => viewport.set_destination(units(extent.units.0), units(extent.units.1)),
-            None => self.surface().set_buffer_scale(units(extent.scale)),
-        }
+        self.borne.viewport.set_destination(units(extent.units.0), units(extent.units.1));
     }
 
     pub(super) fn output(&self) -> &WlOutput {
@@ -132,7 +127,7 @@ impl OutputSurface {
             Some(if turned { (height, width) } else { (width, height) })
         });
         let scale = info.and_then(|info| u32::try_from(info.scale_factor).ok()).unwrap_or(1);
-        let extent = Extent::of(units, mode, scale, self.borne.viewport.is_some());
+        let extent = Extent::of(units, mode, scale);
         let is_new = state.extent != Some(extent);
         if is_new {
             // A frame of the new size is needed even if the surface is covered.
@@ -158,9 +153,7 @@ impl DrawTarget for OutputSurface {
 impl Drop for Borne {
     fn drop(&mut self) {
         // The viewport must be destroyed before its surface, which is dropped next.
-        if let Some(viewport) = &self.viewport {
-            viewport.destroy();
-        }
+        self.viewport.destroy();
     }
 }
 
@@ -203,14 +196,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_has_the_pixels_of_its_output_if_it_can_be_scaled() {
-        let pixels = |units, mode, scale, stretched| Extent::of(units, mode, scale, stretched).pixels;
+    fn a_frame_has_the_pixels_of_its_output() {
+        let pixels = |units, mode, scale| Extent::of(units, mode, scale).pixels;
         // One and a half pixels per unit, which the compositor rounds to 2.
-        assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, true), (1920, 1080));
-        assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, false), (2560, 1440));
-        assert_eq!(pixels((1280, 720), None, 2, true), (2560, 1440));
-        assert_eq!(pixels((1280, 720), Some((0, 9)), 1, true), (1280, 720));
-        assert_eq!(pixels((0, 0), None, 0, false), (1, 1), "a size is never 0");
-        assert_eq!(pixels((u32::MAX, 1), None, 3, false), (u32::MAX, 3));
+        assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2), (1920, 1080));
+        assert_eq!(pixels((1280, 720), None, 2), (2560, 1440));
+        assert_eq!(pixels((1280, 720), Some((0, 9)), 1), (1280, 720));
+        assert_eq!(pixels((0, 0), None, 0), (1, 1), "a size is never 0");
+        assert_eq!(pixels((u32::MAX, 1), None, 3), (u32::MAX, 3));
     }
 }
