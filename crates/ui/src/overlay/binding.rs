@@ -109,12 +109,12 @@ fn chips_of(slider: &Slider, bound: &Bound) -> [Chip<'static>; 2] {
 
 /// Draws range, curve and smoothing. Returns the binding if one of them changed.
 fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<SoundBinding> {
-    let mut changed = None;
-    for (end, value) in [("low", binding.low), ("high", binding.high)] {
+    let mut new = binding.clone();
+    for (end, value, default) in [("low", &mut new.low, slider.min), ("high", &mut new.high, slider.max)] {
         let mut rail = Slider {
             name: format!("{} of {}", end, slider.name),
-            value: slider.param().clamped(value),
-            default: if end == "low" { slider.min } else { slider.max },
+            value: slider.param().clamped(*value),
+            default,
             bound: None,
             ..slider.clone()
         };
@@ -122,26 +122,19 @@ fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<Soun
         let before = rail.value;
         ui.push_id(end, |ui| params::rail(ui, &mut rail, params::STEP, false));
         if rail.value.to_bits() != before.to_bits() {
-            let mut new = binding.clone();
-            *(if end == "low" { &mut new.low } else { &mut new.high }) = rail.value;
-            changed = Some(new);
+            *value = rail.value;
         }
     }
     let curve = |curve: Curve| {
         Chip::new(curve.name(), format!("curve of {}: {}", slider.name, curve.name()), curve == binding.curve)
     };
-    if let Some(curve) = chips::choose(ui, "curve", &Curve::ALL, curve) {
-        changed = Some(SoundBinding { curve, ..binding.clone() });
-    }
-    if let Some(smoothing) = time(ui, slider, "rises", binding.smoothing) {
-        // The times stay equal until the user chooses the second one.
-        changed = Some(SoundBinding { smoothing, ..binding.clone() });
-    }
+    new.curve = chips::choose(ui, "curve", &Curve::ALL, curve).unwrap_or(new.curve);
+    // The times stay equal until the user chooses the second one.
+    new.smoothing = time(ui, slider, "rises", binding.smoothing).unwrap_or(new.smoothing);
     if let Some(release) = time(ui, slider, "falls", binding.release.unwrap_or(binding.smoothing)) {
-        let release = Some(release).filter(|release| *release != binding.smoothing);
-        changed = Some(SoundBinding { release, ..binding.clone() });
+        new.release = Some(release).filter(|release| *release != binding.smoothing);
     }
-    changed
+    (new != *binding).then_some(new)
 }
 
 /// Draws the smoothing times of one direction. Returns the clicked one, in seconds.

@@ -295,18 +295,15 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
     let Some(fraction) = notice.fraction else {
         return draw_sentence(&painter, space, notice.text, style::TEXT);
     };
-    draw_fraction(&painter, space, notice.text, fraction)
-}
-
-fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> Rect {
-    let galley = style::line(painter, text, style::HEADING_SIZE, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let room = LINE_WIDTH_MAX * space.width();
+    let galley = style::line(&painter, notice.text, style::HEADING_SIZE, style::TEXT, room);
     let width = galley.size().x.max(FRACTION_WIDTH).min(space.width());
     let size = vec2(width + 32.0, galley.size().y + 24.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
-    style::ground(painter, rect);
+    style::ground(&painter, rect);
     painter.galley(pos2(rect.center().x - 0.5 * galley.size().x, rect.top() + 7.0), galley, style::TEXT);
     let rail = Rect::from_min_size(pos2(rect.left() + 16.0, rect.bottom() - 12.0), vec2(width, 4.0));
-    style::fraction(painter, rail, fraction);
+    style::fraction(&painter, rail, fraction);
     rect
 }
 

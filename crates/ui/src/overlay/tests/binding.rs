@@ -72,8 +72,11 @@ fn two_clicks_bind_a_slider_and_more_clicks_shape_the_binding() {
         let soft = SoundBinding { smoothing: 0.3, ..binding.clone() };
         assert_eq!(desk.click("knob 1 rises: 0.3 s"), bind(Some(soft)));
         let envelope = SoundBinding { release: Some(1.0), ..binding.clone() };
-        assert_eq!(desk.click("knob 1 falls: 1 s"), bind(Some(envelope)));
+        assert_eq!(desk.click("knob 1 falls: 1 s"), bind(Some(envelope.clone())));
+        desk.sliders[1].bound = Some(Bound { binding: envelope, is_active: true });
         assert_eq!(desk.click("knob 1 falls: at once"), bind(Some(binding.clone())));
+        desk.sliders[1].bound = Some(Bound { binding: binding.clone(), is_active: true });
+        assert_eq!(desk.click("knob 1 falls: at once"), [], "the time is chosen already");
         let write = [Command::WriteBinding("knob 1".to_owned())];
         assert_eq!(desk.click("write the binding of knob 1 into the scene"), write);
         // The middle of the rail.
