@@ -2,38 +2,24 @@
 
 use mariana_work::{Worker, in_order};
 
-/// A handle to the clipboard thread, which opens the clipboard at the first use.
-pub(crate) struct Clipboard(Worker<Order, String>);
+/// The clipboard thread, which opens the clipboard at the first use and returns pasted text.
+pub(crate) type Clipboard = Worker<Order, String>;
 
-enum Order {
+pub(crate) enum Order {
     Copy(String),
     Paste,
 }
 
-impl Clipboard {
-    /// Starts the thread, which calls `wake` when pasted text has arrived.
-    pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        let thread = in_order("clipboard", wake, || {
-            let mut clipboard = None;
-            move |order| clipboard.get_or_insert_with(SystemClipboard::open).obey(order)
-        });
-        let thread = thread.inspect_err(|error| {
-            tracing::warn!("cannot start the clipboard, so copy and paste do not work: {error}");
-        });
-        Self(thread.unwrap_or_default())
-    }
-
-    pub(crate) fn copy(&self, text: String) {
-        self.0.send(Order::Copy(text));
-    }
-
-    pub(crate) fn paste(&self) {
-        self.0.send(Order::Paste);
-    }
-
-    pub(crate) fn pasted(&self) -> Option<String> {
-        self.0.poll()
-    }
+/// Starts the thread, which calls `wake` when pasted text has arrived.
+pub(crate) fn start(wake: impl Fn() + Send + 'static) -> Clipboard {
+    let thread = in_order("clipboard", wake, || {
+        let mut clipboard = None;
+        move |order| clipboard.get_or_insert_with(SystemClipboard::open).obey(order)
+    });
+    let thread = thread.inspect_err(|error| {
+        tracing::warn!("cannot start the clipboard, so copy and paste do not work: {error}");
+    });
+    thread.unwrap_or_default()
 }
 
 /// Without a system clipboard, copied text stays within Mariana.

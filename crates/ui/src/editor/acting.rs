@@ -11,6 +11,7 @@ use super::params::new_param;
 use super::proposing::Choice;
 use super::turning::key_turn;
 use super::{Document, EditAction, Editor, Question};
+use crate::clipboard::Order;
 
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
@@ -225,7 +226,9 @@ impl Editor {
                     }
                 });
             }
-            EditAction::Paste => self.clipboard.paste(),
+            EditAction::Paste => {
+                self.clipboard.send(Order::Paste);
+            }
             EditAction::SelectAll => {
                 self.with_text(|document| document.editing.select(0..document.editing.buffer().len()));
             }
@@ -321,7 +324,7 @@ impl Editor {
         }
         // The clipboard takes valid UTF-8 only.
         let text = String::from_utf8_lossy(selected).into_owned();
-        self.clipboard.copy(text);
+        self.clipboard.send(Order::Copy(text));
     }
 
     fn begin_find(&mut self) {

@@ -26,7 +26,7 @@ pub(crate) struct Document {
     /// A file, or a shipped scene or formula, which can only be copied.
     pub source: SceneSource,
     pub editing: Editing,
-    colors: RefCell<Colors>,
+    pub(super) colors: RefCell<Colors>,
     /// The file's contents when last read; `None` while the file is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
@@ -108,7 +108,7 @@ impl Document {
         if let OnDisk::Bytes(bytes) = &holds {
             self.editing = Editing::new(bytes.to_vec());
             self.noted = 0;
-            self.forget_colors(0);
+            self.colors.get_mut().forget_behind(0);
             if let Some((cursor, view)) = carried {
                 self.editing.move_to(cursor, false);
                 self.view = view;
@@ -160,7 +160,7 @@ impl Document {
         if is_new {
             self.noted = self.editing.version();
             if let Some(line) = self.editing.changed_line() {
-                self.forget_colors(line);
+                self.colors.get_mut().forget_behind(line);
             }
         }
         is_new
@@ -250,21 +250,13 @@ impl Document {
         Some((Number::at(buffer.line(line), &self.words(line), offset - start)?, start))
     }
 
-    pub(crate) fn with_colors<T>(&self, act: impl FnOnce(&mut Colors) -> T) -> T {
-        act(&mut self.colors.borrow_mut())
-    }
-
-    fn forget_colors(&self, line: usize) {
-        self.colors.borrow_mut().forget_behind(line);
-    }
-
     // Triples of numbers are colours to pick, and positions to drag in the frame. While the user changes a triple, its
     // numbers are frame inputs, like a turned number.
 
     /// Returns the `vec3` calls in `line` whose arguments are number literals, and the byte offset of the line's start.
     pub(crate) fn triples(&self, line: usize) -> (Vec<Triple>, usize) {
         let buffer = self.editing.buffer();
-        (self.with_colors(|colors| triples(buffer, colors, line)), buffer.line_start(line))
+        (triples(buffer, &mut self.colors.borrow_mut(), line), buffer.line_start(line))
     }
 
     /// Returns the triple that contains byte `at`, and the byte offset of the triple's line.

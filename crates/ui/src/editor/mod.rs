@@ -55,7 +55,7 @@ use texts::Texts;
 use turning::HeldNumbers;
 pub(crate) use wrapping::{RowPosition, Wrapping, row_of};
 
-use crate::clipboard::Clipboard;
+use crate::clipboard::{self, Clipboard};
 use mariana_commands::Command;
 use mariana_files::Folders;
 use mariana_render::frame::camera::Camera;
@@ -90,7 +90,7 @@ impl Editor {
     ) -> io::Result<Self> {
         Ok(Self {
             texts: Texts::start(drafts, folders, wake.clone())?,
-            clipboard: Clipboard::new(wake.clone()),
+            clipboard: clipboard::start(wake.clone()),
             focus: Focus::default(),
             finding: Finding::default(),
             proposals: Proposals::new(wake),
@@ -126,7 +126,7 @@ impl Editor {
                 self.show_notice(words);
             }
         }
-        while let Some(text) = self.clipboard.pasted() {
+        while let Some(text) = self.clipboard.poll() {
             self.put_in(text.as_bytes());
         }
         binding::write_waiting(self);

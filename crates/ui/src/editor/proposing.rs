@@ -90,7 +90,7 @@ impl Proposals {
     /// true if there are candidates.
     pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
-        let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));
+        let (range, list) = proposals(buffer, &mut document.colors.borrow_mut(), cursor, asked);
         let proposing = Proposing { from: range.start, list, selected: 0, moved: asked };
         self.shown = Some(proposing).filter(|proposing| !proposing.list.is_empty());
         self.shown.is_some()
