@@ -167,9 +167,7 @@ impl GlWindowContext {
 
     pub(crate) fn resize(&self, size: (u32, u32)) {
         self.open.size.set(size);
-        if let Some((width, height)) = self.size()
-            && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
-        {
+        if let (Some(width), Some(height)) = (NonZeroU32::new(size.0), NonZeroU32::new(size.1)) {
             self.surface.resize(&self.context, width, height);
         }
     }
@@ -177,10 +175,7 @@ impl GlWindowContext {
     /// Shows the drawn frame. Waits for vertical sync, if it is on.
     pub(crate) fn swap(&self) -> Result<(), SessionError> {
         self.open.window.pre_present_notify();
-        self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
-            ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
-            _ => refused("to show a frame", &error),
-        })
+        self.surface.swap_buffers(&self.context).map_err(not_shown)
     }
 
     pub(crate) fn is_fullscreen(&self) -> bool {
@@ -191,6 +186,14 @@ impl GlWindowContext {
 /// The error of the window system, which refuses what it was asked for.
 pub(crate) fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
     SessionError::Window { doing, reason: error.to_string() }
+}
+
+/// The error of a frame that the driver did not show.
+fn not_shown(error: glutin::error::Error) -> SessionError {
+    match error.error_kind() {
+        ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
+        _ => refused("to show a frame", &error),
+    }
 }
 
 pub(crate) fn shared(

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glutin::surface::SwapInterval;
+
 use super::layers::{Extent, OutputSurface, OutputSurfaces};
 use crate::export::print::print_message;
 use crate::session::SessionError;
@@ -114,7 +116,8 @@ impl Wall {
 
 /// Creates the OpenGL surface. If the driver refuses, the output has no wallpaper.
 fn hang(output_surface: &Arc<OutputSurface>, extent: Extent, window: &GlWindowContext) -> Hung {
-    let surface = window.wayland_surface_of(output_surface.clone(), extent.pixels);
+    // Showing a frame never waits: the compositor requests each frame.
+    let surface = window.surface_on(output_surface.clone(), extent.pixels, SwapInterval::DontWait);
     let surface = surface
         .inspect_err(|error| print_message(&format!("no wallpaper on {}: {error}", output_surface.name())));
     Hung {

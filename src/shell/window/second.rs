@@ -7,15 +7,13 @@ use std::sync::Arc;
 
 use glutin::context::PossiblyCurrentGlContext;
 use glutin::display::{GetGlDisplay, GlDisplay};
-use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
 use raw_window_handle::RawWindowHandle;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowAttributes};
 
-use super::{GlWindowContext, refused};
-use crate::gpu::error::GpuError;
+use super::{GlWindowContext, not_shown, refused};
 use crate::session::SessionError;
 use crate::shell::identity;
 use crate::shell::monitors::{Monitor, Rect};
@@ -80,16 +78,8 @@ impl GlWindowContext {
         Ok(second)
     }
 
-    /// Creates a wallpaper surface of `size` pixels. Showing a frame never waits: the compositor requests each frame.
-    pub(crate) fn wayland_surface_of(
-        &self,
-        output_surface: Arc<dyn DrawTarget>,
-        size: (u32, u32),
-    ) -> Result<SecondSurface, SessionError> {
-        self.surface_on(output_surface, size, SwapInterval::DontWait)
-    }
-
-    fn surface_on(
+    /// Creates a surface of `size` pixels on a target.
+    pub(crate) fn surface_on(
         &self,
         lies_on: Arc<dyn DrawTarget>,
         size: (u32, u32),
@@ -123,15 +113,11 @@ impl GlWindowContext {
         second: &SecondSurface,
         draw: impl FnOnce() -> Result<T, SessionError>,
     ) -> Result<T, SessionError> {
-        let failed = |error: glutin::error::Error| match error.error_kind() {
-            ErrorKind::ContextLost => GpuError::ContextLost("showing a frame").into(),
-            _ => refused("to show a frame on the output", &error),
-        };
-        self.context.make_current(&second.surface).map_err(failed)?;
+        self.context.make_current(&second.surface).map_err(not_shown)?;
         let drawn = draw();
         second.lies_on.is_about_to_show();
-        let shown = second.surface.swap_buffers(&self.context).map_err(failed);
-        self.context.make_current(&self.surface).map_err(failed)?;
+        let shown = second.surface.swap_buffers(&self.context).map_err(not_shown);
+        self.context.make_current(&self.surface).map_err(not_shown)?;
         drawn.and_then(|drawn| shown.map(|()| drawn))
     }
 }
