@@ -16,8 +16,9 @@ mod wall;
 mod windows;
 
 pub(crate) use layers::{Layers, OutputSurfaces, is_wayland};
-use rest::WallpaperPause;
 pub(crate) use wall::Wall;
+
+use mariana_work::Latest;
 
 use crate::placement::Area;
 use crate::session::Waker;
@@ -30,23 +31,23 @@ pub(crate) const FPS: f64 = 30.0;
 pub(crate) struct Wallpaper {
     /// Unknown on Wayland.
     monitors: MonitorWatch,
-    rest: WallpaperPause,
+    is_paused: Latest<bool>,
 }
 
 impl Wallpaper {
     /// Starts to watch monitors, windows and power. On Wayland the compositor reports monitors and visibility.
     pub(crate) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
-        let rest = WallpaperPause::start(output_surfaces.clone(), waker);
+        let is_paused = rest::watch(output_surfaces.clone(), waker);
         let mut monitors = MonitorWatch::default();
         if output_surfaces.is_none() {
             monitors.begin(waker.waking());
         }
-        Self { monitors, rest }
+        Self { monitors, is_paused }
     }
 
     /// True if the wallpaper is paused: covered, or on battery.
     pub(crate) fn is_paused(&self) -> bool {
-        self.rest.is_on()
+        *self.is_paused.lock()
     }
 
     pub(crate) fn place(&self) -> Option<Rect> {

@@ -16,51 +16,42 @@ use crate::shell::monitors::{Rect, overlap};
 
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
-/// True while the wallpaper must pause; a thread sets this flag. Dropping the flag ends the thread. `None` if the thread
-/// could not be started.
-pub(super) struct WallpaperPause(Option<Latest<bool>>);
-
-impl WallpaperPause {
-    /// Starts the checks. The wallpaper is on `output_surfaces`, or else in an X11 window.
-    pub(super) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
-        let waker = waker.clone();
-        let watch = move |shared: &Shared<bool>| {
-            // Do not ask the X server of a Wayland session: it knows only some of the windows.
+/// Starts the checks. The wallpaper is on `output_surfaces`, or else in an X11 window. The result is true while the
+/// wallpaper must pause, and always false if the thread cannot be started. Dropping it ends the thread.
+pub(super) fn watch(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Latest<bool> {
+    let waker = waker.clone();
+    let watch = move |shared: &Shared<bool>| {
+        // Do not ask the X server of a Wayland session: it knows only some of the windows.
+        #[cfg(all(unix, not(target_os = "macos")))]
+        let windows = if output_surfaces.is_none() { Windows::connect() } else { None };
+        let mut rested = false;
+        while !shared.is_over() {
             #[cfg(all(unix, not(target_os = "macos")))]
-            let windows = if output_surfaces.is_none() { Windows::connect() } else { None };
-            let mut rested = false;
-            while !shared.is_over() {
-                #[cfg(all(unix, not(target_os = "macos")))]
-                let is_covered =
-                    windows.as_ref().is_some_and(|windows| windows.cover_everything().unwrap_or(false));
-                #[cfg(not(all(unix, not(target_os = "macos"))))]
-                let is_covered = false;
-                let is_unseen =
-                    output_surfaces.as_ref().is_some_and(|surfaces| surfaces.are_unseen(Instant::now()));
-                // Leave out `is_unseen`: without requests from the compositor, the show stops drawing by itself.
-                let ordered = is_covered || power::is_from_battery(Path::new(power::FOLDER));
-                let rests = ordered || is_unseen;
-                if std::mem::replace(&mut rested, rests) != rests {
-                    tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
-                }
-                if std::mem::replace(&mut *shared.lock(), ordered) != ordered {
-                    waker.wake();
-                }
-                shared.rest(LOOK_PERIOD);
+            let is_covered =
+                windows.as_ref().is_some_and(|windows| windows.cover_everything().unwrap_or(false));
+            #[cfg(not(all(unix, not(target_os = "macos"))))]
+            let is_covered = false;
+            let is_unseen =
+                output_surfaces.as_ref().is_some_and(|surfaces| surfaces.are_unseen(Instant::now()));
+            // Leave out `is_unseen`: without requests from the compositor, the show stops drawing by itself.
+            let ordered = is_covered || power::is_from_battery(Path::new(power::FOLDER));
+            let rests = ordered || is_unseen;
+            if std::mem::replace(&mut rested, rests) != rests {
+                tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
             }
-        };
-        let watching = looping("wallpaper", false, watch);
-        let watching = watching.inspect_err(|error| {
-            tracing::warn!(
-                "cannot start the thread that watches for covering windows, so the wallpaper does not pause: {error}"
-            );
-        });
-        Self(watching.ok())
-    }
-
-    pub(super) fn is_on(&self) -> bool {
-        self.0.as_ref().is_some_and(|watching| *watching.lock())
-    }
+            if std::mem::replace(&mut *shared.lock(), ordered) != ordered {
+                waker.wake();
+            }
+            shared.rest(LOOK_PERIOD);
+        }
+    };
+    let watching = looping("wallpaper", false, watch);
+    let watching = watching.inspect_err(|error| {
+        tracing::warn!(
+            "cannot start the thread that watches for covering windows, so the wallpaper does not pause: {error}"
+        );
+    });
+    watching.unwrap_or_default()
 }
 
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
