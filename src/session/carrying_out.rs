@@ -225,7 +225,7 @@ impl Playback {
 
 impl Interface {
     fn turn_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, way: [f64; 2]) {
-        if !self.is_for_picture(screen, self.input.began()) {
+        if !self.is_for_picture(screen, self.input.pointer.began()) {
             return;
         }
         let height = f64::from(screen.size().map_or(1, |(_, height)| height));
@@ -234,7 +234,7 @@ impl Interface {
     }
 
     fn zoom_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, notches: f64) {
-        if self.is_for_picture(screen, self.input.began()) {
+        if self.is_for_picture(screen, self.input.pointer.began()) {
             playback.scene.move_camera(|orbit, _| orbit.zoom(notches));
         }
     }

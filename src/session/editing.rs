@@ -53,7 +53,7 @@ impl Session {
         if !self.interface.is_edited() {
             return false;
         }
-        let (held, begun) = (self.interface.input.held(), clock::now());
+        let (held, begun) = (self.interface.input.held, clock::now());
         let Some(editor) = &mut self.interface.ui_state.editor else { return false };
         let taken = match input {
             // The overlay handles clicks on the editor before this function is called.

@@ -49,7 +49,7 @@ impl Interface {
     /// The pointer over the picture in a window of this size, as fractions of the picture from the lower left corner, and
     /// true while its button is held; `None` without a picture, or if the pointer is beside it.
     pub(super) fn pointer_over_picture(&self, size: (u32, u32)) -> Option<([f32; 2], bool)> {
-        let (place, pressed) = self.input.pointer();
+        let (place, pressed) = self.input.pointer.place();
         let [x, y] = self.in_picture(place, size)?.map(|fraction| fraction as f32);
         Some(([x, 1.0 - y], pressed))
     }
@@ -115,7 +115,7 @@ impl Interface {
         let busy = self.probing.prober.as_ref().is_some_and(Prober::draws);
         let Some(size) = self.probing.size.filter(|_| self.probing.ray.is_some() && !busy) else { return };
         let pictures = &playback.scene.composer.pictures;
-        let at = self.in_picture(self.input.pointer().0, size).unwrap_or([0.5; 2]);
+        let at = self.in_picture(self.input.pointer.place().0, size).unwrap_or([0.5; 2]);
         let question = Some((pictures.count, at, size));
         let scenery = pictures.scenery();
         let Some(ray) = self.probing.ray.as_mut().filter(|ray| ray.asked != question) else { return };

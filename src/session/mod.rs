@@ -247,9 +247,9 @@ impl Session {
     }
 
     fn open_dropped(&mut self) {
-        let dropped = self.interface.input.drain_dropped();
+        let dropped = std::mem::take(&mut self.interface.input.dropped);
         if !dropped.is_empty() {
-            let append = self.interface.input.held().contains(Modifiers::SHIFT)
+            let append = self.interface.input.held.contains(Modifiers::SHIFT)
                 || self.interface.ui_state.panels.open == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }

@@ -14,7 +14,7 @@ const NOTCH_PIXELS: f64 = 40.0;
 
 /// The state of the mouse, from events that do not belong to the overlay.
 #[derive(Debug, Default)]
-pub(crate) struct Pointer {
+pub struct Pointer {
     place: [f64; 2],
     last_click: Option<(Instant, [f64; 2])>,
     /// While the button is held: the last position, and true once the movement is a drag.
@@ -48,12 +48,12 @@ impl Pointer {
     }
 
     /// The position in pixels at which the present gesture began; the pointer's position if no button is held.
-    pub(crate) fn began(&self) -> [f64; 2] {
+    pub fn began(&self) -> [f64; 2] {
         if self.held.is_some() { self.pressed_at } else { self.place }
     }
 
     /// The position in pixels, and true while the first button is held.
-    pub(crate) fn place(&self) -> ([f64; 2], bool) {
+    pub fn place(&self) -> ([f64; 2], bool) {
         (self.place, self.held.is_some())
     }
 

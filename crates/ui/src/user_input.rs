@@ -10,10 +10,12 @@ use mariana_commands::input::{Input, Key, Modifiers};
 /// The state of keys and mouse, from input that does not belong to the overlay.
 #[derive(Debug, Default)]
 pub struct UserInput {
-    pointer: Pointer,
-    held: Modifiers,
+    /// The mouse.
+    pub pointer: Pointer,
+    /// The held modifier keys.
+    pub held: Modifiers,
     /// Files dropped onto the window. Files of one drop arrive one by one.
-    dropped: Vec<PathBuf>,
+    pub dropped: Vec<PathBuf>,
 }
 
 impl UserInput {
@@ -42,26 +44,6 @@ impl UserInput {
             _ => None,
         }
     }
-
-    /// Removes and returns the dropped files.
-    pub fn drain_dropped(&mut self) -> Vec<PathBuf> {
-        std::mem::take(&mut self.dropped)
-    }
-
-    /// The held modifier keys.
-    pub fn held(&self) -> Modifiers {
-        self.held
-    }
-
-    /// The position at which the present pointer gesture began, in pixels.
-    pub fn began(&self) -> [f64; 2] {
-        self.pointer.began()
-    }
-
-    /// The pointer's position in pixels, and true while its first button is held over the picture.
-    pub fn pointer(&self) -> ([f64; 2], bool) {
-        self.pointer.place()
-    }
 }
 
 #[cfg(test)]
@@ -71,13 +53,12 @@ mod tests {
     use mariana_commands::input::PointerButton;
 
     #[test]
-    fn files_that_are_dropped_together_are_taken_together_and_once() {
+    fn files_that_are_dropped_together_stay_together() {
         let mut input = UserInput::default();
         for name in ["a.wav", "b.wav"] {
             assert_eq!(input.handle(&Input::Dropped(name.into()), Instant::now()), None);
         }
-        assert_eq!(input.drain_dropped(), [PathBuf::from("a.wav"), "b.wav".into()]);
-        assert!(input.drain_dropped().is_empty());
+        assert_eq!(input.dropped, [PathBuf::from("a.wav"), "b.wav".into()]);
     }
 
     #[test]
