@@ -91,7 +91,7 @@ impl Session {
         let map = lay.map(&self.playback.renderer, area);
         self.interface.update_map(&mut self.playback, map, size);
         if let Some(OpenPanel::Corners(handles)) = &mut self.interface.ui_state.panel {
-            handles.set_area(area);
+            handles.area = area;
         }
         self.interface.update_scene(&mut self.playback);
         let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);

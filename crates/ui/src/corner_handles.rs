@@ -17,18 +17,13 @@ pub struct CornerHandles {
     /// The index of the selected corner.
     pub selected: usize,
     /// The part of the window that shows the output's screen, as fractions of the window.
-    area: Area,
+    pub area: Area,
 }
 
 impl CornerHandles {
     /// Shows handles for these corners and selects the upper left corner.
     pub fn new(corners: Corners) -> Self {
         Self { corners, selected: 0, area: [0.0, 0.0, 1.0, 1.0] }
-    }
-
-    /// Sets the part of the window that shows the output's screen, as fractions of the window.
-    pub fn set_area(&mut self, area: Area) {
-        self.area = area;
     }
 
     /// Sets the corners and selects one of them.
@@ -96,7 +91,7 @@ mod tests {
     fn positions_convert_between_window_and_screen() {
         let mut handles = CornerHandles::new(Corners::default().with(2, [0.5, 0.75]).unwrap());
         let before = handles;
-        handles.set_area([0.25, 0.0, 0.75, 1.0]);
+        handles.area = [0.25, 0.0, 0.75, 1.0];
         assert_ne!(handles, before);
         assert_eq!(handles.places()[2], [0.5, 0.75]);
         assert_eq!(handles.places()[3], [0.25, 1.0]);

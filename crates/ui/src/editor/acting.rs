@@ -32,7 +32,8 @@ impl Editor {
             }
             return is_used;
         }
-        if self.focus.leaves_out(press.repeat) || self.handle_small_key(press, held) {
+        self.focus.ignores_repeats &= press.repeat;
+        if self.focus.ignores_repeats || self.handle_small_key(press, held) {
             return true;
         }
         if let Some(action) = action {

@@ -28,10 +28,4 @@ impl Focus {
             self.early.clear();
         }
     }
-
-    /// True if a repeated key must be ignored because it was pressed before the editor got the focus.
-    pub(super) fn leaves_out(&mut self, repeat: bool) -> bool {
-        self.ignores_repeats &= repeat;
-        self.ignores_repeats
-    }
 }

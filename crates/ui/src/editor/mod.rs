@@ -201,7 +201,9 @@ impl Editor {
 
     /// Sets the frame's position in the window and its camera.
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
-        let (is_new, moves) = self.picture.set_view(map, camera);
+        let picture = &mut self.picture;
+        let (is_new, moves) = (picture.map != Some(map), picture.camera != camera);
+        (picture.map, picture.camera) = (Some(map), camera);
         // Only the cross that marks a position depends on the camera.
         let is_crossed =
             || self.document().is_some_and(|document| self.held_numbers.place(document).is_some());
@@ -264,7 +266,7 @@ impl Editor {
 
     /// True if the editor needs ray statistics of the frame.
     pub fn wants_ray_statistics(&self) -> bool {
-        self.picture.wants_ray_statistics()
+        self.picture.lights || self.picture.profiles
     }
 
     pub(crate) fn grab(&mut self, at: usize) {

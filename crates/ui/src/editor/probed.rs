@@ -16,7 +16,7 @@ use mariana_scenes::probing::Probed;
 pub(crate) struct ProbedPicture {
     /// Maps positions in the window to positions in the frame.
     pub(crate) map: Option<Map>,
-    camera: Option<Camera>,
+    pub(super) camera: Option<Camera>,
     pub(crate) probed: Option<Probed>,
     /// True while parts drawn by the lines at the cursor are highlighted.
     pub(crate) lights: bool,
@@ -33,23 +33,12 @@ pub(crate) struct Light {
 }
 
 impl ProbedPicture {
-    /// Sets the frame's position in the window, and the camera. For each of the two, returns true if it has changed.
-    pub(super) fn set_view(&mut self, map: Map, camera: Option<Camera>) -> (bool, bool) {
-        let is_new = (self.map != Some(map), self.camera != camera);
-        (self.map, self.camera) = (Some(map), camera);
-        is_new
-    }
-
     pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
         match self.lights {
             true => "highlighting what the line at the cursor draws",
             false => "highlighting off",
         }
-    }
-
-    pub(super) fn wants_ray_statistics(&self) -> bool {
-        self.lights || self.profiles
     }
 
     /// Returns the formula of the clicked point: the number of its text, and its byte range in the loaded text.
