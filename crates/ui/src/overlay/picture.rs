@@ -21,7 +21,8 @@ impl Hash for Cover<'_> {
 /// Returns the texture of a picture. The texture is dropped after a layout that does not draw the picture.
 pub(super) fn texture(context: &Context, image: &Arc<RgbaImage>) -> TextureId {
     let id = Id::unique(("picture", Arc::as_ptr(image) as usize));
-    kept::texture(context, id, image.clone(), || pixels(image))
+    let size = [image.width() as usize, image.height() as usize];
+    kept::texture(context, id, image.clone(), || ColorImage::from_rgba_unmultiplied(size, image.as_raw()))
 }
 
 /// Draws the middle of a cover in a square.
@@ -31,9 +32,4 @@ pub(super) fn draw_cover(painter: &Painter, square: Rect, Cover(image): Cover<'_
     let part = Rect::from_center_size(pos2(0.5, 0.5), vec2(side / width, side / height));
     let tint = Color32::WHITE.gamma_multiply(painter.opacity());
     painter.add(egui::Shape::image(texture(painter.ctx(), image), square, part, tint));
-}
-
-fn pixels(image: &RgbaImage) -> ColorImage {
-    let size = [image.width() as usize, image.height() as usize];
-    ColorImage::from_rgba_unmultiplied(size, image.as_raw())
 }

@@ -29,8 +29,8 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Returns the extent of a surface of `units` on an output with the integer `scale`. Frames have the output's pixels
-    /// (`mode`), if they are known, so that fractional scales are exact.
+    /// Returns the extent of a surface of `units` on an output with the integer `scale`. Frames have the output's
+    /// pixels (`mode`), if they are known, so that fractional scales are exact.
     fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32) -> Self {
         let units = (units.0.max(1), units.1.max(1));
         let scale = scale.max(1);
