@@ -1,7 +1,7 @@
 //! The open texts of the editor, the visible text, and its scroll position.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use mariana_scenes::{Findings, SceneSource};
@@ -77,30 +77,22 @@ impl Documents {
 
     /// The tabs: one for each text of the scene, or only one while the scene's files are unknown.
     pub(super) fn tabs(&self, findings: Option<&Findings>) -> Vec<Tab> {
-        let of_document = |document: &Document, shows| Tab {
-            name: document.name(),
-            shows,
-            wrong: document.mistakes().next().is_some(),
-            dirty: document.is_dirty(),
+        let tab = |number: usize, file: &Path, open: Option<&Document>| Tab {
+            name: match open {
+                Some(open) => open.name(),
+                None => file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            },
+            shows: self.shown().zip(open).is_some_and(|(shown, open)| std::ptr::eq(shown, open)),
+            wrong: match open {
+                Some(open) => open.mistakes().next().is_some(),
+                None => findings.iter().flat_map(|found| &found.mistakes).any(|one| one.text == number),
+            },
+            dirty: open.is_some_and(Document::is_dirty),
         };
-        let of_file = |number: usize, file: &PathBuf| Tab {
-            name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            shows: false,
-            wrong: findings.iter().flat_map(|found| &found.mistakes).any(|one| one.text == number),
-            dirty: false,
-        };
-        let texts = findings.map_or(&[][..], |found| &found.texts);
-        let mut tabs: Vec<Tab> = Vec::new();
-        for (number, file) in texts.iter().enumerate() {
-            let open = self.all.iter().enumerate().find(|(_, one)| one.file() == Some(file));
-            tabs.push(
-                open.map_or_else(|| of_file(number, file), |(at, one)| of_document(one, at == self.shown)),
-            );
+        match findings.map_or(&[][..], |found| &found.texts) {
+            [] => Vec::from_iter(self.shown().map(|document| tab(0, Path::new(""), Some(document)))),
+            texts => (0..).zip(texts).map(|(number, file)| tab(number, file, self.of(file))).collect(),
         }
-        if tabs.is_empty() {
-            tabs.extend(self.shown().map(|document| of_document(document, true)));
-        }
-        tabs
     }
 
     /// Sets the numbers of visible lines and columns. Returns true if a number has changed.
