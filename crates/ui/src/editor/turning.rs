@@ -39,14 +39,13 @@ struct Held {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct HeldNumber {
-    /// The input's index among the numbers of the text.
-    place: usize,
+    /// The input's index among the numbers of the text, and the range in which a frame may set the input without a new
+    /// parse of the text.
+    turning: Turning,
     /// Offset of the input's digits in the loaded text.
     digits: usize,
     /// True if a minus precedes the digits in the loaded text.
     negated: bool,
-    /// The range in which a frame may set the input without a new parse of the text.
-    room: (f32, f32),
 }
 
 impl Turn {
@@ -143,14 +142,11 @@ impl HeldNumbers {
             let digits = digits_value(*value, negated);
             // No scene divides by a colour or a position, so its range may include 0.
             let wide = 4.0 * digits.abs().max(1.0);
-            let room = if is_triple { (-wide, wide) } else { Number::room(digits) };
+            let (least, most) = if is_triple { (-wide, wide) } else { Number::room(digits) };
             let digits = now.start + usize::from(negated);
-            inputs.push(HeldNumber { place: *place, digits, negated, room });
+            inputs.push(HeldNumber { turning: Turning { place: *place, least, most }, digits, negated });
         }
-        let turning: Vec<Turning> = inputs
-            .iter()
-            .map(|input| Turning { place: input.place, least: input.room.0, most: input.room.1 })
-            .collect();
+        let turning: Vec<Turning> = inputs.iter().map(|input| input.turning).collect();
         turn.held = texts.hold(&turn.file, &turning).map(|since| Held { inputs, since });
     }
 
@@ -204,13 +200,14 @@ impl HeldNumbers {
         let inputs = held.inputs.iter().zip(values);
         let of_frame: Vec<(HeldNumber, f32)> =
             inputs.map(|(input, value)| (*input, digits_value(*value, input.negated))).collect();
-        if of_frame.iter().all(|(input, value)| (input.room.0..=input.room.1).contains(value)) {
+        let fits = |turning: Turning, value: &f32| (turning.least..=turning.most).contains(value);
+        if of_frame.iter().all(|(input, value)| fits(input.turning, value)) {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
             let turned = TurnedNumbers { file: turn.file.clone(), values };
             texts.outbox.commands.push(Command::TurnNumbers(turned));
         } else {
             // A value is out of range: parse the new text, with ranges around the new values.
-            let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();
+            let places: Vec<usize> = held.inputs.iter().map(|input| input.turning.place).collect();
             self.hold(&places, values, texts);
         }
     }
