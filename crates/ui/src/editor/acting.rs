@@ -4,7 +4,6 @@ use mariana_commands::input::{Key, KeyPress, Modifiers, NamedKey};
 use mariana_commands::{Command, Panel};
 use mariana_editing::{Editing, Move, Refused};
 
-use super::finding::QueryKey;
 use super::focus::Early;
 use super::keys::{action_of, way_of};
 use super::params::new_param;
@@ -68,14 +67,28 @@ impl Editor {
     }
 
     fn handle_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
-        match self.finding.handle_key(&press.key, held) {
-            QueryKey::Next { forward } => self.find_next(forward),
-            QueryKey::Changed => {}
-            QueryKey::Other => match self.proposals.choose(&press.key, held) {
-                Choice::Take(number) => self.accept_proposal(number),
-                Choice::Changed => {}
-                Choice::Other => return false,
-            },
+        if self.handle_query_key(&press.key, held) {
+            return true;
+        }
+        match self.proposals.choose(&press.key, held) {
+            Choice::Take(number) => self.accept_proposal(number),
+            Choice::Changed => {}
+            Choice::Other => return false,
+        }
+        true
+    }
+
+    /// Handles a key of the search line while it is typed.
+    fn handle_query_key(&mut self, key: &Key, held: Modifiers) -> bool {
+        let Some(find) = self.finding.line.as_mut().filter(|find| find.typing) else { return false };
+        match key {
+            Key::Named(NamedKey::Enter) => self.find_next(!held.contains(Modifiers::SHIFT)),
+            Key::Named(NamedKey::Backspace) => _ = find.query.pop(),
+            Key::Named(NamedKey::ArrowUp | NamedKey::ArrowDown) => {
+                find.typing = false;
+                return false;
+            }
+            _ => return false,
         }
         true
     }

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Editing, find};
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
@@ -10,16 +9,6 @@ pub(crate) struct Find {
     pub query: String,
     /// True while keys are typed into the search line.
     pub typing: bool,
-}
-
-/// The meaning of a key for the search line.
-pub(super) enum QueryKey {
-    /// Go to the next or previous match.
-    Next { forward: bool },
-    /// The search text changed.
-    Changed,
-    /// The key does not belong to the search line.
-    Other,
 }
 
 #[derive(Default)]
@@ -37,22 +26,6 @@ impl Finding {
 
     pub(super) fn typed(&mut self) -> Option<&mut String> {
         self.line.as_mut().filter(|find| find.typing).map(|find| &mut find.query)
-    }
-
-    pub(super) fn handle_key(&mut self, key: &Key, held: Modifiers) -> QueryKey {
-        let Some(find) = self.line.as_mut().filter(|find| find.typing) else { return QueryKey::Other };
-        match key {
-            Key::Named(NamedKey::Enter) => QueryKey::Next { forward: !held.contains(Modifiers::SHIFT) },
-            Key::Named(NamedKey::Backspace) => {
-                find.query.pop();
-                QueryKey::Changed
-            }
-            Key::Named(NamedKey::ArrowUp | NamedKey::ArrowDown) => {
-                find.typing = false;
-                QueryKey::Other
-            }
-            _ => QueryKey::Other,
-        }
     }
 
     /// Finds the next or previous match. Returns a message if there is no match, and `None` without a search text.
