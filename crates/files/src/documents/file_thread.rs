@@ -14,9 +14,8 @@ use crate::atomic_file::AtomicFile;
 use crate::reading::read_at_most;
 use crate::{Folders, limits};
 
-/// Interval of the checks for changes that other programs make to the files.
-const LOOK: Duration = Duration::from_millis(400);
-const KEEP: Duration = Duration::from_millis(300);
+/// Interval of the backups, and of the checks for changes that other programs make to the files.
+const TICK: Duration = Duration::from_millis(300);
 const NAMES_MAX: usize = 1_000;
 
 /// A thread for file access. The thread ends when this is dropped and all requests are done.
@@ -27,13 +26,7 @@ pub struct FileThread {
     own_scenes: Option<PathBuf>,
 }
 
-enum Order {
-    Open(PathBuf),
-    Save { file: PathBuf, text: Bytes, believed: Option<OnDisk> },
-    Create { folder: PathBuf, name: String, text: Bytes },
-    Keep { file: PathBuf, text: Option<Bytes> },
-    Finish(Sender<()>),
-}
+type Order = Box<dyn FnOnce(&mut FileThreadState) + Send>;
 
 impl FileThread {
     /// Starts the thread. Backups and new scenes go into `folders`. The thread calls `wake` after each event.
@@ -45,11 +38,11 @@ impl FileThread {
         let own_scenes = folders.own_scenes();
         let ((orders, inbox), (tell, file_events)) = (channel(), channel());
         Builder::new().name("documents".into()).spawn(move || {
-            let tell = move |file_events| {
+            let tell = Box::new(move |file_event| {
                 // The receiver may be gone at exit.
-                let _ = tell.send(file_events);
+                let _ = tell.send(file_event);
                 wake();
-            };
+            });
             FileThreadState { tell, kept, known: BTreeMap::new(), to_keep: BTreeMap::new() }.run(&inbox);
         })?;
         Ok(Self { orders, file_events, own_scenes })
@@ -62,22 +55,29 @@ impl FileThread {
 
     /// Reads a file and watches it from now on.
     pub fn open(&self, file: &Path) {
-        self.order(Order::Open(file.to_owned()));
+        let file = file.to_owned();
+        self.order(move |state| state.open(file));
     }
 
     /// Saves a text if the file still has the content `believed`. `None` overwrites any content.
     pub fn save(&self, file: &Path, text: Bytes, believed: Option<OnDisk>) {
-        self.order(Order::Save { file: file.to_owned(), text, believed });
+        let file = file.to_owned();
+        self.order(move |state| state.save(file, text, believed));
     }
 
     /// Creates a new scene file in `folder` with a name like `name`.
     pub fn create(&self, folder: &Path, name: &str, text: Bytes) {
-        self.order(Order::Create { folder: folder.to_owned(), name: name.to_owned(), text });
+        let (folder, name) = (folder.to_owned(), name.to_owned());
+        self.order(move |state| state.create(&folder, &name, &text));
     }
 
     /// Backs up an unsaved text; `None` removes the backup.
     pub fn keep(&self, file: &Path, text: Option<Bytes>) {
-        self.order(Order::Keep { file: file.to_owned(), text });
+        let file = file.to_owned();
+        self.order(move |state| match text {
+            Some(text) => drop(state.to_keep.insert(file, text)),
+            None => state.forget(&file),
+        });
     }
 
     /// Returns the next event. Never blocks.
@@ -88,14 +88,17 @@ impl FileThread {
     /// Waits until all requests are done, for at most `limit`.
     pub fn finish(&self, limit: Duration) {
         let (done, finished) = channel();
-        self.order(Order::Finish(done));
+        self.order(move |state| {
+            state.keep_all();
+            let _ = done.send(());
+        });
         if finished.recv_timeout(limit).is_err() {
             tracing::warn!("the disk is slow: unsaved text may not be backed up");
         }
     }
 
-    fn order(&self, order: Order) {
-        if self.orders.send(order).is_err() {
+    fn order(&self, order: impl FnOnce(&mut FileThreadState) + Send + 'static) {
+        if self.orders.send(Box::new(order)).is_err() {
             tracing::error!("the thread that saves files has ended: this is a bug in Mariana");
         }
     }
@@ -111,68 +114,45 @@ struct Known {
 /// Length and modification time; `None` if the file does not exist.
 type Stamp = Option<(u64, Option<SystemTime>)>;
 
-/// The next backup of a text, and the time of the previous backup.
-struct ToKeep {
-    text: Option<Bytes>,
-    last: Option<Instant>,
-}
-
-struct FileThreadState<Tell> {
-    tell: Tell,
+struct FileThreadState {
+    tell: Box<dyn Fn(FileEvent)>,
     kept: KeptTexts,
     known: BTreeMap<PathBuf, Known>,
-    to_keep: BTreeMap<PathBuf, ToKeep>,
+    /// The texts that are not backed up yet.
+    to_keep: BTreeMap<PathBuf, Bytes>,
 }
 
-impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
+impl FileThreadState {
     fn run(&mut self, inbox: &Receiver<Order>) {
-        let mut looked = Instant::now();
+        let mut ticked = Instant::now();
         loop {
-            let look = (!self.known.is_empty()).then_some(looked + LOOK);
-            let now = Instant::now();
-            let keep = self.to_keep.values().filter(|one| one.text.is_some()).map(|one| one.due(now));
-            let due = keep.chain(look).min();
-            let order = match due {
-                Some(due) => inbox.recv_timeout(due.saturating_duration_since(now)),
-                None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
-            };
-            match order {
-                Ok(order) => self.obey(order),
+            let is_idle = self.known.is_empty() && self.to_keep.is_empty();
+            let wait = if is_idle { Duration::MAX } else { TICK.saturating_sub(ticked.elapsed()) };
+            match inbox.recv_timeout(wait) {
+                Ok(order) => order(self),
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return self.keep_all(true),
+                Err(RecvTimeoutError::Disconnected) => return self.keep_all(),
             }
-            self.keep_all(false);
-            if looked + LOOK <= Instant::now() {
+            if ticked.elapsed() >= TICK {
+                self.keep_all();
                 self.report_changed_files();
-                looked = Instant::now();
+                ticked = Instant::now();
             }
         }
     }
 
-    fn obey(&mut self, order: Order) {
-        match order {
-            Order::Open(file) => {
-                let known = known(&file);
-                let holds = known.holds.clone();
-                let kept = self.kept.of(&file);
-                self.known.insert(file.clone(), known);
-                (self.tell)(FileEvent::Opened { file, holds, kept });
-            }
-            Order::Save { file, text, believed } => self.save(file, text, believed),
-            Order::Create { folder, name, text } => self.create(&folder, &name, &text),
-            Order::Keep { file, text: Some(text) } => {
-                let entry = self.to_keep.entry(file).or_insert(ToKeep { text: None, last: None });
-                entry.text = Some(text);
-            }
-            Order::Keep { file, text: None } => {
-                self.to_keep.remove(&file);
-                self.kept.forget(&file);
-            }
-            Order::Finish(done) => {
-                self.keep_all(true);
-                let _ = done.send(());
-            }
-        }
+    fn open(&mut self, file: PathBuf) {
+        let known = known(&file);
+        let holds = known.holds.clone();
+        let kept = self.kept.of(&file);
+        self.known.insert(file.clone(), known);
+        (self.tell)(FileEvent::Opened { file, holds, kept });
+    }
+
+    /// Removes the backup of a text.
+    fn forget(&mut self, file: &Path) {
+        self.to_keep.remove(file);
+        self.kept.forget(file);
     }
 
     fn save(&mut self, file: PathBuf, text: Bytes, believed: Option<OnDisk>) {
@@ -191,8 +171,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
                 let now = known(&file);
                 let is_own = matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
                 self.known.insert(file.clone(), Known { is_own, ..now });
-                self.to_keep.remove(&file);
-                self.kept.forget(&file);
+                self.forget(&file);
                 (self.tell)(FileEvent::Saved { file, text });
             }
             Err(error) => {
@@ -222,16 +201,9 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
         }
     }
 
-    /// Backs up the texts that are due, or `all` of them.
-    fn keep_all(&mut self, all: bool) {
-        let now = Instant::now();
-        for (file, one) in &mut self.to_keep {
-            if !all && one.due(now) > now {
-                continue;
-            }
-            let Some(text) = one.text.take() else { continue };
-            one.last = Some(now);
-            if let Err(reason) = self.kept.keep(file, &text) {
+    fn keep_all(&mut self) {
+        for (file, text) in std::mem::take(&mut self.to_keep) {
+            if let Err(reason) = self.kept.keep(&file, &text) {
                 let reason =
                     format!("Mariana cannot back up the unsaved text of {}: {reason}", file.display());
                 (self.tell)(FileEvent::Failed(reason));
@@ -252,13 +224,6 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
                 (self.tell)(FileEvent::Changed { file: file.clone(), holds: before.holds.clone() });
             }
         }
-    }
-}
-
-impl ToKeep {
-    /// Returns the time of the next backup; `now` for the first backup.
-    fn due(&self, now: Instant) -> Instant {
-        self.last.map_or(now, |last| last + KEEP)
     }
 }
 
