@@ -59,21 +59,14 @@ impl Device {
     }
 
     fn handle_message(&mut self, message: Message, tell: &mut impl FnMut(Said)) {
-        let (source, value, is_press) = match message {
-            Message::Note { channel, key, velocity } => {
-                (Source::Note { channel, key }, fraction(velocity), velocity > 0)
+        let Message::Moved(source, sent) = message else { return tell(Said::Time(message)) };
+        let (value, is_press) = match source {
+            Source::Control { channel, number } => {
+                return self.handle_control(channel, number, sent as u8, tell);
             }
-            Message::Control { channel, number, value } => {
-                return self.handle_control(channel, number, value, tell);
-            }
-            Message::Bend { channel, value } => (Source::Bend { channel }, fraction_of_bend(value), false),
-            Message::Program { channel, number } => (Source::Program { channel }, fraction(number), true),
-            Message::Pressure { channel, value } => (Source::Pressure { channel }, fraction(value), false),
-            time @ (Message::Clock
-            | Message::Start
-            | Message::Continue
-            | Message::Stop
-            | Message::Position(_)) => return tell(Said::Time(time)),
+            Source::Bend { .. } => (fraction_of_bend(sent), false),
+            Source::Note { .. } => (fraction(sent), sent > 0),
+            _ => (fraction(sent), source.is_pressed()),
         };
         tell(Said::Moved(KnobMove::to(self.name.clone(), source, value, is_press)));
     }
@@ -102,7 +95,7 @@ impl Device {
         // The high bits of a 14-bit controller repeat their value as an encoder does.
         let encoding = encoding.filter(|_| fine.is_none());
         let control = Source::Control { channel, number };
-        tell(Said::Moved(KnobMove { encoding, ..moved(control, fraction(value), is_press) }));
+        tell(Said::Moved(KnobMove { encoding, ..moved(control, fraction(value.into()), is_press) }));
         if let Some(coarse) = fine {
             let of = |number: u8| state.values.get(usize::from(number)).copied().unwrap_or_default();
             let value = f32::from(u16::from(of(coarse)) << 7 | u16::from(of(coarse + 32))) / 16_383.0;
@@ -118,7 +111,7 @@ impl Device {
     }
 }
 
-fn fraction(value: u8) -> f32 {
+fn fraction(value: u16) -> f32 {
     f32::from(value) / 127.0
 }
 

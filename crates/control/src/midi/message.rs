@@ -1,47 +1,13 @@
 //! Parser of MIDI bytes (MIDI 1.0, "Detailed Specification" 4.2).
 
-/// A supported message. Channels count from 0, as in the bytes.
+use super::source::Source;
+
+/// A supported message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Message {
-    /// A key is pressed, or released if the velocity is 0.
-    Note {
-        /// 0..=15.
-        channel: u8,
-        /// 0..=127; 60 is middle C.
-        key: u8,
-        /// 0..=127.
-        velocity: u8,
-    },
-    /// A knob, fader or pedal.
-    Control {
-        /// 0..=15.
-        channel: u8,
-        /// 0..=127.
-        number: u8,
-        /// 0..=127.
-        value: u8,
-    },
-    /// The pitch bend wheel.
-    Bend {
-        /// 0..=15.
-        channel: u8,
-        /// 0..=16383; 8192 at rest.
-        value: u16,
-    },
-    /// A program change.
-    Program {
-        /// 0..=15.
-        channel: u8,
-        /// 0..=127.
-        number: u8,
-    },
-    /// The pressure on the keys of a channel.
-    Pressure {
-        /// 0..=15.
-        channel: u8,
-        /// 0..=127.
-        value: u8,
-    },
+    /// A control sent a value: 0..=16383 of the pitch bend wheel, where 8192 is at rest, and 0..=127 of other controls.
+    /// A key sends its velocity, 0 when it is released; a program change sends the program's number.
+    Moved(Source, u16),
     /// A clock message, 24 per beat.
     Clock,
     /// The song starts from its beginning at the next clock message.
@@ -120,17 +86,18 @@ fn expects(status: u8) -> Expects {
 fn message(status: u8, [first, second]: [u8; 2]) -> Option<Message> {
     let channel = status & 0xf;
     let wide = u16::from(second) << 7 | u16::from(first);
-    match status {
-        0x80..=0x8f => Some(Message::Note { channel, key: first, velocity: 0 }),
-        0x90..=0x9f => Some(Message::Note { channel, key: first, velocity: second }),
-        0xb0..=0xbf => Some(Message::Control { channel, number: first, value: second }),
-        0xc0..=0xcf => Some(Message::Program { channel, number: first }),
-        0xd0..=0xdf => Some(Message::Pressure { channel, value: first }),
-        0xe0..=0xef => Some(Message::Bend { channel, value: wide }),
-        0xf2 => Some(Message::Position(wide)),
+    let (source, value) = match status {
+        0x80..=0x8f => (Source::Note { channel, key: first }, 0),
+        0x90..=0x9f => (Source::Note { channel, key: first }, u16::from(second)),
+        0xb0..=0xbf => (Source::Control { channel, number: first }, u16::from(second)),
+        0xc0..=0xcf => (Source::Program { channel }, u16::from(first)),
+        0xd0..=0xdf => (Source::Pressure { channel }, u16::from(first)),
+        0xe0..=0xef => (Source::Bend { channel }, wide),
+        0xf2 => return Some(Message::Position(wide)),
         // Polyphonic key pressure is not supported.
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some(Message::Moved(source, value))
 }
 
 #[cfg(test)]
@@ -144,8 +111,8 @@ mod tests {
         bytes.iter().filter_map(|byte| parser.push(*byte)).collect()
     }
 
-    fn control(number: u8, value: u8) -> Message {
-        Message::Control { channel: 2, number, value }
+    fn control(number: u8, value: u16) -> Message {
+        Message::Moved(Source::Control { channel: 2, number }, value)
     }
 
     #[test]
@@ -156,12 +123,12 @@ mod tests {
                 0xfa, 0xfb, 0xfc, 0xf2, 1, 2,
             ]),
             [
-                Message::Note { channel: 5, key: 60, velocity: 100 },
-                Message::Note { channel: 5, key: 60, velocity: 0 },
+                Message::Moved(Source::Note { channel: 5, key: 60 }, 100),
+                Message::Moved(Source::Note { channel: 5, key: 60 }, 0),
                 control(7, 127),
-                Message::Bend { channel: 0, value: 8192 },
-                Message::Program { channel: 3, number: 9 },
-                Message::Pressure { channel: 1, value: 55 },
+                Message::Moved(Source::Bend { channel: 0 }, 8192),
+                Message::Moved(Source::Program { channel: 3 }, 9),
+                Message::Moved(Source::Pressure { channel: 1 }, 55),
                 Message::Clock,
                 Message::Start,
                 Message::Continue,
@@ -206,13 +173,18 @@ mod tests {
         let (mut bytes, mut last) = (Vec::new(), None);
         for message in messages {
             let (status, data): (u8, Vec<u8>) = match *message {
-                Message::Note { channel, key, velocity } => (0x90 | channel, vec![key, velocity]),
-                Message::Control { channel, number, value } => (0xb0 | channel, vec![number, value]),
-                Message::Bend { channel, value } => {
+                Message::Moved(Source::Note { channel, key }, value) => {
+                    (0x90 | channel, vec![key, value as u8])
+                }
+                Message::Moved(Source::Control { channel, number }, value) => {
+                    (0xb0 | channel, vec![number, value as u8])
+                }
+                Message::Moved(Source::Bend { channel }, value) => {
                     (0xe0 | channel, vec![(value & 0x7f) as u8, (value >> 7) as u8])
                 }
-                Message::Program { channel, number } => (0xc0 | channel, vec![number]),
-                Message::Pressure { channel, value } => (0xd0 | channel, vec![value]),
+                Message::Moved(Source::Program { channel }, value) => (0xc0 | channel, vec![value as u8]),
+                Message::Moved(Source::Pressure { channel }, value) => (0xd0 | channel, vec![value as u8]),
+                Message::Moved(other, _) => panic!("no message moves {other}"),
                 Message::Clock => (0xf8, vec![]),
                 Message::Start => (0xfa, vec![]),
                 Message::Continue => (0xfb, vec![]),
@@ -231,16 +203,19 @@ mod tests {
     }
 
     fn any_message() -> impl Strategy<Value = Message> {
-        let (channel, seven) = (0_u8..16, 0_u8..128);
+        let (channel, seven, value) = (0_u8..16, 0_u8..128, 0_u16..128);
         prop_oneof![
-            (channel.clone(), seven.clone(), seven.clone())
-                .prop_map(|(channel, key, velocity)| Message::Note { channel, key, velocity }),
-            (channel.clone(), seven.clone(), seven.clone())
-                .prop_map(|(channel, number, value)| Message::Control { channel, number, value }),
-            (channel.clone(), 0_u16..16_384).prop_map(|(channel, value)| Message::Bend { channel, value }),
-            (channel.clone(), seven.clone())
-                .prop_map(|(channel, number)| Message::Program { channel, number }),
-            (channel, seven).prop_map(|(channel, value)| Message::Pressure { channel, value }),
+            (channel.clone(), seven.clone(), value.clone())
+                .prop_map(|(channel, key, value)| Message::Moved(Source::Note { channel, key }, value)),
+            (channel.clone(), seven, value.clone()).prop_map(|(channel, number, value)| Message::Moved(
+                Source::Control { channel, number },
+                value
+            )),
+            (channel.clone(), 0_u16..16_384)
+                .prop_map(|(channel, value)| Message::Moved(Source::Bend { channel }, value)),
+            (channel.clone(), value.clone())
+                .prop_map(|(channel, value)| Message::Moved(Source::Program { channel }, value)),
+            (channel, value).prop_map(|(channel, value)| Message::Moved(Source::Pressure { channel }, value)),
             Just(Message::Clock),
             Just(Message::Start),
             Just(Message::Stop),
@@ -270,12 +245,15 @@ mod tests {
         ) {
             for message in parsed(&bytes) {
                 let is_sound = match message {
-                    Message::Note { channel, key: a, velocity: b }
-                    | Message::Control { channel, number: a, value: b } => channel < 16 && a < 128 && b < 128,
-                    Message::Bend { channel, value } => channel < 16 && value < 16_384,
-                    Message::Program { channel, number: a } | Message::Pressure { channel, value: a } => {
-                        channel < 16 && a < 128
+                    Message::Moved(
+                        Source::Note { channel, key: number } | Source::Control { channel, number },
+                        value,
+                    ) => channel < 16 && number < 128 && value < 128,
+                    Message::Moved(Source::Bend { channel }, value) => channel < 16 && value < 16_384,
+                    Message::Moved(Source::Program { channel } | Source::Pressure { channel }, value) => {
+                        channel < 16 && value < 128
                     }
+                    Message::Moved(..) => false,
                     Message::Position(place) => place < 16_384,
                     Message::Clock | Message::Start | Message::Stop | Message::Continue => true,
                 };
