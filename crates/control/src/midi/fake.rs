@@ -4,12 +4,11 @@
 
 use std::any::Any;
 use std::io;
-use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use mariana_work::{Latest, Shared, looping};
+use mariana_work::{Shared, looping};
 
 use super::ports::{Hear, Ports};
 
@@ -19,7 +18,7 @@ const ENDING: &str = "port";
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A folder of fake devices: each file `NAME.port` is a connected device. While the device is open, its bytes arrive
-/// as datagrams on the socket `NAME.socket` in the same folder.
+/// as datagrams on the socket `NAME.socket` in the same folder. The socket's file stays when the device is closed.
 pub struct FolderPorts(pub PathBuf);
 
 impl Ports for FolderPorts {
@@ -39,6 +38,7 @@ impl Ports for FolderPorts {
         let name = name.strip_suffix(SAYS_SO).unwrap_or(name);
         let path = self.0.join(format!("{name}.socket"));
         let open = |path: &Path| -> io::Result<UnixDatagram> {
+            // The file of an earlier socket stays.
             if path.exists() {
                 std::fs::remove_file(path)?;
             }
@@ -47,7 +47,6 @@ impl Ports for FolderPorts {
             Ok(socket)
         };
         let socket = open(&path).map_err(|error| error.to_string())?;
-        let number = number_of(&path);
         let receive = move |shared: &Shared<()>| {
             let mut bytes = vec![0; 65_536];
             while !shared.is_over() {
@@ -57,25 +56,6 @@ impl Ports for FolderPorts {
             }
         };
         let thread = looping("fake MIDI", (), receive).map_err(|error| error.to_string())?;
-        Ok(Box::new(Open { _thread: thread, path, number }))
-    }
-}
-
-fn number_of(path: &Path) -> Option<u64> {
-    std::fs::metadata(path).ok().map(|file| file.ino())
-}
-
-/// An open port. Dropping it ends the thread and removes the socket, unless the socket has been replaced.
-struct Open {
-    _thread: Latest<()>,
-    path: PathBuf,
-    number: Option<u64>,
-}
-
-impl Drop for Open {
-    fn drop(&mut self) {
-        if self.number.is_some() && number_of(&self.path) == self.number {
-            let _ = std::fs::remove_file(&self.path);
-        }
+        Ok(Box::new(thread))
     }
 }
