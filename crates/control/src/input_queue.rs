@@ -2,14 +2,13 @@
 //! order. Device threads put input in, and the show takes all input out once per frame. Memory is bounded by the
 //! number of different names, and the show is woken only once per batch.
 
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use mariana_work::lock;
 
 use super::action::Action;
-use super::midi::{KnobMove, Source};
+use super::midi::KnobMove;
 use super::{ChangedBy, Param};
 use crate::limits;
 
@@ -74,11 +73,8 @@ impl InputBatch {
 #[derive(Default)]
 struct Pending {
     batch: InputBatch,
-    places: HashMap<String, usize>,
-    knob_places: HashMap<(Arc<str>, Source), usize>,
     messages: u64,
     refused: u64,
-    is_woken: bool,
 }
 
 /// A shared queue of controller input. Clones share the contents.
@@ -101,15 +97,12 @@ impl InputQueue {
                 pending.refused += 1;
                 return;
             }
-            if let Some(known) =
-                pending.places.get(&change.name).and_then(|place| pending.batch.params.get_mut(*place))
-            {
+            let params = &mut pending.batch.params;
+            if let Some(known) = params.iter_mut().find(|known| known.name == change.name) {
                 *known = change;
-            } else if pending.batch.params.len() < limits::PENDING_PARAMS_MAX
-                && change.name.len() <= limits::NAME_BYTES_MAX
+            } else if params.len() < limits::PENDING_PARAMS_MAX && change.name.len() <= limits::NAME_BYTES_MAX
             {
-                pending.places.insert(change.name.clone(), pending.batch.params.len());
-                pending.batch.params.push(change);
+                params.push(change);
             } else {
                 pending.refused += 1;
             }
@@ -135,11 +128,11 @@ impl InputQueue {
     /// Queues a knob movement.
     pub fn moved(&self, knob: KnobMove) {
         self.put(|pending| {
-            let (knobs, name) = (&mut pending.batch.knobs, (knob.device.clone(), knob.source));
-            if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
+            let knobs = &mut pending.batch.knobs;
+            let is_same = |known: &&mut KnobMove| known.source == knob.source && known.device == knob.device;
+            if let Some(known) = knobs.iter_mut().find(is_same) {
                 known.merge(&knob);
             } else if knobs.len() < limits::MOVED_KNOBS_MAX {
-                pending.knob_places.insert(name, knobs.len());
                 knobs.push(knob);
             } else {
                 pending.refused += 1;
@@ -160,11 +153,7 @@ impl InputQueue {
 
     /// Takes the pending input.
     pub fn drain(&self) -> InputBatch {
-        let mut pending = lock(&self.pending);
-        pending.is_woken = false;
-        pending.places.clear();
-        pending.knob_places.clear();
-        std::mem::take(&mut pending.batch)
+        std::mem::take(&mut lock(&self.pending).batch)
     }
 
     /// True if there is pending input.
@@ -179,15 +168,14 @@ impl InputQueue {
     }
 
     fn put(&self, put: impl FnOnce(&mut Pending)) {
-        let is_new = {
-            let mut pending = lock(&self.pending);
-            put(&mut pending);
-            if !pending.batch.is_empty() {
-                pending.batch.since.get_or_insert_with(Instant::now);
-            }
-            !pending.batch.is_empty() && !std::mem::replace(&mut pending.is_woken, true)
-        };
-        if is_new {
+        let mut pending = lock(&self.pending);
+        put(&mut pending);
+        let is_first = pending.batch.since.is_none() && !pending.batch.is_empty();
+        if is_first {
+            pending.batch.since = Some(Instant::now());
+        }
+        drop(pending);
+        if is_first {
             (self.wake)();
         }
     }
@@ -203,6 +191,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::super::action::ActionValue;
+    use super::super::midi::Source;
     use super::*;
 
     fn place() -> (InputQueue, Arc<AtomicUsize>) {
