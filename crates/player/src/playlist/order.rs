@@ -2,7 +2,7 @@
 //! removed entry leaves a hole in the order, so that its successor is known while the removed entry still plays.
 
 use std::collections::HashSet;
-use std::hash::{BuildHasher, Hasher, RandomState};
+use std::hash::{BuildHasher, RandomState};
 
 use crate::track::Repeat;
 
@@ -13,14 +13,11 @@ pub(super) struct Order {
     holes: HashSet<u64>,
     shuffled: bool,
     pub(super) repeat: Repeat,
-    random: u64,
 }
 
 impl Order {
     pub(super) fn new(list: impl Iterator<Item = u64>) -> Self {
-        // The standard library seeds its hashers randomly.
-        let random = RandomState::new().build_hasher().finish();
-        Self { sequence: list.collect(), holes: HashSet::new(), shuffled: false, repeat: Repeat::All, random }
+        Self { sequence: list.collect(), ..Self::default() }
     }
 
     pub(super) fn of(&self, list: impl Iterator<Item = u64>) -> Self {
@@ -82,9 +79,10 @@ impl Order {
     }
 
     fn shuffle_from(&mut self, start: usize) {
-        for last in (start + 1..self.sequence.len()).rev() {
-            let other = start + self.below((last - start) as u64 + 1) as usize;
-            self.sequence.swap(last, other);
+        // The standard library seeds its hashers randomly.
+        let random = RandomState::new();
+        if let Some(rest) = self.sequence.get_mut(start..) {
+            rest.sort_by_cached_key(|id| random.hash_one(id));
         }
     }
 
@@ -129,15 +127,6 @@ impl Order {
 
     fn place(&self, id: u64) -> Option<usize> {
         self.sequence.iter().position(|other| *other == id)
-    }
-
-    /// Returns a random number below `end` (SplitMix64, whose bias is about 1e-15 here).
-    fn below(&mut self, end: u64) -> u64 {
-        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.random;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) % end.max(1)
     }
 }
 
