@@ -128,17 +128,12 @@ impl Playlist {
 
     /// Searches for the first playable track, starting at `first`. If no track is playable, the result is silence.
     fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
-        let mut more = 0;
-        let mut last = None;
-        let found = self.search(first, true, None, &mut |trouble| {
-            more += usize::from(track_errors.len() > TRACK_ERRORS_KEPT && last.is_some());
-            let earlier = last.replace(trouble);
-            track_errors.extend(earlier.filter(|_| more == 0));
-        });
+        let found = self.search(first, true, None, &mut |trouble| track_errors.push(trouble));
+        let more = track_errors.len().saturating_sub(TRACK_ERRORS_KEPT + 1);
         if more > 0 {
-            track_errors.push(format!("{more} more tracks cannot be played; check the list"));
+            let more_in_words = format!("{more} more tracks cannot be played; check the list");
+            track_errors.splice(TRACK_ERRORS_KEPT..TRACK_ERRORS_KEPT + more, [more_in_words]);
         }
-        track_errors.extend(last);
         let (first, playable) = match found {
             Found::Track(track) => (track, true),
             _ => (Track::silence(self.index(first).unwrap_or(0), self.slots.len()).with_id(first), false),
@@ -220,14 +215,9 @@ impl Playlist {
     /// Returns the entry `steps` after `from` (`from` may be removed); `None` if no step is possible without repeat.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat != Repeat::Off;
-        let forward = steps > 0;
-        // Leave out whole rounds of the list, but always make the first step away from a removed entry.
-        let away = u32::from(self.index(from).is_none());
-        let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
-        let steps = steps.unsigned_abs().saturating_sub(away) % round + away;
         let mut entry = from;
-        for _ in 0..steps {
-            match self.order.beside(entry, forward, around) {
+        for _ in 0..steps.unsigned_abs() {
+            match self.order.beside(entry, steps > 0, around) {
                 Some(beside) => entry = beside,
                 None if entry == from => return None,
                 None => break,
