@@ -15,7 +15,7 @@ const SILENCE_RATE: u32 = 48_000;
 const SILENCE_BLOCK: usize = 1024;
 
 /// Metadata of a track.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackInfo {
     /// The id of its list entry, which stays the same when the list is edited.
     pub id: u64,
@@ -88,17 +88,8 @@ impl Track {
 
     /// Wraps a source that belongs to no list.
     pub fn alone(source: Box<dyn FrameSource>) -> Self {
-        let info = TrackInfo {
-            id: 0,
-            entry: 0,
-            count: 1,
-            name: String::new(),
-            title: None,
-            artist: None,
-            duration: source.duration(),
-            scene_gain: 1.0,
-            content: None,
-        };
+        let duration = source.duration();
+        let info = TrackInfo { count: 1, duration, scene_gain: 1.0, ..TrackInfo::default() };
         Self { source, info: Arc::new(info) }
     }
 
