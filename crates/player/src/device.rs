@@ -147,7 +147,7 @@ impl Candidate<'_> {
         })
     }
 
-    /// Starts a stream; `None` is a stream with samples that are not plain numbers.
+    /// Starts a stream; `None` is a stream with samples that are not supported.
     pub(crate) fn play(
         &self,
         built: Option<Result<cpal::Stream, cpal::Error>>,
@@ -238,23 +238,16 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Calls a generic function with the sample type of a format. Formats that are not plain numbers give `None`.
+/// Calls a generic function with the sample type of a format. Formats that no device has as its only one give `None`.
 macro_rules! with_sample_type {
     ($format:expr, $function:ident($($argument:expr),*)) => {{
-        use cpal::{I24, SampleFormat, U24};
+        use cpal::{I24, SampleFormat};
         match $format {
             SampleFormat::F32 => Some($function::<f32>($($argument),*)),
             SampleFormat::I16 => Some($function::<i16>($($argument),*)),
             SampleFormat::I32 => Some($function::<i32>($($argument),*)),
             SampleFormat::I24 => Some($function::<I24>($($argument),*)),
             SampleFormat::U8 => Some($function::<u8>($($argument),*)),
-            SampleFormat::I8 => Some($function::<i8>($($argument),*)),
-            SampleFormat::U16 => Some($function::<u16>($($argument),*)),
-            SampleFormat::U24 => Some($function::<U24>($($argument),*)),
-            SampleFormat::U32 => Some($function::<u32>($($argument),*)),
-            SampleFormat::I64 => Some($function::<i64>($($argument),*)),
-            SampleFormat::U64 => Some($function::<u64>($($argument),*)),
-            SampleFormat::F64 => Some($function::<f64>($($argument),*)),
             _ => None,
         }
     }};
