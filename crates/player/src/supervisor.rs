@@ -288,7 +288,7 @@ impl<P: Port> Watch<P> {
         close(before);
     }
 
-    /// Handles a failed device or a failed opening. A failed device is replaced by silence.
+    /// Handles a failed device, or an opening that failed or is late. A failed device is replaced by silence.
     fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
         let stands = match &self.current {
             // Keep a current device that still plays: only the new default or the new choice cannot be opened.
@@ -316,11 +316,7 @@ impl<P: Port> Watch<P> {
         {
             opening.overdue = true;
             let error = DeviceError::Timeout(P::DIRECTION, OPEN_LIMIT.as_secs());
-            if !matches!(self.current, Current::Device { .. }) {
-                self.switch_to_silence(error.to_string());
-            } else if self.superseded {
-                lock(&self.status).refused = Some(error.to_string());
-            }
+            self.lose(&error, cpal::ErrorKind::HostUnavailable);
         }
         if let Current::Device { calls, called, silent_looks, .. } = &mut self.current {
             let now = calls();
