@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use mariana_music::{FeatureTrack, Gain, Recent, Sound};
@@ -22,7 +22,7 @@ use crate::gain_switch::GainSwitch;
 use crate::limits;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
-use mariana_work::{Awaited, Background, Latest, looping, once};
+use mariana_work::{Awaited, Latest, looping, once};
 
 const MOMENTS: usize = 256;
 
@@ -249,8 +249,6 @@ fn diagnosis(name: &str, suggestion: Option<&ListedDevice>) -> String {
 
 const LISTENING: Duration = Duration::from_millis(400);
 
-const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
-
 const CANDIDATES_MAX: usize = 8;
 
 /// Wait after the first search without success. The wait doubles with each further search, up to [`PAUSE_MAX`].
@@ -259,68 +257,41 @@ const PAUSE: Duration = Duration::from_secs(2);
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
 pub(super) struct Prober {
-    search: Option<(Background, Receiver<Option<ListedDevice>>)>,
+    /// The running search. A hanging input delays the next search, so that searches do not accumulate.
+    search: Awaited<Option<ListedDevice>>,
     found: Option<ListedDevice>,
     /// True if the answer of the running search must be ignored.
     stale: bool,
-    next: Option<Instant>,
+    next: Instant,
     pause: Duration,
 }
 
 impl Prober {
     pub(super) fn new() -> Self {
-        Self { search: None, found: None, stale: false, next: None, pause: PAUSE }
+        let search = Awaited::default();
+        Self { search, found: None, stale: false, next: Instant::now(), pause: PAUSE }
     }
 
     pub(super) fn reset(&mut self) {
         // A running search would answer for the previous input.
-        self.stale = self.search.is_some();
-        (self.found, self.next, self.pause) = (None, None, PAUSE);
+        self.stale = self.search.is_awaited();
+        (self.found, self.next, self.pause) = (None, Instant::now(), PAUSE);
     }
 
     /// Returns the input with a signal that a search has found. Starts a search of `candidates` if a search is due.
     pub(super) fn search(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
-        if let Some((worker, answer)) = &self.search {
-            if let Ok(found) = answer.try_recv() {
-                self.found = found.filter(|_| !std::mem::take(&mut self.stale));
-                self.next = Some(Instant::now() + self.pause);
-                self.pause = (2 * self.pause).min(PAUSE_MAX);
-            }
-            if !worker.has_ended() {
-                return self.found.as_ref();
-            }
-            (self.search, self.stale) = (None, false);
+        if let Some(answer) = self.search.poll() {
+            let is_stale = std::mem::take(&mut self.stale);
+            self.found = answer.ok().flatten().filter(|_| !is_stale);
+            self.next = Instant::now() + self.pause;
+            self.pause = (2 * self.pause).min(PAUSE_MAX);
         }
-        if self.next.is_none_or(|next| next <= Instant::now()) {
+        if !self.search.is_awaited() && self.next <= Instant::now() {
             let candidates = candidates();
-            let (answer, answers) = channel();
-            let worker = Background::start("sound search", move || search(candidates, &answer));
-            self.search = worker.ok().map(|worker| (worker, answers));
+            let search = move || candidates.into_iter().take(CANDIDATES_MAX).find(|entry| probe(&entry.id));
+            self.search = once("sound search", || {}, search).unwrap_or_default();
         }
         self.found.as_ref()
-    }
-}
-
-/// Sends the first of `candidates` that has a signal to `found`. Returns only after all devices are closed, so that a
-/// hanging input delays the next search, and searches do not accumulate.
-fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
-    candidates.truncate(CANDIDATES_MAX);
-    let start = Instant::now();
-    let probed = |entry: &ListedDevice| {
-        let id = entry.id.clone();
-        once("sound probe", || {}, move || probe(&id)).unwrap_or_default()
-    };
-    let mut probes: Vec<Awaited<bool>> = candidates.iter().map(probed).collect();
-    let best = probes.iter_mut().position(|probe| {
-        let left = ANSWER_LIMIT.saturating_sub(start.elapsed());
-        matches!(probe.within(left), Some(Ok(true)))
-    });
-    // The send fails if the receiver was dropped.
-    let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
-    for probe in &mut probes {
-        while probe.is_awaited() {
-            let _ = probe.within(ANSWER_LIMIT);
-        }
     }
 }
 
