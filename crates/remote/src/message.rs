@@ -11,20 +11,13 @@ use mariana_control::limits as control_limits;
 use mariana_control::osc::{Asked, Refused};
 use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
+use serde_json::Value;
 
 #[derive(Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 enum Message {
     Turn { turn: String, to: f64 },
-    Do { r#do: String, with: Option<With> },
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum With {
-    Switch(bool),
-    Number(f64),
-    Text(String),
+    Do { r#do: String, with: Option<Value> },
 }
 
 /// Returns the request in a message, given the table of actions.
@@ -44,12 +37,15 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
             let row = row_of(actions, &name).ok_or(Refused)?;
             let given = match with {
                 None => ActionValue::Nothing,
-                Some(With::Switch(on)) => ActionValue::Number(f32::from(u8::from(on))),
-                Some(With::Number(value)) if (value as f32).is_finite() => ActionValue::Number(value as f32),
-                Some(With::Text(text)) if text.len() <= control_limits::NAME_BYTES_MAX => {
+                Some(Value::Bool(on)) => ActionValue::Number(f32::from(u8::from(on))),
+                Some(Value::Number(number)) => {
+                    let number = number.as_f64().map(|number| number as f32);
+                    ActionValue::Number(number.filter(|number| number.is_finite()).ok_or(Refused)?)
+                }
+                Some(Value::String(text)) if text.len() <= control_limits::NAME_BYTES_MAX => {
                     ActionValue::Text(text)
                 }
-                Some(With::Number(_) | With::Text(_)) => return Err(Refused),
+                Some(_) => return Err(Refused),
             };
             Asked::of(row, given)
         }

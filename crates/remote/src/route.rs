@@ -1,6 +1,6 @@
 //! The routing of requests: to a page file, an image, a phone session, or a refusal. Reads no clock and no network.
 
-use std::net::IpAddr;
+use std::net::SocketAddr;
 
 use percent_encoding::percent_decode_str;
 
@@ -97,18 +97,11 @@ pub(crate) fn route(head: &Head, host: &str, token: &AccessToken) -> Result<Rout
 /// True if the host is an IP address, `localhost`, or the name given by the user. Any other name could belong to an
 /// attacker who points it at this computer (DNS rebinding).
 fn is_this_computer(host: &str, own_name: Option<&str>) -> bool {
-    let (name, port) = match host.rsplit_once(':') {
-        Some((name, port)) if !host.ends_with(']') => (name, Some(port)),
-        _ => (host, None),
-    };
-    let is_port = port.is_none_or(|port| !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit()));
-    let bare = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
-    let is_address = match bare {
-        Some(bare) => bare.parse::<std::net::Ipv6Addr>().is_ok(),
-        None => name.parse::<IpAddr>().is_ok_and(|address| address.is_ipv4()),
-    };
+    let is_address = [host, &format!("{host}:80")].iter().any(|host| host.parse::<SocketAddr>().is_ok());
+    let with_port = host.rsplit_once(':').filter(|(_, port)| port.parse::<u16>().is_ok());
+    let name = with_port.map_or(host, |(name, _)| name);
     let mut own_names = ["localhost"].into_iter().chain(own_name);
-    is_port && (is_address || own_names.any(|own| name.eq_ignore_ascii_case(own)))
+    is_address || own_names.any(|own| name.eq_ignore_ascii_case(own))
 }
 
 /// True if the text is the base64 encoding of 16 bytes.
