@@ -44,21 +44,19 @@ pub struct DeviceEntry {
     pub default: bool,
     /// For a monitor, the id of the output that it records.
     pub monitor_of: Option<String>,
-    /// The default format, if the device reports one.
-    pub usual: Option<FormatReport>,
-    /// All supported formats. Similar formats are joined.
-    pub supported: Vec<FormatReport>,
+    /// The format that the device uses by itself.
+    pub usual: FormatReport,
 }
 
-/// Sample formats with the same range of rates.
+/// A format of a device.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FormatReport {
-    /// Sample formats such as `f32` and `i16`.
-    pub formats: Vec<String>,
-    /// The lowest and highest number of channels.
-    pub channels: (u16, u16),
-    /// The lowest and highest rate, in hertz.
-    pub sample_rate: (u32, u32),
+    /// The sample format, such as `f32` or `i16`.
+    pub format: String,
+    /// The number of channels.
+    pub channels: u16,
+    /// The rate in hertz.
+    pub sample_rate: u32,
     /// The smallest and largest buffer in frames, if the device reports them.
     pub buffer_frames: Option<(u32, u32)>,
 }
@@ -97,13 +95,11 @@ fn report_host(id: cpal::HostId) -> HostReport {
     match devices {
         Ok(([output, input], devices)) => {
             for device in devices {
-                if let Ok(ranges) = device.supported_output_configs() {
-                    let usual = device.default_output_config().ok();
-                    report.outputs.extend(entry(&device, output.as_ref(), usual, ranges.collect()));
+                if let Ok(usual) = device.default_output_config() {
+                    report.outputs.push(entry(&device, output.as_ref(), &usual));
                 }
-                if let Ok(ranges) = device.supported_input_configs() {
-                    let usual = device.default_input_config().ok();
-                    report.inputs.extend(entry(&device, input.as_ref(), usual, ranges.collect()));
+                if let Ok(usual) = device.default_input_config() {
+                    report.inputs.push(entry(&device, input.as_ref(), &usual));
                 }
             }
         }
@@ -112,69 +108,31 @@ fn report_host(id: cpal::HostId) -> HostReport {
     report
 }
 
-/// Describes a device. Returns `None` if the device supports no format in this direction.
 fn entry(
     device: &cpal::Device,
     default: Option<&cpal::DeviceId>,
-    usual: Option<cpal::SupportedStreamConfig>,
-    ranges: Vec<cpal::SupportedStreamConfigRange>,
-) -> Option<DeviceEntry> {
-    if ranges.is_empty() {
-        return None;
-    }
+    usual: &cpal::SupportedStreamConfig,
+) -> DeviceEntry {
     let id = device.id().ok();
     let is_default = id.is_some() && id.as_ref() == default;
     let id = id.map(|id| id.to_string());
     let name = device.description().map_or_else(|_| "unnamed".into(), |about| about.name().to_owned());
-    let report = |format: cpal::SampleFormat, count, sample_rate, size: &SupportedBufferSize| FormatReport {
-        formats: vec![format.to_string()],
-        channels: (count, count),
-        sample_rate,
-        buffer_frames: match *size {
+    let usual = FormatReport {
+        format: usual.sample_format().to_string(),
+        channels: usual.channels(),
+        sample_rate: usual.sample_rate(),
+        buffer_frames: match *usual.buffer_size() {
             SupportedBufferSize::Range { min, max } => Some((min, max)),
             SupportedBufferSize::Unknown => None,
         },
     };
-    let usual = usual.map(|usual| {
-        let rates = (usual.sample_rate(), usual.sample_rate());
-        report(usual.sample_format(), usual.channels(), rates, usual.buffer_size())
-    });
-    let supported = ranges.into_iter().map(|range| {
-        let rates = (range.min_sample_rate(), range.max_sample_rate());
-        report(range.sample_format(), range.channels(), rates, range.buffer_size())
-    });
-    Some(DeviceEntry {
+    DeviceEntry {
         name,
         default: is_default,
         monitor_of: id.as_deref().and_then(monitored_output).map(str::to_owned),
         id: id.unwrap_or_default(),
         usual,
-        supported: join(supported),
-    })
-}
-
-/// Joins formats with the same range of rates, because hosts list hundreds of combinations of formats and channels.
-fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
-    let mut joined: Vec<FormatReport> = Vec::new();
-    for mut entry in entries {
-        match joined.iter_mut().find(|other| other.sample_rate == entry.sample_rate) {
-            Some(other) => {
-                entry.formats.retain(|format| !other.formats.contains(format));
-                other.formats.append(&mut entry.formats);
-                other.channels = widest(other.channels, entry.channels);
-                other.buffer_frames = match (other.buffer_frames, entry.buffer_frames) {
-                    (Some(a), Some(b)) => Some(widest(a, b)),
-                    (a, b) => a.or(b),
-                };
-            }
-            None => joined.push(entry),
-        }
     }
-    joined
-}
-
-fn widest<T: Ord>(a: (T, T), b: (T, T)) -> (T, T) {
-    (a.0.min(b.0), a.1.max(b.1))
 }
 
 impl fmt::Display for DeviceReport {
@@ -207,34 +165,17 @@ impl fmt::Display for DeviceEntry {
         if let Some(output) = &self.monitor_of {
             writeln!(f, "      monitor   records what {output} plays")?;
         }
-        if let Some(usual) = &self.usual {
-            writeln!(f, "      usual     {usual}")?;
-        }
-        for supported in &self.supported {
-            writeln!(f, "      supports  {supported}")?;
-        }
-        Ok(())
+        writeln!(f, "      format    {}", self.usual)
     }
 }
 
 impl fmt::Display for FormatReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { formats, channels, sample_rate, buffer_frames } = self;
-        write!(f, "{} Hz, {} channels, {}", Range(*sample_rate), Range(*channels), formats.join(" "))?;
-        match buffer_frames {
-            Some(frames) => write!(f, ", buffer {} frames", Range(*frames)),
+        write!(f, "{} Hz, {} channels, {}", self.sample_rate, self.channels, self.format)?;
+        match self.buffer_frames {
+            Some((min, max)) => write!(f, ", buffer {min}..{max} frames"),
             None => Ok(()),
         }
-    }
-}
-
-/// Displays as `a` or `a..b`.
-struct Range<T>((T, T));
-
-impl<T: fmt::Display + PartialEq> fmt::Display for Range<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (low, high) = &self.0;
-        if low == high { write!(f, "{low}") } else { write!(f, "{low}..{high}") }
     }
 }
 
@@ -365,47 +306,27 @@ pub(crate) fn monitored_output(input_id: &str) -> Option<&str> {
 mod tests {
     use super::*;
 
-    fn format(
-        name: &str,
-        channels: u16,
-        sample_rate: (u32, u32),
-        buffer: Option<(u32, u32)>,
-    ) -> FormatReport {
-        FormatReport {
-            formats: vec![name.into()],
-            channels: (channels, channels),
-            sample_rate,
-            buffer_frames: buffer,
-        }
-    }
-
     #[test]
-    fn similar_formats_are_joined_and_everything_is_printed() {
-        let supported = join(
-            [
-                format("f32", 1, (8000, 96_000), Some((16, 512))),
-                format("f32", 8, (8000, 96_000), Some((8, 256))),
-                format("i16", 2, (8000, 96_000), None),
-                format("i16", 2, (192_000, 192_000), None),
-            ]
-            .into_iter(),
-        );
-        assert_eq!(supported.len(), 2);
+    fn everything_is_printed() {
+        let usual = FormatReport {
+            format: "f32".into(),
+            channels: 2,
+            sample_rate: 48_000,
+            buffer_frames: Some((8, 512)),
+        };
         let output = DeviceEntry {
             name: "Loud Box".into(),
             id: "alsa:hw0".into(),
             default: true,
             monitor_of: None,
-            usual: Some(format("f32", 2, (48_000, 48_000), None)),
-            supported,
+            usual: usual.clone(),
         };
         let monitor = DeviceEntry {
             name: "Monitor of Loud Box".into(),
             id: "alsa:hw0.monitor".into(),
             default: false,
             monitor_of: Some("alsa:hw0".into()),
-            usual: None,
-            supported: Vec::new(),
+            usual,
         };
         let hosts = vec![
             HostReport { name: "ALSA".into(), problem: None, outputs: vec![output], inputs: vec![monitor] },
@@ -421,19 +342,14 @@ mod tests {
         for part in [
             "ALSA\n  outputs\n  * Loud Box (default)\n",
             "id        alsa:hw0\n",
-            "usual     48000 Hz, 2 channels, f32\n",
-            "supports  8000..96000 Hz, 1..8 channels, f32 i16, buffer 8..512 frames\n",
-            "supports  192000 Hz, 2 channels, i16\n",
+            "format    48000 Hz, 2 channels, f32, buffer 8..512 frames\n",
             "  inputs\n    Monitor of Loud Box\n      id        alsa:hw0.monitor\n      monitor   records what alsa:hw0 plays\n",
             "Other\n  asleep\n",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }
         let json = serde_json::to_value(&report).expect("plain data");
-        assert_eq!(
-            json["hosts"][0]["outputs"][0]["supported"][0]["buffer_frames"],
-            serde_json::json!([8, 512])
-        );
+        assert_eq!(json["hosts"][0]["outputs"][0]["usual"]["buffer_frames"], serde_json::json!([8, 512]));
         assert_eq!(DeviceReport { hosts: Vec::new() }.to_string(), "no sound system\n");
     }
 

@@ -279,7 +279,7 @@ fn the_list_names_the_sink_and_its_monitor() {
     assert_eq!(pulse.problem, None);
     let sink = pulse.outputs.iter().find(|output| output.id.ends_with("viz")).expect("the sink");
     assert!(sink.default);
-    assert!(sink.supported.iter().any(|format| format.formats.contains(&"f32".to_owned())));
+    assert_eq!(sink.usual.format, "f32");
     assert!(pulse.inputs.iter().any(|input| input.id.ends_with("viz.monitor")));
     assert!(report.to_string().contains(&sink.id));
 }
