@@ -28,77 +28,54 @@ impl LoudnessShape {
         publish: &dyn Fn(Self),
     ) -> Option<Option<Self>> {
         let duration = source.duration().filter(|duration| *duration <= limits::SHAPE_SECONDS_MAX);
-        let sums = duration.and_then(|duration| Sums::new(duration * f64::from(source.sample_rate())));
-        let Some(mut sums) = sums else { return Some(None) };
-        let (mut block, mut reported) = (Vec::new(), 0);
-        loop {
+        let frames = duration.map_or(0.0, |duration| duration * f64::from(source.sample_rate()));
+        let parts = (frames as usize).min(PARTS);
+        if parts == 0 {
+            return Some(None);
+        }
+        let part_of = |frame: u64| (frame as f64 * parts as f64 / frames) as usize;
+        let mut sums = vec![Sum::default(); parts];
+        let (mut block, mut frame, mut reported) = (Vec::new(), 0, 0);
+        while part_of(frame) < parts {
             if !go_on() {
                 return None;
             }
             block.clear();
-            match source.next_block(&mut block) {
-                Ok(1..) => block.iter().for_each(|frame| sums.push(*frame)),
-                // If a track breaks off, the remaining parts count as silent, as in playback.
-                Ok(0) | Err(_) => break,
-            }
-            if sums.squares.len() == sums.parts {
+            // If a track breaks off, the remaining parts count as silent, as in playback.
+            if !matches!(source.next_block(&mut block), Ok(1..)) {
                 break;
             }
-            if sums.squares.len() >= reported + PARTS_A_TIME {
-                reported = sums.squares.len();
-                publish(sums.shape());
+            for [left, right] in &block {
+                // A track may be longer than its stated duration.
+                if let Some((sum, count)) = sums.get_mut(part_of(frame)) {
+                    *sum += f64::from(left * left + right * right) / 2.0;
+                    *count += 1;
+                }
+                frame += 1;
+            }
+            let measured = part_of(frame);
+            if (reported + PARTS_A_TIME..parts).contains(&measured) {
+                reported = measured;
+                publish(Self::of(&sums, measured));
             }
         }
-        sums.squares.resize(sums.parts, 0.0);
-        Some(Some(sums.shape()))
-    }
-}
-
-struct Sums {
-    parts: usize,
-    frames_per_part: f64,
-    squares: Vec<f32>,
-    frames: u64,
-    sum: f64,
-    count: u32,
-}
-
-impl Sums {
-    fn new(frames: f64) -> Option<Self> {
-        let parts = (frames as usize).min(PARTS);
-        let frames_per_part = frames / parts as f64;
-        (parts > 0).then(|| Self {
-            parts,
-            frames_per_part,
-            squares: Vec::new(),
-            frames: 0,
-            sum: 0.0,
-            count: 0,
-        })
+        Some(Some(Self::of(&sums, parts)))
     }
 
-    fn push(&mut self, [left, right]: [f32; 2]) {
-        // A track may be longer than its stated duration.
-        if self.squares.len() == self.parts {
-            return;
-        }
-        self.sum += f64::from(left * left + right * right) / 2.0;
-        self.count += 1;
-        self.frames += 1;
-        if self.frames as f64 >= (self.squares.len() + 1) as f64 * self.frames_per_part {
-            self.squares.push((self.sum / f64::from(self.count)) as f32);
-            (self.sum, self.count) = (0.0, 0);
-        }
-    }
-
-    fn shape(&self) -> LoudnessShape {
-        let loudest = self.squares.iter().copied().fold(0.0, f32::max);
+    /// Returns the shape of the first `measured` parts.
+    fn of(sums: &[Sum], measured: usize) -> Self {
+        let mean = |(sum, count): &Sum| (sum / f64::from((*count).max(1))) as f32;
+        let squares: Vec<f32> = sums.iter().take(measured).map(mean).collect();
+        let loudest = squares.iter().copied().fold(0.0, f32::max);
         // The exponent is halved for the square of the amplitude.
         let level =
             |square: &f32| if loudest > 0.0 { (square / loudest).powf(LOUDNESS_POWER / 2.0) } else { 0.0 };
-        LoudnessShape { parts: self.parts, levels: self.squares.iter().map(level).collect() }
+        Self { parts: sums.len(), levels: squares.iter().map(level).collect() }
     }
 }
+
+/// The sum of the squares of a part's frames, and their number.
+type Sum = (f64, u32);
 
 #[cfg(test)]
 #[path = "shape_tests.rs"]
