@@ -30,8 +30,6 @@ pub struct TagLibrary(Arc<Latest<State>>);
 #[derive(Debug, Default)]
 struct State {
     known: HashMap<Arc<Path>, Known>,
-    /// Grows with each use of an entry. The least recently used entries are forgotten first.
-    uses: u64,
     /// Files in visible rows.
     urgent: VecDeque<PathBuf>,
     folder: VecDeque<PathBuf>,
@@ -48,7 +46,6 @@ struct State {
 struct Known {
     stamp: Stamp,
     tags: Arc<TrackTags>,
-    used: u64,
     /// True once this run has compared the stamp with the file.
     is_current: bool,
 }
@@ -128,10 +125,8 @@ impl TagLibrary {
 fn examine(shared: &Shared<State>, file: &Path) -> bool {
     let stamp = stamp_of(file);
     let mut state = shared.lock();
-    let uses = state.uses + 1;
     if let Some(known) = state.known.get_mut(&*key(file)).filter(|known| Some(known.stamp) == stamp) {
-        (known.is_current, known.used) = (true, uses);
-        state.uses = uses;
+        known.is_current = true;
         return false;
     }
     drop(state);
@@ -169,9 +164,7 @@ fn publish(shared: &Shared<State>) {
 /// Replaces the cache file. Paths that are no UTF-8 are left out. After an error, the next run reads the tags
 /// again.
 fn save(shared: &Shared<State>, cache: &Path) {
-    let mut known: Vec<(Arc<Path>, Known)> =
-        shared.lock().known.iter().map(|(file, known)| (file.clone(), known.clone())).collect();
-    known.sort_by_key(|(_, known)| known.used);
+    let known = shared.lock().known.clone();
     let mut text = FIRST_LINE.as_bytes().to_vec();
     for (file, Known { stamp, tags, .. }) in &known {
         let Some(file) = file.to_str().filter(|_| *stamp != Stamp::default()) else { continue };
@@ -197,17 +190,13 @@ impl State {
         self.current(file).is_some()
     }
 
-    /// Adds tags. At the limit, a quarter of all tags is forgotten, the least recently used first.
+    /// Adds tags. At the limit, all other tags are forgotten, and read again when they are wanted.
     fn insert(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
         let file = &*key(file);
         if self.known.len() >= limits::TAGS_KEPT_MAX && !self.known.contains_key(file) {
-            let mut uses: Vec<u64> = self.known.values().map(|known| known.used).collect();
-            uses.sort_unstable();
-            let least = uses.get(uses.len() / 4).copied().unwrap_or_default();
-            self.known.retain(|_, known| known.used >= least);
+            self.known.clear();
         }
-        self.uses += 1;
-        self.known.insert(file.into(), Known { stamp, tags, used: self.uses, is_current });
+        self.known.insert(file.into(), Known { stamp, tags, is_current });
     }
 
     /// Returns the next file to read.
@@ -251,15 +240,10 @@ fn key(file: &Path) -> Cow<'_, Path> {
 }
 
 fn merged(track: &ListedTrack, tags: Option<&TrackTags>) -> TrackTags {
-    let of_list =
-        TrackTags { title: track.title.clone(), artist: track.artist.clone(), duration: track.duration };
-    match tags {
-        Some(tags) if tags.title.is_some() => {
-            TrackTags { duration: tags.duration.or(of_list.duration), ..tags.clone() }
-        }
-        Some(tags) => TrackTags { duration: tags.duration.or(of_list.duration), ..of_list },
-        None => of_list,
-    }
+    let duration = tags.and_then(|tags| tags.duration).or(track.duration);
+    let named = tags.filter(|tags| tags.title.is_some()).map(|tags| (&tags.title, &tags.artist));
+    let (title, artist) = named.unwrap_or((&track.title, &track.artist));
+    TrackTags { title: title.clone(), artist: artist.clone(), duration }
 }
 
 // The cache file of tags. After a first line, each line is a JSON array: path, size, modification time, title, artist
@@ -271,7 +255,7 @@ const FIRST_LINE: &str = "Mariana's tags, version 2";
 
 type Line<Text> = (Text, u64, u64, Option<Text>, Option<Text>, Option<f64>);
 
-/// Reads the file, the least recently used entry first. A missing or damaged file has no entries.
+/// Reads the file. A missing or damaged file has no entries.
 fn load(cache: &Path) -> Vec<(PathBuf, Stamp, TrackTags)> {
     let bytes = read_at_most(cache, limits::TAG_CACHE_BYTES_MAX).ok().flatten().unwrap_or_default();
     let mut lines = bytes.split(|byte| *byte == b'\n');

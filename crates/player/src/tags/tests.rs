@@ -125,7 +125,7 @@ fn visible_rows_come_before_the_folder_and_the_folder_before_the_list() {
 }
 
 #[test]
-fn at_the_limit_the_least_recently_used_tags_are_forgotten() {
+fn at_the_limit_the_tags_are_forgotten() {
     let mut state = State::default();
     let path = |n: usize| PathBuf::from(format!("/nowhere/{n}"));
     for n in 0..=limits::TAGS_KEPT_MAX {
