@@ -7,6 +7,10 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 /// Maximum depth of nested boxes that are read: `moov/trak/mdia/minf/stbl/stts`.
 const DEPTH_MAX: usize = 6;
 
+/// Boxes that hold others.
+const PARENTS: [[u8; 4]; 9] =
+    [*b"moov", *b"trak", *b"edts", *b"mdia", *b"minf", *b"stbl", *b"mvex", *b"moof", *b"traf"];
+
 /// Maximum number of boxes, elements and entries of tables that are examined. A day of fragments of a second has fewer.
 const BOXES_MAX: u32 = 1 << 20;
 
@@ -85,17 +89,8 @@ impl<S: Read + Seek> Walk<S> {
             }
             let body = at + header;
             match &kind {
-                b"moov" | b"edts" | b"mdia" | b"minf" | b"stbl" | b"moof" | b"traf" if depth < DEPTH_MAX => {
-                    self.children(body, next, depth + 1)?;
-                }
-                b"trak" if depth < DEPTH_MAX => {
-                    self.edits.tracks.push(TrackEdit::default());
-                    self.children(body, next, depth + 1)?;
-                }
-                b"mvex" if depth < DEPTH_MAX => {
-                    self.edits.is_fragmented = true;
-                    self.children(body, next, depth + 1)?;
-                }
+                b"trak" => self.edits.tracks.push(TrackEdit::default()),
+                b"mvex" => self.edits.is_fragmented = true,
                 b"tkhd" | b"mdhd" => self.header(&kind)?,
                 b"elst" => self.edit_list()?,
                 b"stts" => self.sample_lengths()?,
@@ -108,6 +103,9 @@ impl<S: Read + Seek> Walk<S> {
                 b"tfhd" => self.fragment_header()?,
                 b"trun" => self.run()?,
                 _ => {}
+            }
+            if PARENTS.contains(&kind) && depth < DEPTH_MAX {
+                self.children(body, next, depth + 1)?;
             }
             if &kind == b"moov" && !self.edits.is_fragmented {
                 return Ok(());
@@ -270,9 +268,8 @@ impl<S: Read + Seek> Walk<S> {
     }
 
     fn u64(&mut self) -> io::Result<u64> {
-        let mut bytes = [0; 8];
-        self.source.read_exact(&mut bytes)?;
-        Ok(u64::from_be_bytes(bytes))
+        let [high, low] = self.words()?;
+        Ok(u64::from(high) << 32 | u64::from(low))
     }
 }
 
