@@ -4,10 +4,9 @@
 //! `<01:23.90>`. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line before it. Lines
 //! without a time are ignored.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use mariana_files::reading::read_at_most;
 use mariana_music::SongMoment;
 
 use crate::decode::DecodeError;
@@ -79,22 +78,15 @@ impl Lyrics {
     /// Reads a file.
     ///
     /// # Errors
-    /// Fails if the file cannot be read, exceeds the limit, or has no line with a time.
+    /// Fails if the file is not regular, cannot be read, exceeds the limit, or has no line with a time.
     pub fn read(path: &Path) -> Result<Self, LyricsError> {
-        let most = limits::LYRICS_BYTES_MAX;
-        let mut bytes = Vec::new();
-        let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
-        let refused = |what: &str| LyricsError::File(format!("the lyrics {} {what}", path.display()));
-        read.map_err(|error| {
-            LyricsError::File(format!(
-                "cannot read the lyrics {} ({error}): check the file's name",
-                path.display()
-            ))
+        let (most, file) = (limits::LYRICS_BYTES_MAX, path.display());
+        let refused = |what: &str| LyricsError::File(format!("the lyrics {file} {what}"));
+        let bytes = read_at_most(path, most as usize).map_err(|error| {
+            LyricsError::File(format!("cannot read the lyrics {file} ({error}): check the file's name"))
         })?;
-        if bytes.len() as u64 > most {
-            let remedy = "name a text file with times, such as song.lrc";
-            return Err(refused(&format!("have more than {most} bytes: {remedy}")));
-        }
+        let remedy = "name a text file with times, such as song.lrc";
+        let bytes = bytes.ok_or_else(|| refused(&format!("have more than {most} bytes: {remedy}")))?;
         let text = Lines::of(&bytes);
         let lines: Vec<String> =
             text.iter().flat_map(|text| text.lines.iter().map(|line| text.decode(line))).collect();
