@@ -140,22 +140,19 @@ impl Gathered {
     fn enter(&mut self, path: &Path) -> bool {
         let limit = limits::PLAYLIST_DEPTH_MAX;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if self.open.contains(&real) {
-            let name = name_of(path);
-            self.report(PlaylistError(format!(
-                "{name} contains itself, so this entry was left out; remove the entry"
-            )));
-            return false;
-        }
-        if self.open.len() >= limit {
-            let name = name_of(path);
-            self.report(PlaylistError(format!(
+        let name = name_of(path);
+        let trouble = if self.open.contains(&real) {
+            format!("{name} contains itself, so this entry was left out; remove the entry")
+        } else if self.open.len() >= limit {
+            format!(
                 "{name} is nested more than {limit} levels deep, so it was left out; open {name} directly"
-            )));
-            return false;
-        }
-        self.open.push(real);
-        true
+            )
+        } else {
+            self.open.push(real);
+            return true;
+        };
+        self.report(PlaylistError(trouble));
+        false
     }
 
     fn add_list(&mut self, path: &Path, kind: Kind) {
