@@ -32,8 +32,6 @@ pub struct MidiState {
     pub is_known: bool,
     /// The device whose MIDI clock sets the tempo.
     pub clock_of: Option<String>,
-    /// A counter that increases with each change.
-    pub revision: u64,
 }
 
 /// The state that the threads of the devices share.
@@ -119,17 +117,11 @@ fn update_ports(
         let now = receiving.zero.elapsed().as_secs_f64();
         clock.1.as_deref().filter(|_| now - clock.2 < CLOCK_GONE).map(str::to_owned)
     };
+    let devices = open.keys().cloned().collect();
+    let now = MidiState { devices, refused, trouble, is_known: true, clock_of };
     let mut state = shared.lock();
-    let now = MidiState {
-        devices: open.keys().cloned().collect(),
-        refused,
-        trouble,
-        is_known: true,
-        clock_of,
-        revision: state.revision,
-    };
     let is_new = now != *state;
-    *state = MidiState { revision: state.revision + u64::from(is_new), ..now };
+    *state = now;
     is_new
 }
 
