@@ -3,26 +3,15 @@
 use mariana_music::limits as music_limits;
 use thiserror::Error;
 
-/// The errors that prevent playback altogether.
+/// The error that prevents playback altogether: a thread could not be started.
 #[derive(Debug, Error)]
-pub enum PlayerError {
-    /// The source's sample rate, in hertz, is out of range.
-    #[error(
-        "the sound has {0} samples per second, but only {min} to {max} are supported; convert the \
-         file, for example to 48000 samples per second",
-        min = music_limits::SAMPLE_RATE_MIN,
-        max = music_limits::SAMPLE_RATE_MAX
-    )]
-    SampleRate(u32),
-    /// A thread could not be started.
-    #[error("playback could not start a thread ({0}); close other programs and try again")]
-    Thread(std::io::Error),
-}
+#[error("playback could not start a thread ({0}); close other programs and try again")]
+pub struct PlayerError(std::io::Error);
 
 impl From<std::io::Error> for PlayerError {
     // This is not `#[from]`: the message contains the error already, and error sources are printed after the message.
     fn from(error: std::io::Error) -> Self {
-        Self::Thread(error)
+        Self(error)
     }
 }
 

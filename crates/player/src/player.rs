@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
-use mariana_music::{Gain, Recent, Sound, limits as music_limits};
+use mariana_music::{Gain, Recent, Sound};
 
 use super::audible_segments::SharedAudibleSegments;
 use super::device::Target;
@@ -138,16 +138,13 @@ impl Player {
     /// opened, the song runs on the silent clock and [`PlayerStatus::silent`] gives the reason.
     ///
     /// # Errors
-    /// Fails if the track's sample rate is out of range, or if a thread cannot be started.
+    /// Fails if a thread cannot be started.
     pub fn start(
         first: Track,
         mut list: Box<dyn TrackList>,
         options: PlayerOptions,
     ) -> Result<Self, PlayerError> {
         let rate = first.source.sample_rate();
-        if !(music_limits::SAMPLE_RATE_MIN..=music_limits::SAMPLE_RATE_MAX).contains(&rate) {
-            return Err(PlayerError::SampleRate(rate));
-        }
         let track = first.info.clone();
         let listing = SharedListing::default();
         listing.publish(std::iter::once((track.id, ListedTrack::from(&*track))), None);
@@ -170,7 +167,7 @@ impl Player {
         let outputs = commands.clone();
         // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
-        let port = OutputPort::new(controls.clone(), rate, deliver);
+        let port = OutputPort { controls: controls.clone(), silent_rate: rate, deliver: Box::new(deliver) };
         let supervisor = Supervisor::start(port, options.output)?;
         let outputs = supervisor.shared_status();
         let decoding = decoding.finished_at_drop(DECODING_END_LIMIT);

@@ -30,21 +30,11 @@ pub(crate) type Supervisor = crate::supervisor::Supervisor<OutputPort>;
 pub(crate) type OutputWatch = SharedStatus<Option<Arc<SpanHistory>>>;
 
 pub(crate) struct OutputPort {
-    controls: Arc<Controls>,
-    silent_rate: u32,
-    deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
-}
-
-impl OutputPort {
-    /// Creates a port. Each new output is passed to `deliver`, then the previous output is closed. `silent_rate` is the
-    /// silent clock's frames per second.
-    pub(crate) fn new(
-        controls: Arc<Controls>,
-        silent_rate: u32,
-        deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
-    ) -> Self {
-        Self { controls, silent_rate, deliver: Box::new(deliver) }
-    }
+    pub(crate) controls: Arc<Controls>,
+    /// The silent clock's frames per second.
+    pub(crate) silent_rate: u32,
+    /// Takes each new output, before the previous output is closed.
+    pub(crate) deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
 }
 
 impl Port for OutputPort {

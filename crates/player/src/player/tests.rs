@@ -11,7 +11,6 @@ use crate::output::OutputCallback;
 use crate::source::{FrameSource, SourceError};
 use crate::track::{Found, Wanted};
 use mariana_music::StereoFrame;
-use mariana_music::limits as music_limits;
 
 pub(super) const RATE: u32 = 48_000;
 
@@ -489,13 +488,4 @@ fn the_player_stops_promptly() {
     let begin = Instant::now();
     drop(player);
     assert!(begin.elapsed() < Duration::from_millis(900), "{:?}", begin.elapsed());
-}
-
-#[test]
-fn rates_beyond_the_limits_are_refused() {
-    let odd = Ramp { rate: music_limits::SAMPLE_RATE_MAX + 1, ..Ramp::new(9) };
-    let list = Ramps::new(vec![odd], Repeat::All);
-    let refused = Player::start(list.track(0), Box::new(list), PlayerOptions::default()).err();
-    let refused = refused.expect("an error");
-    assert!(refused.to_string().contains("768001"), "{refused}");
 }
