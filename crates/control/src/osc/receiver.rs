@@ -119,13 +119,13 @@ impl Hearing {
         self.input_queue.refuse(rubbish);
         let mut answers = Vec::new();
         for (message, time) in messages {
-            let is_taken = match when(time, now) {
-                When::Now => {
+            let is_taken = match wait_until(time, now) {
+                Some(ahead) if ahead.is_zero() => {
                     self.obey(&message, &mut answers);
                     true
                 }
-                When::In(ahead) => waits(ahead, message),
-                When::TooLate => false,
+                Some(ahead) => waits(ahead, message),
+                None => false,
             };
             if !is_taken {
                 self.input_queue.refuse(1);
@@ -236,28 +236,19 @@ const TO_UNIX: u64 = 2_208_988_800;
 /// The fraction in an OSC time counts this many units per second.
 const PARTS: f64 = 4_294_967_296.0;
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum When {
-    /// The sender requests immediate effect, or the time has passed.
-    Now,
-    In(Duration),
-    TooLate,
-}
-
-/// Converts a time tag, relative to the system time `now`. `None` is for messages outside bundles.
-pub(super) fn when(time: Option<OscTime>, now: SystemTime) -> When {
+/// Returns the time from the system time `now` to a time tag, which is 0 for a message outside bundles and for a time
+/// that has passed; `None` if it is too long.
+pub(super) fn wait_until(time: Option<OscTime>, now: SystemTime) -> Option<Duration> {
     // The time tags 0 and 1 mean "immediately". The standard defines 1; some senders use 0.
-    let Some(time) = time.filter(|time| time.seconds > 0 || time.fractional > 1) else { return When::Now };
+    let Some(time) = time.filter(|time| time.seconds > 0 || time.fractional > 1) else {
+        return Some(Duration::ZERO);
+    };
     let now = now.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs_f64();
     // OSC seconds wrap around in 2036: take the time closest to now.
     let now_of_osc = (now as u64).wrapping_add(TO_UNIX) as u32;
     let seconds = f64::from(time.seconds.wrapping_sub(now_of_osc) as i32) - now.fract();
-    let ahead = seconds + f64::from(time.fractional) / PARTS;
-    match ahead {
-        ..=0.0 => When::Now,
-        ahead if ahead > limits::OSC_AHEAD_SECONDS_MAX => When::TooLate,
-        ahead => Duration::try_from_secs_f64(ahead).map_or(When::TooLate, When::In),
-    }
+    let ahead = (seconds + f64::from(time.fractional) / PARTS).max(0.0);
+    Duration::try_from_secs_f64(ahead).ok().filter(|_| ahead <= limits::OSC_AHEAD_SECONDS_MAX)
 }
 
 #[derive(Default)]
@@ -307,19 +298,21 @@ mod waiting_tests {
     #[test]
     fn past_and_immediate_messages_are_due_now_and_others_wait() {
         let now = SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_250);
-        let after = |seconds: f64| when(Some(of_osc(now + Duration::from_secs_f64(seconds))), now);
-        assert_eq!(when(None, now), When::Now);
-        assert_eq!(when(Some(OscTime { seconds: 0, fractional: 1 }), now), When::Now);
-        assert_eq!(when(Some(OscTime { seconds: 0, fractional: 0 }), now), When::Now);
-        assert_eq!(when(Some(of_osc(now - Duration::from_secs(5))), now), When::Now);
+        let after = |seconds: f64| wait_until(Some(of_osc(now + Duration::from_secs_f64(seconds))), now);
+        let at_once = Some(Duration::ZERO);
+        assert_eq!(wait_until(None, now), at_once);
+        assert_eq!(wait_until(Some(OscTime { seconds: 0, fractional: 1 }), now), at_once);
+        assert_eq!(wait_until(Some(OscTime { seconds: 0, fractional: 0 }), now), at_once);
+        assert_eq!(wait_until(Some(of_osc(now - Duration::from_secs(5))), now), at_once);
         for seconds in [0.5, 1.0, limits::OSC_AHEAD_SECONDS_MAX - 0.1] {
-            let When::In(found) = after(seconds) else { panic!("{seconds} s: {:?}", after(seconds)) };
+            let found = after(seconds).unwrap();
             assert!((found.as_secs_f64() - seconds).abs() < 1e-5, "{found:?} instead of {seconds} s");
         }
-        assert_eq!(after(limits::OSC_AHEAD_SECONDS_MAX + 1.0), When::TooLate);
+        assert_eq!(after(limits::OSC_AHEAD_SECONDS_MAX + 1.0), None);
         // OSC seconds wrap around on 7 February 2036.
         let last = SystemTime::UNIX_EPOCH + Duration::from_secs(u64::from(u32::MAX) - TO_UNIX);
-        assert_eq!(when(Some(OscTime { seconds: 1, fractional: 0 }), last), When::In(Duration::from_secs(2)));
+        let later = wait_until(Some(OscTime { seconds: 1, fractional: 0 }), last);
+        assert_eq!(later, Some(Duration::from_secs(2)));
     }
 
     #[test]
