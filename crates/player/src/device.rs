@@ -82,14 +82,7 @@ pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     match kind {
         // The stream only has to be built again, for example with another rate.
         ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
-        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable | ErrorKind::Xrun => {
-            Duration::from_millis(500)
-        }
-        ErrorKind::DeviceBusy | ErrorKind::RealtimeDenied => Duration::from_secs(1),
-        // The system lacks a resource or gives no reason.
-        ErrorKind::ResourceExhausted | ErrorKind::BackendError => Duration::from_secs(2),
-        // The user has to act.
-        _ => Duration::from_secs(5),
+        _ => Duration::from_secs(1),
     }
 }
 
