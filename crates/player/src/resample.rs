@@ -64,6 +64,11 @@ impl Resampler {
         Ok(Self { from, to, engine })
     }
 
+    /// Creates a converter that passes frames on unchanged.
+    pub(crate) fn passing(rate: u32) -> Self {
+        Self { from: rate, to: rate, engine: None }
+    }
+
     /// The input's rate, in hertz.
     pub fn from_hz(&self) -> u32 {
         self.from

@@ -39,8 +39,8 @@ pub(super) struct NativeDecoder {
     drop_next: usize,
     pending: Vec<StereoFrame>,
     position: i64,
-    /// A resampler for chained streams whose rate differs from the first stream's rate.
-    resampler: Option<Resampler>,
+    /// Converts chained streams to the first stream's rate.
+    resampler: Resampler,
     /// True once the rate has changed or a chained stream has begun. The container's clock is meaningless from then on.
     uneven: bool,
     ended: bool,
@@ -93,7 +93,7 @@ impl NativeDecoder {
             drop_next: 0,
             pending: Vec::new(),
             position: 0,
-            resampler: None,
+            resampler: Resampler::passing(rate),
             uneven: false,
             ended: false,
             scratch: first,
@@ -146,7 +146,7 @@ impl NativeDecoder {
     fn forget(&mut self) {
         self.pending.clear();
         self.scratch.clear();
-        self.resampler = None;
+        self.resampler = Resampler::passing(self.info.sample_rate);
         self.raw = RawPlace { next: self.raw.next, at_start: false, ..RawPlace::START };
         (self.ended, self.drop_next) = (false, 0);
     }
@@ -258,27 +258,19 @@ impl NativeDecoder {
 
     fn equalise(&mut self, rate: u32) -> Result<(), Problem> {
         let wanted = self.info.sample_rate;
-        if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
-            if self.resampler.is_none() {
-                return Ok(());
-            }
-        } else {
-            self.uneven = true;
+        if rate == wanted && self.resampler.from_hz() == rate {
+            return Ok(());
         }
         let mut converted = Vec::new();
         let broken = |e: crate::resample::ResampleError| {
             Problem::Damaged(format!("its sample rate changes to {rate} Hz ({e})"))
         };
-        if let Some(mut old) = self.resampler.take_if(|old| old.from_hz() != rate) {
-            old.finish(&mut converted).map_err(broken)?;
+        if self.resampler.from_hz() != rate {
+            self.uneven = true;
+            self.resampler.finish(&mut converted).map_err(broken)?;
+            self.resampler = Resampler::new(rate, wanted).map_err(broken)?;
         }
-        if rate != wanted && self.resampler.is_none() {
-            self.resampler = Some(Resampler::new(rate, wanted).map_err(broken)?);
-        }
-        match &mut self.resampler {
-            Some(resampler) => resampler.process(&self.scratch, &mut converted).map_err(broken)?,
-            None => converted.append(&mut self.scratch),
-        }
+        self.resampler.process(&self.scratch, &mut converted).map_err(broken)?;
         self.scratch = converted;
         Ok(())
     }
@@ -288,17 +280,15 @@ impl NativeDecoder {
             return;
         }
         self.ended = true;
-        if let Some(mut resampler) = self.resampler.take() {
-            // If `finish` fails, at most one block in the filter is lost.
-            let mut tail = Vec::new();
-            let _ = resampler.finish(&mut tail);
-            let first = self.raw.next - self.delay;
-            self.raw.next += tail.len() as i64;
-            let skip = (self.from - first).clamp(0, tail.len() as i64) as usize;
-            if self.pending.is_empty() && skip < tail.len() {
-                self.position = first + skip as i64;
-                self.pending.extend_from_slice(&tail[skip..]);
-            }
+        // If `finish` fails, at most one block in the filter is lost.
+        let mut tail = Vec::new();
+        let _ = self.resampler.finish(&mut tail);
+        let first = self.raw.next - self.delay;
+        self.raw.next += tail.len() as i64;
+        let skip = (self.from - first).clamp(0, tail.len() as i64) as usize;
+        if self.pending.is_empty() && skip < tail.len() {
+            self.position = first + skip as i64;
+            self.pending.extend_from_slice(&tail[skip..]);
         }
         if self.pending.is_empty() {
             self.position = (self.raw.next - self.delay).clamp(0, self.length.unwrap_or(i64::MAX).max(0));
