@@ -70,21 +70,10 @@ pub(crate) struct Running {
     pub(crate) _connection: Option<PlaybackConnection>,
 }
 
-pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), OpenError>;
+pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), DeviceError>;
 
-pub(crate) type OpenError = (DeviceError, ErrorKind);
-
-/// Takes the reason and the kind of a failure.
-pub(crate) type OnFailure = Arc<dyn Fn(String, ErrorKind) + Send + Sync>;
-
-/// The wait before the device is tried again after an error. A change in the device list ends the wait.
-pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
-    match kind {
-        // The stream only has to be built again, for example with another rate.
-        ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
-        _ => Duration::from_secs(1),
-    }
-}
+/// Takes the reason of a failure.
+pub(crate) type OnFailure = Arc<dyn Fn(String) + Send + Sync>;
 
 /// Returns the callback for errors of a running stream. It reports the first error that ends the stream.
 pub(crate) fn error_callback(
@@ -98,7 +87,7 @@ pub(crate) fn error_callback(
         // The stream continues.
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
         _ if reported.swap(true, Ordering::Relaxed) => {}
-        kind => on_failure(sentence(&error), kind),
+        _ => on_failure(sentence(&error)),
     })
 }
 
@@ -116,9 +105,9 @@ pub(crate) struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
-    pub(crate) fn refused(&self, error: &cpal::Error) -> OpenError {
+    pub(crate) fn refused(&self, error: &cpal::Error) -> DeviceError {
         let (direction, device) = (self.direction, self.name.clone());
-        let refusal = match error.kind() {
+        match error.kind() {
             ErrorKind::DeviceBusy => DeviceError::Busy(direction, device),
             ErrorKind::PermissionDenied => DeviceError::Denied(direction, device),
             ErrorKind::UnsupportedConfig => DeviceError::Format(direction, device, "unusual".into()),
@@ -129,15 +118,12 @@ impl Candidate<'_> {
                 DeviceError::NoDevice(direction)
             }
             _ => DeviceError::Open(direction, device, sentence(error)),
-        };
-        (refusal, error.kind())
+        }
     }
 
     /// Returns the rate to request: the reported rate within the limits, or the nearest limit if a server converts.
-    pub(crate) fn usable_rate(&self, rate: u32, converted: bool) -> Result<u32, OpenError> {
-        usable_rate(rate, converted).ok_or_else(|| {
-            (DeviceError::Rate(self.direction, self.name.clone(), rate), ErrorKind::UnsupportedConfig)
-        })
+    pub(crate) fn usable_rate(&self, rate: u32, converted: bool) -> Result<u32, DeviceError> {
+        usable_rate(rate, converted).ok_or_else(|| DeviceError::Rate(self.direction, self.name.clone(), rate))
     }
 
     /// Starts a stream; `None` is a stream with samples that are not supported.
@@ -145,17 +131,14 @@ impl Candidate<'_> {
         &self,
         built: Option<Result<cpal::Stream, cpal::Error>>,
         format: cpal::SampleFormat,
-    ) -> Result<cpal::Stream, OpenError> {
-        let stream = built.ok_or_else(|| {
-            let error = DeviceError::Format(self.direction, self.name.clone(), format.to_string());
-            (error, ErrorKind::UnsupportedConfig)
-        })?;
+    ) -> Result<cpal::Stream, DeviceError> {
+        let stream = built
+            .ok_or_else(|| DeviceError::Format(self.direction, self.name.clone(), format.to_string()))?;
         stream.and_then(|stream| stream.play().map(|()| stream)).map_err(|error| self.refused(&error))
     }
 }
 
-pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice, OpenError> {
-    let none = |error| (error, ErrorKind::DeviceNotAvailable);
+pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice, DeviceError> {
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
     let listed = |device| FoundDevice::of(direction, device);
     let default = || {
@@ -163,7 +146,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice,
             Direction::Output => host.default_output_device(),
             Direction::Input => host.default_input_device(),
         });
-        let found = found.ok_or_else(|| none(DeviceError::NoDevice(direction)))?;
+        let found = found.ok_or(DeviceError::NoDevice(direction))?;
         Ok(FoundDevice { entry: ListedDevice::of(&found), device: found })
     };
     match target {
@@ -174,14 +157,14 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice,
             let mut there = devices.into_iter().flatten().filter_map(listed);
             there.find(|found| found.entry.id == *wanted).map_or_else(default, Ok)
         }
-        Target::Monitor => monitor().ok_or_else(|| none(DeviceError::NoLoopback)),
+        Target::Monitor => monitor().ok_or(DeviceError::NoLoopback),
         Target::Named(name) | Target::MonitorOf(name) => {
             let monitors_only = matches!(target, Target::MonitorOf(_));
             let devices = hosts().filter_map(|(_, host)| host.devices().ok()).flatten();
             let fitting =
                 devices.filter_map(listed).filter(|found| !monitors_only || found.entry.is_monitor());
             best_match(fitting.collect(), name, |found| &found.entry)
-                .ok_or_else(|| none(DeviceError::UnknownDevice(direction, name.clone())))
+                .ok_or_else(|| DeviceError::UnknownDevice(direction, name.clone()))
         }
     }
 }
@@ -275,8 +258,7 @@ mod tests {
         let list = failures.clone();
         let xruns = Arc::new(AtomicU64::new(0));
         let counted = xruns.clone();
-        let on_failure: OnFailure =
-            Arc::new(move |reason, kind| list.lock().expect("no panic").push((reason, kind)));
+        let on_failure: OnFailure = Arc::new(move |reason| list.lock().expect("no panic").push(reason));
         let mut report = error_callback(on_failure, move || {
             counted.fetch_add(1, Ordering::Relaxed);
         });
@@ -285,12 +267,12 @@ mod tests {
         }
         assert!(failures.lock().expect("no panic").is_empty());
         (0..1000).for_each(|_| report(cpal::Error::with_message(ErrorKind::StreamInvalidated, "gone.")));
-        assert_eq!(*failures.lock().expect("no panic"), [("gone".to_owned(), ErrorKind::StreamInvalidated)]);
+        assert_eq!(*failures.lock().expect("no panic"), ["gone"]);
         assert_eq!(xruns.load(Ordering::Relaxed), 2);
     }
 
     #[test]
-    fn every_kind_of_error_has_advice_and_a_retry_time() {
+    fn every_kind_of_error_has_advice() {
         use ErrorKind::*;
         let kinds = [
             DeviceBusy,
@@ -312,13 +294,11 @@ mod tests {
             for direction in [Direction::Output, Direction::Input] {
                 let device =
                     Candidate { direction, target: &Target::Named("box".into()), name: "'Box'".into() };
-                let text = device.refused(&cpal::Error::new(kind)).0.to_string();
+                let text = device.refused(&cpal::Error::new(kind)).to_string();
                 assert!(text.contains("'Box'") && text.contains(&direction.to_string()), "{kind:?}: {text}");
                 assert!(text.contains("choose") || text.contains("allow"), "{kind:?} without advice: {text}");
             }
-            assert!(wait_before_retry(kind) <= Duration::from_secs(5), "{kind:?}");
         }
-        assert_eq!(wait_before_retry(StreamInvalidated), Duration::ZERO);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because cpal
 //! does not report device changes, and a sound server silently moves the stream of an unplugged device to another
 //! device. The open device continues until its successor is open. After an error, the supervisor waits a second before
-//! the next attempt, unless the stream only has to be built again. A change in the device list ends the wait. The
+//! the next attempt, unless the device has played before. A change in the device list ends the wait. The
 //! default may change and change back between two polls, so the supervisor checks an opened device again after the next
 //! polls.
 
@@ -18,7 +18,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::device::{OnFailure, Opened, Port, Target, wait_before_retry};
+use super::device::{OnFailure, Opened, Port, Target};
 use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use super::devices::monitor_id;
 use super::error::{DeviceError, Direction};
@@ -33,6 +33,9 @@ const WATCH_PERIOD: Duration = Duration::from_millis(100);
 const SILENT_LOOKS: u32 = 10;
 
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
+
+/// The wait before another attempt. A change in the device list ends the wait.
+const RETRY_WAIT: Duration = Duration::from_secs(1);
 
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
@@ -50,8 +53,8 @@ enum Event<L> {
     Quit,
     Choose(Target),
     Opened(Opened<L>),
-    Refused(DeviceError, cpal::ErrorKind),
-    Failed(String, cpal::ErrorKind),
+    Refused(DeviceError),
+    Failed(String),
 }
 
 type Numbered<L> = (u64, Event<L>);
@@ -207,7 +210,7 @@ impl<P: Port> Watch<P> {
         let failures = events.clone();
         let worker = Background::start("sound device", move || {
             let on_failure: OnFailure =
-                Arc::new(move |reason, kind| drop(failures.send((number, Event::Failed(reason, kind)))));
+                Arc::new(move |reason| drop(failures.send((number, Event::Failed(reason)))));
             match opener(target, on_failure) {
                 Ok((stream, opened)) => {
                     if events.send((number, Event::Opened(opened))).is_ok() {
@@ -216,7 +219,7 @@ impl<P: Port> Watch<P> {
                     }
                     drop(stream);
                 }
-                Err((error, kind)) => drop(events.send((number, Event::Refused(error, kind)))),
+                Err(error) => drop(events.send((number, Event::Refused(error)))),
             }
         });
         match worker {
@@ -224,10 +227,7 @@ impl<P: Port> Watch<P> {
                 let thread = DeviceThread { number, _hold: hold, worker, connection: None };
                 self.opening = Some(Opening { thread, since: Instant::now(), overdue: false });
             }
-            Err(error) => {
-                let error = DeviceError::Thread(P::DIRECTION, error.to_string());
-                self.lose(&error, cpal::ErrorKind::ResourceExhausted);
-            }
+            Err(error) => self.lose(&DeviceError::Thread(P::DIRECTION, error.to_string())),
         }
     }
 
@@ -255,7 +255,7 @@ impl<P: Port> Watch<P> {
                     self.adopt(thread, opened);
                 }
             }
-            Event::Refused(error, kind) if is_opening => {
+            Event::Refused(error) if is_opening => {
                 self.opening = None;
                 let error = match (&self.had, error) {
                     (Some(had), DeviceError::UnknownDevice(direction, _)) => {
@@ -263,11 +263,9 @@ impl<P: Port> Watch<P> {
                     }
                     (_, error) => error,
                 };
-                self.lose(&error, kind);
+                self.lose(&error);
             }
-            Event::Failed(reason, kind) if is_current => {
-                self.lose(&DeviceError::Lost(P::DIRECTION, reason), kind);
-            }
+            Event::Failed(reason) if is_current => self.lose(&DeviceError::Lost(P::DIRECTION, reason)),
             // Events of an abandoned device are ignored. If a device fails while it opens, it stalls later, and that is
             // handled.
             _ => {}
@@ -290,24 +288,21 @@ impl<P: Port> Watch<P> {
     }
 
     /// Handles a failed device, or an opening that failed or is late. A failed device is replaced by silence.
-    fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
-        let stands = match &self.current {
-            // Keep a current device that still plays: only the new default or the new choice cannot be opened.
-            Current::Device { silent_looks, .. } => {
-                *silent_looks < SILENT_LOOKS
-                    && !matches!(
-                        error,
-                        DeviceError::Lost(..) | DeviceError::Stalled(_) | DeviceError::Gone(..)
-                    )
-            }
-            _ => false,
-        };
+    fn lose(&mut self, error: &DeviceError) {
+        let is_of_current =
+            matches!(error, DeviceError::Lost(..) | DeviceError::Stalled(_) | DeviceError::Gone(..));
+        // Keep a current device that still plays: only the new default or the new choice cannot be opened.
+        let stands = !is_of_current
+            && matches!(self.current, Current::Device { silent_looks, .. } if silent_looks < SILENT_LOOKS);
+        // A stream that has played may only have to be built again, for example with another rate.
+        let has_played = matches!(self.current, Current::Device { called: 1.., .. });
         if !stands {
             self.switch_to_silence(error.to_string());
         } else if self.superseded {
             lock(&self.status).refused = Some(error.to_string());
         }
-        self.retry_at = Some(Instant::now() + wait_before_retry(kind));
+        let wait = if has_played && !stands { Duration::ZERO } else { RETRY_WAIT };
+        self.retry_at = Some(Instant::now() + wait);
     }
 
     fn poll(&mut self) {
@@ -317,14 +312,14 @@ impl<P: Port> Watch<P> {
         {
             opening.overdue = true;
             let error = DeviceError::Timeout(P::DIRECTION, OPEN_LIMIT.as_secs());
-            self.lose(&error, cpal::ErrorKind::HostUnavailable);
+            self.lose(&error);
         }
         if let Current::Device { calls, called, silent_looks, .. } = &mut self.current {
             let now = calls();
             *silent_looks = if now == *called { *silent_looks + 1 } else { 0 };
             *called = now;
             if *silent_looks >= SILENT_LOOKS {
-                self.lose(&DeviceError::Stalled(P::DIRECTION), cpal::ErrorKind::StreamInvalidated);
+                self.lose(&DeviceError::Stalled(P::DIRECTION));
             }
         }
         self.follow();
@@ -356,7 +351,7 @@ impl<P: Port> Watch<P> {
             Current::Device { .. } if self.superseded => self.open(),
             Current::Device { entry, .. } => {
                 if let Some(gone) = self.has_gone(&device_list, entry) {
-                    self.lose(&gone, cpal::ErrorKind::DeviceNotAvailable);
+                    self.lose(&gone);
                 } else if self.default_of(&device_list).is_some_and(|wanted| wanted != entry.id) {
                     self.open();
                 }

@@ -297,7 +297,7 @@ impl Prober {
 
 /// True if this input has a signal.
 fn probe(id: &str) -> bool {
-    match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_, _| {}) as _)) {
+    match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_| {}) as _)) {
         Ok((stream, mut opened)) => {
             let start = Instant::now();
             let mut heard = false;
@@ -313,7 +313,7 @@ fn probe(id: &str) -> bool {
             drop(stream);
             heard
         }
-        Err((error, _)) => {
+        Err(error) => {
             tracing::debug!("{error}");
             false
         }

@@ -11,12 +11,12 @@ use cpal::{BufferSize, FromSample, SampleFormat, SizedSample, StreamConfig};
 
 use super::input_callback::{InputCallback, InputCallbackLink, InputCounters};
 use crate::device::{
-    BUILD_LIMIT, Candidate, OnFailure, OpenError, OpenResult, Opened, Port, Running, Target, buffer_frames,
-    converts, error_callback, find, with_sample_type,
+    BUILD_LIMIT, Candidate, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
+    error_callback, find, with_sample_type,
 };
 use crate::device_list::FoundDevice;
 use crate::devices::hush_sound_library;
-use crate::error::Direction;
+use crate::error::{DeviceError, Direction};
 use mariana_work::Latest;
 
 /// Number of frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not
@@ -83,7 +83,7 @@ pub(super) fn open(
     // A recorded output has the positions of its speakers.
     let is_mixed_here = !converted && is_known && !device.supports_input();
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };
-    let attempt = |buffer_size| -> Result<_, OpenError> {
+    let attempt = |buffer_size| -> Result<_, DeviceError> {
         let config = StreamConfig { channels, sample_rate: rate, buffer_size };
         let (tap, link) = InputCallback::new(rate, listener.clone());
         let tap = if is_mixed_here { tap.mixing(channels) } else { tap };

@@ -11,12 +11,12 @@ use cpal::{BufferSize, FromSample, SizedSample, StreamConfig};
 use super::output_callback::{Controls, OutputCallback, OutputCallbackLink};
 use crate::clock::SpanHistory;
 use crate::device::{
-    BUILD_LIMIT, Candidate, OnFailure, OpenError, OpenResult, Opened, Port, Running, Target, buffer_frames,
-    converts, error_callback, find, with_sample_type,
+    BUILD_LIMIT, Candidate, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
+    error_callback, find, with_sample_type,
 };
 use crate::device_list::FoundDevice;
 use crate::devices::{for_playback, hush_sound_library};
-use crate::error::Direction;
+use crate::error::{DeviceError, Direction};
 use crate::supervisor::SharedStatus;
 use mariana_work::{Latest, looping};
 
@@ -75,7 +75,7 @@ fn open(target: &Target, controls: &Arc<Controls>, on_failure: &OnFailure) -> Op
     let rate = candidate.usable_rate(supported.sample_rate(), converts(&device))?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
     let format = supported.sample_format();
-    let attempt = |buffer_size| -> Result<_, OpenError> {
+    let attempt = |buffer_size| -> Result<_, DeviceError> {
         let config = StreamConfig { buffer_size, sample_rate: rate, ..supported.config() };
         let (output_callback, link) = OutputCallback::new(rate, frames as usize, controls.clone());
         let glitches = controls.clone();
