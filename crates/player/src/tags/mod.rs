@@ -106,8 +106,7 @@ impl TagLibrary {
     /// The tags of a track of the list, as far as they are known. The data of a list are used for a part of a file, and
     /// where the file has no tags.
     pub fn of_track(&self, track: &ListedTrack) -> TrackTags {
-        let whole = track.file.as_deref().filter(|_| track.start.is_none());
-        merged(track, whole.and_then(|file| self.get(file)).as_deref())
+        self.0.lock().of_track(track)
     }
 
     /// The length of the list that [`Self::follow_list`] was given last, as far as its files are known.
@@ -148,9 +147,7 @@ fn publish(shared: &Shared<State>) {
     for part in list.entries.chunks(ENTRIES_AT_ONCE) {
         let state = shared.lock();
         for track in part {
-            let whole = track.file.as_deref().filter(|_| track.start.is_none());
-            let known = whole.and_then(|file| state.current(file));
-            match merged(track, known.map(|known| &*known.tags)).duration {
+            match state.of_track(track).duration {
                 Some(seconds) => totals.seconds += seconds,
                 None => totals.unknown += 1,
             }
@@ -188,6 +185,15 @@ impl State {
 
     fn is_current(&self, file: &Path) -> bool {
         self.current(file).is_some()
+    }
+
+    fn of_track(&self, track: &ListedTrack) -> TrackTags {
+        let whole = track.file.as_deref().filter(|_| track.start.is_none());
+        let tags = whole.and_then(|file| self.current(file)).map(|known| &known.tags);
+        let duration = tags.and_then(|tags| tags.duration).or(track.duration);
+        let named = tags.filter(|tags| tags.title.is_some()).map(|tags| (&tags.title, &tags.artist));
+        let (title, artist) = named.unwrap_or((&track.title, &track.artist));
+        TrackTags { title: title.clone(), artist: artist.clone(), duration }
     }
 
     /// Adds tags. At the limit, all other tags are forgotten, and read again when they are wanted.
@@ -239,13 +245,6 @@ fn key(file: &Path) -> Cow<'_, Path> {
     absolute.map_or(file.into(), Cow::from)
 }
 
-fn merged(track: &ListedTrack, tags: Option<&TrackTags>) -> TrackTags {
-    let duration = tags.and_then(|tags| tags.duration).or(track.duration);
-    let named = tags.filter(|tags| tags.title.is_some()).map(|tags| (&tags.title, &tags.artist));
-    let (title, artist) = named.unwrap_or((&track.title, &track.artist));
-    TrackTags { title: title.clone(), artist: artist.clone(), duration }
-}
-
 // The cache file of tags. After a first line, each line is a JSON array: path, size, modification time, title, artist
 // and length. Lines that cannot be understood are left out. The file may be deleted at any time. If two windows write
 // it, the last one wins, and the next run reads the other tags again.
@@ -277,8 +276,6 @@ fn understood(line: &[u8]) -> Option<(PathBuf, Stamp, TrackTags)> {
 
 /// Minimum interval between two publications. Each one makes the window lay out its lists again.
 const PUBLISH_EVERY: Duration = Duration::from_millis(100);
-/// Interval at which new tags are saved while the thread is busy. An idle thread saves at once.
-const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// Maximum number of entries that are examined under one lock, because the drawing thread takes the lock too.
 const ENTRIES_AT_ONCE: usize = 256;
 /// The work is short, and a user may wait for it: next to a software renderer, a higher niceness would starve it.
@@ -302,7 +299,7 @@ fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
         }
     }
     let (mut unpublished, mut unsaved) = (false, false);
-    let (mut published, mut saved) = (Instant::now(), Instant::now());
+    let mut published = Instant::now();
     loop {
         let is_over = shared.is_over();
         let next = if is_over { Next::Idle } else { shared.lock().next() };
@@ -317,12 +314,9 @@ fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
             wake();
             (unpublished, published) = (false, Instant::now());
         }
-        let saves = is_idle || saved.elapsed() >= SAVE_EVERY;
-        if unsaved && saves {
-            if let Some(cache) = cache {
-                save(shared, cache);
-            }
-            (unsaved, saved) = (false, Instant::now());
+        if let Some(cache) = cache.filter(|_| is_idle && unsaved) {
+            save(shared, cache);
+            unsaved = false;
         }
         if is_over {
             return;
