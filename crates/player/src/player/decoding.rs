@@ -54,11 +54,6 @@ pub(crate) struct Decoding {
     waiting_for_idle: Vec<Sender<()>>,
 }
 
-enum Step {
-    GoOn,
-    Wait,
-}
-
 impl Decoding {
     pub(crate) fn new(
         first: Track,
@@ -79,10 +74,9 @@ impl Decoding {
     }
 
     pub(crate) fn run(mut self, inbox: &Receiver<Command>) {
-        let mut next = Step::Wait;
+        let mut wait = WAIT;
         loop {
             let waited = Instant::now();
-            let wait = if matches!(next, Step::Wait) { WAIT } else { Duration::ZERO };
             let first = match inbox.recv_timeout(wait) {
                 Ok(command) => Some(command),
                 Err(RecvTimeoutError::Timeout) => None,
@@ -96,10 +90,10 @@ impl Decoding {
             }
             self.segment.clean_up();
             self.let_go();
-            next = self.fill();
+            wait = self.fill();
             self.segment.audible_segments.lock().next = self.queue.opened_ahead().cloned();
             #[cfg(test)]
-            if matches!(next, Step::Wait) {
+            if wait == WAIT {
                 for waiting in self.waiting_for_idle.drain(..) {
                     let _ = waiting.send(());
                 }
@@ -211,15 +205,16 @@ impl Decoding {
         self.queue.passages.source().seek((goal - PREROLL).max(0.0))
     }
 
-    fn fill(&mut self) -> Step {
+    /// Makes one step towards a full ring, and returns the time to wait for a command before the next step.
+    fn fill(&mut self) -> Duration {
         if !self.segment.push() {
-            return Step::Wait;
+            return WAIT;
         }
         let has_decoded = self.segment.filling.as_mut().is_some_and(|filling| !filling.decoded.is_empty());
         if has_decoded { self.convert() } else { self.decode() }
     }
 
-    fn decode(&mut self) -> Step {
+    fn decode(&mut self) -> Duration {
         self.scratch.clear();
         let decoded = match self.queue.passages.source().next_block(&mut self.scratch) {
             Ok(count) => count,
@@ -231,35 +226,35 @@ impl Decoding {
         if decoded == 0 {
             return self.end_of_track();
         }
-        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
+        let Some(filling) = self.segment.filling.as_mut() else { return WAIT };
         filling.since_jump += self.scratch.len() as u64;
         filling.decoded.extend(self.scratch.drain(..));
-        Step::GoOn
+        Duration::ZERO
     }
 
-    fn convert(&mut self) -> Step {
-        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
+    fn convert(&mut self) -> Duration {
+        let Some(filling) = self.segment.filling.as_mut() else { return WAIT };
         let count = filling.decoded.len().min(CHUNK);
         let frames: Vec<StereoFrame> = filling.decoded.drain(..count).collect();
         if let Err(error) = filling.feed(&frames, &mut self.scratch) {
             self.report(&error);
         }
         self.analyse(AnalysisInput::Frames(frames));
-        Step::GoOn
+        Duration::ZERO
     }
 
-    fn end_of_track(&mut self) -> Step {
+    fn end_of_track(&mut self) -> Duration {
         let (passage, rate) = (self.queue.passages.current(), self.queue.passages.source().sample_rate());
         self.segment.start_at_end(passage, rate);
-        let Some(filling) = self.segment.filling.as_mut() else { return Step::Wait };
+        let Some(filling) = self.segment.filling.as_mut() else { return WAIT };
         let empty = filling.from_start && filling.since_jump == 0;
         match self.queue.following(empty) {
-            None => return Step::Wait,
+            None => return WAIT,
             Some(Found::Again) => self.segment.begin_lap(None),
             Some(Found::Track(track)) => self.join(track),
             Some(Found::End | Found::Nothing) => self.end(),
         }
-        Step::GoOn
+        Duration::ZERO
     }
 
     fn join(&mut self, track: Track) {
