@@ -47,7 +47,6 @@ impl OscReceiver {
             };
             let open = |address: SocketAddr| {
                 let socket = UdpSocket::bind(address)?;
-                socket.set_read_timeout(Some(LOOK))?;
                 set_state(ReceiverState::Open(socket.local_addr()?));
                 Ok(socket)
             };
@@ -75,7 +74,7 @@ struct Hearing {
 impl Hearing {
     fn run(&self, socket: &UdpSocket, is_over: impl Fn() -> bool) {
         let mut buffer = vec![0; PACKET_MAX];
-        let (mut waiting, mut waited) = (Waiting::default(), LOOK);
+        let mut waiting = Waiting::default();
         while !is_over() {
             while let Some((message, from)) = waiting.pop_due(Instant::now()) {
                 let mut answers = Vec::new();
@@ -84,10 +83,7 @@ impl Hearing {
             }
             // A timeout of 0 is an error, so the minimum is a millisecond.
             let patience = waiting.patience(Instant::now()).map_or(LOOK, |due| due.clamp(LEAST_LOOK, LOOK));
-            if patience != waited {
-                waited = patience;
-                let _ = socket.set_read_timeout(Some(patience));
-            }
+            let _ = socket.set_read_timeout(Some(patience));
             match socket.recv_from(&mut buffer) {
                 Ok((length, from)) => {
                     let packet = buffer.get(..length).unwrap_or_default();
