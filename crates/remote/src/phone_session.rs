@@ -85,7 +85,8 @@ impl<'a> PhoneSession<'a> {
                 return Err("the phone reads no data".to_owned());
             }
             // Do not add to unread data: the phone gets the newest state after it has read the old state.
-            return self.flush();
+            let flushed = self.socket.flush();
+            return self.record_sent(flushed);
         }
         let state_delta = self.reported.state_delta(&self.shared.board.newest(), self.shared.album.count());
         match (self.heartbeat.due(now), state_delta) {
@@ -101,11 +102,6 @@ impl<'a> PhoneSession<'a> {
 
     fn send(&mut self, message: Message) -> Result<(), End> {
         let sent = self.socket.send(message);
-        self.record_sent(sent)
-    }
-
-    fn flush(&mut self) -> Result<(), End> {
-        let sent = self.socket.flush();
         self.record_sent(sent)
     }
 
@@ -141,7 +137,10 @@ impl<'a> PhoneSession<'a> {
         }
         match message {
             Message::Text(text) => {
-                self.handle_text(&text);
+                let input = &self.shared.input_queue;
+                // Phones ask no queries.
+                let _ = Asked::queue(understand(&text, self.shared.actions), input);
+                input.count();
                 Ok(())
             }
             Message::Binary(_) => {
@@ -150,12 +149,6 @@ impl<'a> PhoneSession<'a> {
             }
             Message::Ping(_) | Message::Pong(_) | Message::Close(_) | Message::Frame(_) => Ok(()),
         }
-    }
-
-    fn handle_text(&self, text: &str) {
-        // Phones ask no queries.
-        let _ = Asked::queue(understand(text, self.shared.actions), &self.shared.input_queue);
-        self.shared.input_queue.count();
     }
 
     fn close(&mut self, code: CloseCode, reason: &'static str) -> End {
