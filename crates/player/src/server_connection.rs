@@ -15,11 +15,7 @@ use pulseaudio::{Client, ClientError};
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ServerConnection {
-    /// The server's cookie, which changes when the server restarts.
-    server: u32,
-    client: u32,
-}
+pub(crate) struct ServerConnection(u32);
 
 /// Returns the result of `open` and the connection that it made. The connection is `None` if the server does not answer
 /// or if several connections appeared. This function may block as long as the server does.
@@ -29,11 +25,10 @@ pub(super) fn opened_by<T, E>(
     let mut asking = lock(&ASKING);
     let before = own_connections(&mut asking);
     let made = open()?;
-    let connection = before.and_then(|(server, before)| {
-        let (same_server, after) = own_connections(&mut asking)?;
+    let connection = before.and_then(|before| {
+        let after = own_connections(&mut asking)?;
         let mut new = after.difference(&before);
-        let only = new.next().filter(|_| new.next().is_none() && same_server == server);
-        only.map(|client| ServerConnection { server, client: *client })
+        new.next().filter(|_| new.next().is_none()).map(|client| ServerConnection(*client))
     });
     Ok((made, connection))
 }
@@ -42,17 +37,17 @@ impl ServerConnection {
     /// Asks the server to close the connection. This wakes all threads that wait for it. May block like the server.
     pub(crate) fn end(self) {
         let mut asking = lock(&ASKING);
-        let is_there = own_connections(&mut asking)
-            .is_some_and(|(server, own)| server == self.server && own.contains(&self.client));
+        // After a restart of the server, the number may be that of another connection, which is then opened again.
+        let is_there = own_connections(&mut asking).is_some_and(|own| own.contains(&self.0));
         if let Some(client) = asking.as_ref().filter(|_| is_there)
-            && let Err(error) = block_on(client.kill_client(self.client))
+            && let Err(error) = block_on(client.kill_client(self.0))
         {
             tracing::debug!("the sound server failed to close a connection: {error}");
         }
     }
 }
 
-fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> {
+fn own_connections(asking: &mut Option<Client>) -> Option<BTreeSet<u32>> {
     if let Some(client) = asking
         && let Ok(answer) = query(client)
     {
@@ -65,10 +60,9 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
     answer
 }
 
-fn query(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
+fn query(client: &Client) -> Result<BTreeSet<u32>, ClientError> {
     // cpal gives its connections this name.
     let name = CString::new(format!("cpal-pulseaudio-{}", std::process::id())).unwrap_or_default();
-    let server = block_on(client.server_info())?.cookie;
     let all = block_on(client.list_clients())?;
-    Ok((server, all.into_iter().filter(|client| client.name == name).map(|client| client.index).collect()))
+    Ok(all.into_iter().filter(|client| client.name == name).map(|client| client.index).collect())
 }
