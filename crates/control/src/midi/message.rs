@@ -20,20 +20,14 @@ pub enum Message {
     Position(u16),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Expects {
-    /// No status byte is in force, so data bytes are ignored.
-    #[default]
-    Nothing,
-    /// Collects `count` data bytes of `status`. If `runs` is true, another message may follow without a status byte.
-    Data { status: u8, count: usize, runs: bool },
-}
+const SONG_POSITION: u8 = 0xf2;
 
 /// A parser for MIDI bytes in pieces of any size. The parser handles running status and real-time bytes inside other
 /// messages. The parser skips system-exclusive messages.
 #[derive(Debug, Clone, Default)]
 pub struct Parser {
-    expects: Expects,
+    /// The status byte in force. Without one, data bytes are ignored.
+    status: Option<u8>,
     data: [u8; 2],
     held: usize,
 }
@@ -49,8 +43,7 @@ impl Parser {
             0xfc => Some(Message::Stop),
             0xf9 | 0xfd..=0xff => None,
             0x80..=0xf7 => {
-                self.held = 0;
-                self.expects = expects(byte);
+                (self.held, self.status) = (0, Some(byte));
                 None
             }
             0..=0x7f => self.push_data(byte),
@@ -58,7 +51,12 @@ impl Parser {
     }
 
     fn push_data(&mut self, byte: u8) -> Option<Message> {
-        let Expects::Data { status, count, runs } = self.expects else { return None };
+        let status = self.status?;
+        let count = match status {
+            0xc0..=0xdf => 1,
+            0x80..=0xef | SONG_POSITION => 2,
+            _ => return None,
+        };
         if let Some(place) = self.data.get_mut(self.held) {
             *place = byte;
         }
@@ -67,19 +65,9 @@ impl Parser {
             return None;
         }
         self.held = 0;
-        if !runs {
-            self.expects = Expects::Nothing;
-        }
+        // After any other message, the next one may follow without a status byte.
+        self.status = self.status.filter(|status| *status != SONG_POSITION);
         message(status, self.data)
-    }
-}
-
-fn expects(status: u8) -> Expects {
-    match status {
-        0xc0..=0xdf => Expects::Data { status, count: 1, runs: true },
-        0x80..=0xef => Expects::Data { status, count: 2, runs: true },
-        0xf2 => Expects::Data { status, count: 2, runs: false },
-        _ => Expects::Nothing,
     }
 }
 
@@ -93,7 +81,7 @@ fn message(status: u8, [first, second]: [u8; 2]) -> Option<Message> {
         0xc0..=0xcf => (Source::Program { channel }, u16::from(first)),
         0xd0..=0xdf => (Source::Pressure { channel }, u16::from(first)),
         0xe0..=0xef => (Source::Bend { channel }, wide),
-        0xf2 => return Some(Message::Position(wide)),
+        SONG_POSITION => return Some(Message::Position(wide)),
         // Polyphonic key pressure is not supported.
         _ => return None,
     };
