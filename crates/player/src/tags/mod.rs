@@ -206,24 +206,24 @@ impl State {
     }
 
     /// Returns the next file to read.
-    fn next(&mut self) -> Next {
+    fn next(&mut self) -> Option<PathBuf> {
         while let Some(file) = self.urgent.pop_front() {
             if !self.is_current(&file) {
-                return Next::File(file);
+                return Some(file);
             }
         }
         if let Some(file) = self.folder.pop_front() {
-            return Next::File(file);
+            return Some(file);
         }
         let list = self.list.clone();
-        for track in list.entries.iter().skip(self.list_at).take(ENTRIES_AT_ONCE) {
+        while let Some(track) = list.entries.get(self.list_at) {
             self.list_at += 1;
             let whole = track.file.as_ref().filter(|_| track.start.is_none());
             if let Some(file) = whole.filter(|file| !self.is_current(file)) {
-                return Next::File(file.clone());
+                return Some(file.clone());
             }
         }
-        if self.list_at < list.entries.len() { Next::Again } else { Next::Idle }
+        None
     }
 
     fn has_work(&self) -> bool {
@@ -276,18 +276,10 @@ fn understood(line: &[u8]) -> Option<(PathBuf, Stamp, TrackTags)> {
 
 /// Minimum interval between two publications. Each one makes the window lay out its lists again.
 const PUBLISH_EVERY: Duration = Duration::from_millis(100);
-/// Maximum number of entries that are examined under one lock, because the drawing thread takes the lock too.
+/// Maximum number of entries that are added up under one lock, because the drawing thread takes the lock too.
 const ENTRIES_AT_ONCE: usize = 256;
 /// The work is short, and a user may wait for it: next to a software renderer, a higher niceness would starve it.
 const NICENESS: i32 = 5;
-
-enum Next {
-    /// Reads this file.
-    File(PathBuf),
-    /// Looks for more files: the lock was released between two parts of the list.
-    Again,
-    Idle,
-}
 
 fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
     lower_priority(NICENESS);
@@ -302,12 +294,12 @@ fn read_all(shared: &Shared<State>, cache: Option<&Path>, wake: &dyn Fn()) {
     let mut published = Instant::now();
     loop {
         let is_over = shared.is_over();
-        let next = if is_over { Next::Idle } else { shared.lock().next() };
-        if let Next::File(file) = &next {
-            unsaved |= examine(shared, file);
+        let next = if is_over { None } else { shared.lock().next() };
+        let is_idle = next.is_none();
+        if let Some(file) = next {
+            unsaved |= examine(shared, &file);
             unpublished = true;
         }
-        let is_idle = matches!(next, Next::Idle);
         let publishes = is_idle || published.elapsed() >= PUBLISH_EVERY;
         if !is_over && (unpublished && publishes || is_idle && shared.lock().has_new_list()) {
             publish(shared);
