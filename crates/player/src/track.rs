@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use mariana_music::StereoFrame;
 
-use super::decode::Decoder;
 use super::listed::{Edit, Edited, SharedListing};
 use super::playlist::{Cut, Excerpt};
-use super::song::{Song, display_name};
+use super::song::Song;
 use super::source::{FrameSource, SourceError};
 
 const SILENCE_RATE: u32 = 48_000;
@@ -69,23 +68,6 @@ pub struct Track {
 }
 
 impl Track {
-    /// Wraps a decoder as entry `entry` of `count`. The id equals `entry`.
-    pub fn of_decoder(decoder: Decoder, entry: usize, count: usize) -> Self {
-        let about = decoder.info();
-        let info = TrackInfo {
-            id: entry as u64,
-            entry,
-            count,
-            name: display_name(&decoder),
-            title: about.title.clone(),
-            artist: about.artist.clone(),
-            duration: about.duration,
-            scene_gain: about.scene_gain,
-            content: None,
-        };
-        Self { source: Box::new(decoder), info: Arc::new(info) }
-    }
-
     /// Wraps a source that belongs to no list.
     pub fn alone(source: Box<dyn FrameSource>) -> Self {
         let duration = source.duration();

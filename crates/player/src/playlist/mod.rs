@@ -35,11 +35,12 @@ pub use lists::{Cut, Item, Kind};
 use order::Order;
 pub use text::Reference;
 
+use super::decode::StreamInfo;
 use super::listed::{Edit, Edited, ListedTrack, SharedListing};
 use super::one_line::one_line;
 use super::song::{Song, track_name};
-use super::source::SourceError;
-use super::track::{Found, Repeat, Track, TrackList, Wanted};
+use super::source::{FrameSource, SourceError};
+use super::track::{Found, Repeat, Track, TrackInfo, TrackList, Wanted};
 
 const TRACK_ERRORS_KEPT: usize = 20;
 
@@ -250,18 +251,18 @@ impl Playlist {
 impl PlaylistEntry {
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
         let decoder = self.content.song.open()?;
-        let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);
-        let about = Arc::make_mut(&mut info);
+        let StreamInfo { name, mut title, mut artist, mut duration, scene_gain, .. } = decoder.info().clone();
+        let mut source: Box<dyn FrameSource> = Box::new(decoder);
         if let Some(cut) = self.content.cut {
             source = Box::new(Excerpt::new(source, cut)?);
-            let title = self.tags.title.as_deref().map(one_line).or_else(|| about.title.clone());
-            let artist = self.tags.artist.as_deref().map(one_line).or_else(|| about.artist.clone());
-            about.duration = source.duration();
-            about.name = track_name(artist.as_deref(), title.as_deref(), &about.name);
-            (about.title, about.artist) = (title, artist);
+            title = self.tags.title.as_deref().map(one_line).or(title);
+            artist = self.tags.artist.as_deref().map(one_line).or(artist);
+            duration = source.duration();
         }
-        about.content = Some(self.content.clone());
-        Ok(Track { source, info })
+        let name = track_name(artist.as_deref(), title.as_deref(), &name);
+        let (id, content) = (index as u64, Some(self.content.clone()));
+        let info = TrackInfo { id, entry: index, count, name, title, artist, duration, scene_gain, content };
+        Ok(Track { source, info: Arc::new(info) })
     }
 }
 
