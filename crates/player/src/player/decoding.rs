@@ -236,7 +236,7 @@ impl Decoding {
         let Some(filling) = self.segment.filling.as_mut() else { return WAIT };
         let count = filling.decoded.len().min(CHUNK);
         let frames: Vec<StereoFrame> = filling.decoded.drain(..count).collect();
-        if let Err(error) = filling.feed(&frames, &mut self.scratch) {
+        if let Err(error) = filling.feed(&frames) {
             self.report(&error);
         }
         self.analyse(AnalysisInput::Frames(frames));
@@ -258,7 +258,7 @@ impl Decoding {
     }
 
     fn join(&mut self, track: Track) {
-        if let Err(error) = self.segment.set_source_rate(track.source.sample_rate(), &mut self.scratch) {
+        if let Err(error) = self.segment.set_source_rate(track.source.sample_rate()) {
             self.report(&error);
         }
         let info = track.info.clone();
@@ -272,7 +272,7 @@ impl Decoding {
     fn end(&mut self) {
         let Some(filling) = self.segment.filling.as_mut() else { return };
         filling.exhausted = true;
-        if let Err(error) = filling.flush(&mut self.scratch) {
+        if let Err(error) = filling.flush() {
             self.report(&error);
         }
         self.analyse(AnalysisInput::Finish);

@@ -82,25 +82,21 @@ impl Filling {
         self.ready.drain(..count);
     }
 
-    pub(super) fn feed(
-        &mut self,
-        frames: &[StereoFrame],
-        scratch: &mut Vec<StereoFrame>,
-    ) -> Result<(), ResampleError> {
+    pub(super) fn feed(&mut self, frames: &[StereoFrame]) -> Result<(), ResampleError> {
         let skipped = self.skip.min(frames.len() as u64);
         self.skip -= skipped;
         let audible = frames.get(skipped as usize..).unwrap_or_default();
         self.conversion.fed += audible.len() as u64;
-        scratch.clear();
-        let resampled = self.conversion.resampler.process(audible, scratch);
-        self.ready.extend(scratch.drain(..));
+        let mut converted = Vec::new();
+        let resampled = self.conversion.resampler.process(audible, &mut converted);
+        self.ready.extend(converted);
         resampled
     }
 
-    pub(super) fn flush(&mut self, scratch: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
-        scratch.clear();
-        let resampled = self.conversion.resampler.finish(scratch);
-        self.ready.extend(scratch.drain(..));
+    pub(super) fn flush(&mut self) -> Result<(), ResampleError> {
+        let mut converted = Vec::new();
+        let resampled = self.conversion.resampler.finish(&mut converted);
+        self.ready.extend(converted);
         resampled
     }
 
@@ -109,13 +105,8 @@ impl Filling {
         self.conversion.base + self.conversion.fed as f64 / f64::from(self.conversion.resampler.from_hz())
     }
 
-    pub(super) fn change_resampler(
-        &mut self,
-        resampler: Resampler,
-        rate: u32,
-        scratch: &mut Vec<StereoFrame>,
-    ) -> Result<(), ResampleError> {
-        let flushed = self.flush(scratch);
+    pub(super) fn change_resampler(&mut self, resampler: Resampler, rate: u32) -> Result<(), ResampleError> {
+        let flushed = self.flush();
         let base = (self.pushed + self.ready.len() as u64) as f64 / f64::from(rate);
         self.conversion = Conversion { resampler, base, fed: 0 };
         flushed

@@ -12,7 +12,6 @@ use crate::output::OutputCallbackLink;
 use crate::player::filling::Filling;
 use crate::resample::{ResampleError, Resampler};
 use crate::track::TrackInfo;
-use mariana_music::StereoFrame;
 
 /// Depth of the ring, in seconds; [`RING_BUFFERS`] device buffers if they are longer than this.
 const RING: f64 = 0.4;
@@ -161,16 +160,12 @@ impl CurrentSegment {
     }
 
     /// Sets the source's rate for the following frames. Fails if the rate cannot be converted.
-    pub(super) fn set_source_rate(
-        &mut self,
-        rate: u32,
-        scratch: &mut Vec<StereoFrame>,
-    ) -> Result<(), ResampleError> {
+    pub(super) fn set_source_rate(&mut self, rate: u32) -> Result<(), ResampleError> {
         let Some((link, filling)) = self.link.as_ref().zip(self.filling.as_mut()) else { return Ok(()) };
         if rate == filling.conversion.resampler.from_hz() {
             return Ok(());
         }
-        filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)
+        filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate)
     }
 
     /// The segment time, in seconds, that was certainly shown, even with the largest delay of the image.

@@ -29,7 +29,7 @@ fn begin(segment: &mut CurrentSegment, target: f64) {
 fn feed(segment: &mut CurrentSegment, seconds: f64) {
     let frames = vec![[0.5; 2]; (seconds * f64::from(RATE)) as usize];
     let filling = segment.filling.as_mut().expect("there is a segment");
-    filling.feed(&frames, &mut Vec::new()).expect("equal rates need no conversion");
+    filling.feed(&frames).expect("equal rates need no conversion");
 }
 
 #[test]
