@@ -74,6 +74,12 @@ struct Held {
     during: Option<u64>,
 }
 
+impl Held {
+    fn new(changed_by: ChangedBy, glide: Glide, directed: Option<Directed>) -> Self {
+        Self { changed_by, glide, during: directed.map(|directed| directed.part) }
+    }
+}
+
 /// The changed parameters of all scenes, with their origins and targets.
 ///
 /// Scenes are identified by their titles, so that changes persist when the show returns to a scene. A show controls a
@@ -99,18 +105,14 @@ impl Model {
         };
         let to = param.clamped(turn.to);
         let seen = self.read(scene, param, directed, now);
-        let glide = match self.held(scene, param.name).filter(|held| held.changed_by == seen.changed_by) {
-            // A repeated change to the same target does not restart the movement.
-            Some(held)
-                if held.changed_by == turn.changed_by
-                    && held.glide.target() == to
-                    && held.glide.moves(now) =>
-            {
-                held.glide
-            }
-            _ => Glide::at(seen.value).towards(to, seconds, now),
+        // A repeated change to the same target does not restart the movement.
+        let is_repeated = |held: &Held| {
+            let is_same = held.changed_by == seen.changed_by && held.changed_by == turn.changed_by;
+            is_same && held.glide.target() == to && held.glide.moves(now)
         };
-        self.hold(scene, param.name, turn.changed_by, glide, directed);
+        let glide = self.held(scene, param.name).filter(is_repeated).map(|held| held.glide);
+        let glide = glide.unwrap_or_else(|| Glide::at(seen.value).towards(to, seconds, now));
+        put(&mut self.scenes, scene, param.name, Held::new(turn.changed_by, glide, directed));
     }
 
     /// Moves a parameter to the value `to` within `seconds`, as a soft ramp. A value that is not finite is ignored.
@@ -126,20 +128,8 @@ impl Model {
         if to.is_finite() && seconds.is_finite() {
             let seen = self.read(scene, param, directed, now);
             let glide = Glide::at(seen.value).ramp(param.clamped(to), seconds, now);
-            self.hold(scene, param.name, changed_by, glide, directed);
+            put(&mut self.scenes, scene, param.name, Held::new(changed_by, glide, directed));
         }
-    }
-
-    fn hold(
-        &mut self,
-        scene: &str,
-        name: &str,
-        changed_by: ChangedBy,
-        glide: Glide,
-        directed: Option<Directed>,
-    ) {
-        let held = Held { changed_by, glide, during: directed.map(|directed| directed.part) };
-        put(&mut self.scenes, scene, name, held);
     }
 
     /// Lets a parameter follow a sound, from its present value and within `seconds`. Ignores a binding with a number
@@ -157,7 +147,8 @@ impl Model {
         let seen = self.read(scene, param, directed, now).value;
         // The glide keeps the value that unbinding restores.
         let before = self.held(scene, param.name).map_or(param.default, |held| held.glide.target());
-        self.hold(scene, param.name, ChangedBy::Sound, Glide::at(before), directed);
+        let held = Held::new(ChangedBy::Sound, Glide::at(before), directed);
+        put(&mut self.scenes, scene, param.name, held);
         put(&mut self.bindings, scene, param.name, Following::new(binding, seen, seconds, now));
     }
 
@@ -258,8 +249,7 @@ impl Model {
     /// Restores a value from an earlier run. The scene's text may have changed since that run.
     pub fn remember(&mut self, scene: &str, name: &str, value: f32) {
         if value.is_finite() {
-            let held = Held { changed_by: ChangedBy::Slider, glide: Glide::at(value), during: None };
-            self.scenes.entry(scene.to_owned()).or_default().insert(name.to_owned(), held);
+            put(&mut self.scenes, scene, name, Held::new(ChangedBy::Slider, Glide::at(value), None));
         }
     }
 
@@ -268,7 +258,7 @@ impl Model {
         let Some(binding) = binding.mended() else { return };
         // NaN means the text's default, which is not known yet.
         let before = self.held(scene, name).map_or(f32::NAN, |held| held.glide.target());
-        let held = Held { changed_by: ChangedBy::Sound, glide: Glide::at(before), during: None };
+        let held = Held::new(ChangedBy::Sound, Glide::at(before), None);
         put(&mut self.scenes, scene, name, held);
         put(&mut self.bindings, scene, name, Following::new(binding, 0.0, 0.0, 0.0));
     }
