@@ -9,9 +9,8 @@
 //! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because cpal
 //! does not report device changes, and a sound server silently moves the stream of an unplugged device to another
 //! device. The open device continues until its successor is open. After an error, the supervisor waits a second before
-//! the next attempt, unless the device has played before. A change in the device list ends the wait. The
-//! default may change and change back between two polls, so the supervisor checks an opened device again after the next
-//! polls.
+//! the next attempt, unless the device has played before. A change in the device list ends the wait. The default may
+//! change and change back between two polls, so the supervisor checks an opened device again after the next polls.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
