@@ -1,18 +1,14 @@
 //! Compiles a document and turns the mistakes into the protocol's diagnostics.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use mariana_editing::Buffer;
-use mariana_field::lang::{self, Compiled, Fault, NameKind, Sources, Span};
+use mariana_field::lang::{self, Compiled, Fault, NameKind, Span};
 use serde_json::{Value, json};
 
-use crate::documents::{Snapshot, included_path};
-use crate::positions::range;
+use crate::documents::{Snapshot, included_path, location};
 use crate::protocol::Location;
-use crate::uri::uri_of;
 
 /// A version of a document that is to be compiled.
 pub struct Check {
@@ -37,17 +33,16 @@ impl Check {
     /// Compiles the document. This may take some hundred milliseconds for a scene near the limits.
     pub fn run(&self) -> Checked {
         let compiled = self.compiled();
-        let included = compiled.includes_asked.iter().filter_map(|name| self.included_path(name)).collect();
-        let mut diagnostics = BTreeMap::from([(self.uri.clone(), Vec::new())]);
-        let texts = compiled.sources.files().iter().map(|file| Buffer::new(file.text.clone().into_bytes()));
-        let texts: Vec<Buffer> = texts.collect();
-        for file in 1..texts.len() {
-            diagnostics.extend(self.uri_of(&compiled.sources, file).map(|uri| (uri, Vec::new())));
-        }
+        let asked =
+            |scene: &PathBuf| compiled.includes_asked.iter().map(|name| included_path(scene, name)).collect();
+        let included = self.path.as_ref().map(asked).unwrap_or_default();
+        let files = self.snapshot.files(&self.uri, self.path.as_deref(), &compiled.sources);
+        let uris = files.iter().filter_map(|file| file.uri.clone());
+        let mut diagnostics: BTreeMap<String, Vec<Value>> = uris.map(|uri| (uri, Vec::new())).collect();
+        let place = |span: Span| location(&compiled.sources, &files, span);
         for one in compiled.diagnostics.iter().chain(&compiled.warnings) {
-            if let Some(Location { uri, range }) = self.place(&compiled.sources, &texts, one.span) {
-                let value = self.diagnostic(one, &compiled.sources, &texts, range);
-                diagnostics.entry(uri).or_default().push(value);
+            if let Some(Location { uri, range }) = place(one.span) {
+                diagnostics.entry(uri).or_default().push(self.diagnostic(one, range, place));
             }
         }
         Checked { uri: self.uri.clone(), diagnostics, included }
@@ -75,23 +70,11 @@ impl Check {
         if with_object.diagnostics.len() < compiled.diagnostics.len() { with_object } else { compiled }
     }
 
-    fn included_path(&self, name: &str) -> Option<PathBuf> {
-        self.path.as_deref().map(|scene| included_path(scene, name))
-    }
-
-    fn uri_of(&self, sources: &Sources, file: usize) -> Option<String> {
-        match file {
-            0 => Some(self.uri.clone()),
-            _ => uri_of(&self.included_path(&sources.files().get(file)?.name)?),
-        }
-    }
-
     fn diagnostic(
         &self,
         one: &lang::Diagnostic,
-        sources: &Sources,
-        texts: &[Buffer],
         range: crate::positions::Span,
+        place: impl Fn(Span) -> Option<Location>,
     ) -> Value {
         let mut message = one.message.clone();
         if !one.label.is_empty() {
@@ -109,7 +92,7 @@ impl Check {
         };
         let mut related = Vec::new();
         for (span, text) in &one.notes {
-            match self.place(sources, texts, *span).filter(|_| self.shows_related) {
+            match place(*span).filter(|_| self.shows_related) {
                 Some(location) => related.push(json!({ "location": location, "message": text })),
                 None => message.push_str(&format!("\nnote: {text}")),
             }
@@ -122,25 +105,4 @@ impl Check {
         }
         value
     }
-
-    /// Returns the address of a span's file, and the span in this file.
-    fn place(&self, sources: &Sources, texts: &[Buffer], span: Span) -> Option<Location> {
-        let (file, bytes) = sources.place_in_file(span)?;
-        let buffer = texts.get(file)?;
-        Some(Location { uri: self.uri_of(sources, file)?, range: range(buffer, visible(buffer, bytes)) })
-    }
-}
-
-/// Extends an empty range to the character behind or before it, so that an editor has something to underline.
-fn visible(buffer: &Buffer, range: Range<usize>) -> Range<usize> {
-    if !range.is_empty() {
-        return range;
-    }
-    let line = buffer.line_range(buffer.line_of(range.start));
-    let text = String::from_utf8_lossy(buffer.slice(line.clone())).into_owned();
-    let at = range.start.saturating_sub(line.start);
-    let length = |letter: Option<char>| letter.map_or(0, char::len_utf8);
-    let behind = length(text.get(at..).and_then(|rest| rest.chars().next()));
-    let before = length(text.get(..at).and_then(|rest| rest.chars().next_back()));
-    if behind > 0 { range.start..range.start + behind } else { range.start - before..range.start }
 }

@@ -17,7 +17,6 @@ pub type ReadInclude = dyn Fn(&Path, &str) -> Result<String, String> + Send + Sy
 
 /// An open document.
 pub(crate) struct Document {
-    pub uri: String,
     /// `None` for a document that is no file.
     pub path: Option<PathBuf>,
     pub version: i64,
@@ -28,10 +27,9 @@ pub(crate) struct Document {
 }
 
 impl Document {
-    fn new(uri: String, version: i64, text: String) -> Self {
-        let path = path_of(&uri);
+    fn new(uri: &str, version: i64, text: String) -> Self {
         let buffer = Buffer::new(text.clone().into_bytes());
-        Self { uri, path, version, buffer, colors: Colors::default(), text: text.into() }
+        Self { path: path_of(uri), version, buffer, colors: Colors::default(), text: text.into() }
     }
 
     fn change(&mut self, changes: Vec<Change>) {
@@ -56,7 +54,8 @@ impl Document {
 /// The texts of all open files, at one moment.
 #[derive(Clone)]
 pub(crate) struct Snapshot {
-    open: Arc<BTreeMap<PathBuf, Arc<str>>>,
+    /// The address and the text of each file.
+    open: Arc<BTreeMap<PathBuf, (String, Arc<str>)>>,
     read: Arc<ReadInclude>,
 }
 
@@ -66,11 +65,43 @@ impl Snapshot {
         move |name| {
             let Some(scene) = scene else { return lang::no_includes(name) };
             match self.open.get(&included_path(scene, name)) {
-                Some(text) => Ok(text.to_string()),
+                Some((_, text)) => Ok(text.to_string()),
                 None => (self.read)(scene, name),
             }
         }
     }
+
+    /// Returns the files of the scene with this address and path.
+    pub(crate) fn files(&self, uri: &str, scene: Option<&Path>, sources: &Sources) -> Vec<SceneFile> {
+        let uri_of_file = |index: usize, name: &str| match index {
+            0 => Some(uri.to_owned()),
+            _ => self.uri_of(&included_path(scene?, name)),
+        };
+        let files = sources.files().iter().enumerate().map(|(index, file)| {
+            let buffer = Buffer::new(file.text.clone().into_bytes());
+            SceneFile { uri: uri_of_file(index, &file.name), buffer }
+        });
+        files.collect()
+    }
+
+    /// Returns the address of a file. The client's own address of an open file may have other escapes.
+    fn uri_of(&self, path: &Path) -> Option<String> {
+        self.open.get(path).map(|(uri, _)| uri.clone()).or_else(|| uri_of(path))
+    }
+}
+
+/// A file of a scene: the scene itself, or a file that it includes.
+pub(crate) struct SceneFile {
+    /// The address; `None` for a path without one.
+    pub uri: Option<String>,
+    buffer: Buffer,
+}
+
+/// Returns the location of a span in the files of a scene; `None` in a file without an address.
+pub(crate) fn location(sources: &Sources, files: &[SceneFile], span: lang::Span) -> Option<Location> {
+    let (file, bytes) = sources.place_in_file(span)?;
+    let SceneFile { uri, buffer } = files.get(file)?;
+    Some(Location { uri: uri.clone()?, range: range(buffer, bytes) })
 }
 
 /// Returns the path of an included file.
@@ -83,16 +114,8 @@ pub(crate) fn included_path(scene: &Path, name: &str) -> PathBuf {
 pub(crate) struct Parsed {
     pub names: Names,
     pub sources: Sources,
-    /// The address of the scene.
-    uri: String,
-    /// The path of each file of `sources`.
-    paths: Vec<Option<PathBuf>>,
-}
-
-impl Parsed {
-    fn contains(&self, path: &Path) -> bool {
-        self.paths.iter().any(|one| one.as_deref() == Some(path))
-    }
+    /// The files of `sources`.
+    pub files: Vec<SceneFile>,
 }
 
 /// A document as a part of a scene. The scene is the document itself, or another document that includes it.
@@ -112,7 +135,7 @@ impl Context {
 
 pub(crate) struct Documents {
     /// The documents by their addresses. [`Documents::insert`], [`change`](Self::change) and [`close`](Self::close) also
-    /// forget what is known about scenes that include them.
+    /// forget the names of all scenes.
     pub(crate) open: BTreeMap<String, Document>,
     pub(crate) parsed: BTreeMap<String, Arc<Parsed>>,
     read: Arc<ReadInclude>,
@@ -124,9 +147,8 @@ impl Documents {
     }
 
     pub(crate) fn insert(&mut self, uri: &str, version: i64, text: String) {
-        let document = Document::new(uri.to_owned(), version, text);
-        self.forget_parsed(uri, document.path.as_deref());
-        self.open.insert(uri.to_owned(), document);
+        self.parsed.clear();
+        self.open.insert(uri.to_owned(), Document::new(uri, version, text));
     }
 
     /// Changes a document; false if it is not open.
@@ -134,23 +156,18 @@ impl Documents {
         let Some(document) = self.open.get_mut(uri) else { return false };
         document.change(changes);
         document.version = version.unwrap_or(document.version + 1);
-        let path = document.path.clone();
-        self.forget_parsed(uri, path.as_deref());
+        self.parsed.clear();
         true
     }
 
     pub(crate) fn close(&mut self, uri: &str) {
-        if let Some(closed) = self.open.remove(uri) {
-            self.forget_parsed(uri, closed.path.as_deref());
-        }
-    }
-
-    fn forget_parsed(&mut self, uri: &str, path: Option<&Path>) {
-        self.parsed.retain(|root, parsed| root != uri && !path.is_some_and(|path| parsed.contains(path)));
+        self.open.remove(uri);
+        self.parsed.clear();
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
-        let open = self.open.values().filter_map(|one| Some((one.path.clone()?, one.text.clone())));
+        let open = self.open.iter();
+        let open = open.filter_map(|(uri, one)| Some((one.path.clone()?, (uri.clone(), one.text.clone()))));
         Snapshot { open: Arc::new(open.collect()), read: self.read.clone() }
     }
 
@@ -160,67 +177,24 @@ impl Documents {
             return Some(known.clone());
         }
         let document = self.open.get(uri)?;
-        let path = document.path.as_deref();
-        let (names, sources) = lang::names(uri, &document.text, &mut self.snapshot().resolver(path));
-        let paths = sources.files().iter().enumerate().map(|(index, file)| match (index, path) {
-            (0, path) => path.map(Path::to_owned),
-            (_, path) => path.map(|path| included_path(path, &file.name)),
-        });
-        let paths = paths.collect();
-        let parsed = Arc::new(Parsed { names, sources, uri: uri.to_owned(), paths });
+        let (snapshot, path) = (self.snapshot(), document.path.as_deref());
+        let (names, sources) = lang::names(uri, &document.text, &mut snapshot.resolver(path));
+        let files = snapshot.files(uri, path, &sources);
+        let parsed = Arc::new(Parsed { names, sources, files });
         self.parsed.insert(uri.to_owned(), parsed.clone());
         Some(parsed)
     }
 
     /// Returns the open scenes that include a document. Without such a scene, the document itself is the scene.
     pub(crate) fn contexts(&mut self, uri: &str) -> Vec<Context> {
-        let path = self.open.get(uri).and_then(|document| document.path.clone());
         let roots: Vec<String> = self.open.keys().filter(|root| *root != uri).cloned().collect();
         let mut found = Vec::new();
-        if let Some(path) = path {
-            for parsed in roots.iter().filter_map(|root| self.parsed(root)) {
-                let file = parsed.paths.iter().position(|one| one.as_ref() == Some(&path));
-                found.extend(file.map(|file| Context { parsed: parsed.clone(), file }));
-            }
+        for parsed in roots.iter().filter_map(|root| self.parsed(root)) {
+            let file = parsed.files.iter().position(|file| file.uri.as_deref() == Some(uri));
+            found.extend(file.map(|file| Context { parsed: parsed.clone(), file }));
         }
         if found.is_empty() {
             found.extend(self.parsed(uri).map(|parsed| Context { parsed, file: 0 }));
-        }
-        found
-    }
-
-    /// Returns the address of a file of a scene, and its lines.
-    fn text_of(&self, parsed: &Parsed, file: usize) -> Option<(String, Buffer)> {
-        let path = parsed.paths.get(file)?;
-        let open = match (file, path) {
-            (0, _) => self.open.get(&parsed.uri),
-            (_, path) => self.open.values().find(|document| document.path == *path && path.is_some()),
-        };
-        if let Some(document) = open {
-            return Some((document.uri.clone(), document.buffer.clone()));
-        }
-        let text = parsed.sources.files().get(file)?.text.clone().into_bytes();
-        Some((uri_of(path.as_deref()?)?, Buffer::new(text)))
-    }
-
-    /// Returns the location of a span.
-    pub(crate) fn location(&self, parsed: &Parsed, span: lang::Span) -> Option<Location> {
-        self.locations(parsed, [span]).pop()
-    }
-
-    /// Returns the locations of spans. Omits spans in files without an address.
-    pub(crate) fn locations(
-        &self,
-        parsed: &Parsed,
-        spans: impl IntoIterator<Item = lang::Span>,
-    ) -> Vec<Location> {
-        let mut texts: BTreeMap<usize, Option<(String, Buffer)>> = BTreeMap::new();
-        let mut found = Vec::new();
-        for span in spans {
-            let Some((file, bytes)) = parsed.sources.place_in_file(span) else { continue };
-            let text = texts.entry(file).or_insert_with(|| self.text_of(parsed, file));
-            let Some((uri, buffer)) = text else { continue };
-            found.push(Location { uri: uri.clone(), range: range(buffer, bytes) });
         }
         found
     }

@@ -5,32 +5,30 @@ use std::collections::BTreeSet;
 use mariana_field::lang::{Meaning, Span};
 use serde_json::{Value, json};
 
-use crate::documents::{Context, Documents, included_path};
+use crate::documents::{Context, Documents, Parsed, location};
 use crate::positions::{self, Position, offset};
 use crate::protocol::Location;
-use crate::uri::uri_of;
 
 pub(crate) fn definition(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let (contexts, byte) = at(documents, uri, position);
     for context in contexts {
         let Some((span, meaning)) = context.parsed.names.at(context.offset(byte)) else { continue };
         if meaning == Meaning::Include {
-            return included(documents, uri, &context, span);
+            return included(&context.parsed, span);
         }
         let Meaning::Declared(index) = meaning else { continue };
         let Some(declared) = context.parsed.names.declarations.get(index) else { continue };
-        if let Some(location) = documents.location(&context.parsed, declared.name) {
+        if let Some(location) = location(&context.parsed.sources, &context.parsed.files, declared.name) {
             return Some(json!(location));
         }
     }
     None
 }
 
-fn included(documents: &Documents, uri: &str, context: &Context, span: Span) -> Option<Value> {
-    let name = context.parsed.sources.text(span).trim_matches('"').to_owned();
-    let scene = documents.open.get(uri)?.path.as_deref()?;
-    let is_read = context.parsed.sources.files().iter().any(|file| file.name == name);
-    let target = uri_of(&included_path(scene, &name)).filter(|_| is_read)?;
+fn included(parsed: &Parsed, span: Span) -> Option<Value> {
+    let name = parsed.sources.text(span).trim_matches('"');
+    let file = parsed.sources.files().iter().position(|file| file.name == name)?;
+    let target = parsed.files.get(file)?.uri.as_ref()?;
     Some(json!({ "uri": target, "range": positions::Span::default() }))
 }
 
@@ -58,7 +56,8 @@ pub(crate) fn places(
         let declared = context.parsed.names.declarations.get(index).map(|one| one.name);
         let spans = context.parsed.names.places(index);
         let spans = spans.filter(|span| with_declaration || Some(*span) != declared);
-        for location in documents.locations(&context.parsed, spans) {
+        let Parsed { sources, files, .. } = &*context.parsed;
+        for location in spans.filter_map(|span| location(sources, files, span)) {
             if seen.insert((location.uri.clone(), location.range.start)) {
                 found.push(location);
             }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mariana_field::lang::{self, Meaning, Names};
 use serde_json::{Value, json};
 
-use crate::documents::{Context, Documents, Parsed};
+use crate::documents::{Context, Documents, Parsed, location};
 use crate::limits;
 use crate::navigation::{at, places};
 use crate::positions::Position;
@@ -18,7 +18,7 @@ pub(crate) fn prepare(documents: &mut Documents, uri: &str, position: Position) 
         let (span, meaning) = context.parsed.names.at(context.offset(byte))?;
         matches!(meaning, Meaning::Declared(_)).then_some((context, span))
     })?;
-    let location = documents.location(&context.parsed, span)?;
+    let location = location(&context.parsed.sources, &context.parsed.files, span)?;
     Some(json!({ "range": location.range, "placeholder": context.parsed.sources.text(span) }))
 }
 

@@ -335,7 +335,7 @@ impl Server {
         let mut all: BTreeMap<String, Vec<Value>> = BTreeMap::from([(checked.to_owned(), Vec::new())]);
         for result in results.values().filter(|result| !is_part(result)) {
             for (uri, diagnostics) in &result.diagnostics {
-                let list = all.entry(self.client_uri(uri)).or_default();
+                let list = all.entry(uri.clone()).or_default();
                 let new: Vec<&Value> = diagnostics.iter().filter(|one| !list.contains(one)).collect();
                 list.extend(new.into_iter().cloned());
             }
@@ -356,16 +356,6 @@ impl Server {
         let messages = messages.collect();
         self.diagnosing.shown = all.into_iter().filter(|(_, list)| !list.is_empty()).collect();
         messages
-    }
-
-    /// Returns the client's own address of a file, which may have other escapes.
-    fn client_uri(&self, uri: &str) -> String {
-        if self.documents.open.contains_key(uri) {
-            return uri.to_owned();
-        }
-        let path = path_of(uri);
-        let open = self.documents.open.keys().find(|open| path.is_some() && path_of(open) == path);
-        open.cloned().unwrap_or_else(|| uri.to_owned())
     }
 }
 
