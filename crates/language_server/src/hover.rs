@@ -4,36 +4,20 @@ use mariana_editing::{About, Buffer, about_field, about_language, about_part_inp
 use mariana_field::lang::{Meaning, NameKind, Span};
 use serde_json::{Value, json};
 
-use crate::documents::{Context, Documents, Parsed};
+use crate::documents::{Documents, Parsed};
 use crate::positions::{self, Position};
 
 pub(crate) fn hover(documents: &mut Documents, uri: &str, position: Position) -> Option<Value> {
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get(uri)?;
     let byte = positions::offset(&document.buffer, position);
-    let (span, about) = match context.parsed.names.at(context.offset(byte)) {
-        Some((span, meaning)) => (span, about(&context.parsed, span, meaning)?),
-        None => {
-            let (word, span) = word_at(&context, &document.buffer, byte)?;
-            (span, about_language(&word).filter(|about| !about.text.is_empty())?)
-        }
-    };
+    let (span, meaning) = context.parsed.names.at(context.offset(byte))?;
+    let about = about(&context.parsed, span, meaning)?;
     let (_, bytes) = context.parsed.sources.place_in_file(span)?;
     Some(json!({
         "contents": { "kind": "markdown", "value": markdown(&about) },
         "range": positions::range(&document.buffer, bytes),
     }))
-}
-
-/// Returns the word around a byte, such as a keyword.
-fn word_at(context: &Context, buffer: &Buffer, byte: usize) -> Option<(String, Span)> {
-    let is_letter = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
-    let line = buffer.line_range(buffer.line_of(byte));
-    let before = buffer.slice(line.start..byte).iter().rev().take_while(|byte| is_letter(byte)).count();
-    let behind = buffer.slice(byte..line.end).iter().take_while(|byte| is_letter(byte)).count();
-    let range = byte - before..byte + behind;
-    let word = String::from_utf8_lossy(buffer.slice(range.clone())).into_owned();
-    (!word.is_empty()).then(|| (word, Span::new(context.offset(range.start), context.offset(range.end))))
 }
 
 /// Returns the documentation of a name.
