@@ -111,7 +111,7 @@ pub fn proposals(
         let first = before.iter().rposition(|byte| !is_letter(byte)).map_or(0, |at| at + 1);
         String::from_utf8_lossy(before.get(first..).unwrap_or_default()).into_owned()
     });
-    let is_of_part = part.is_some_and(|name| is_part(&name) && !is_declared(buffer, &name));
+    let is_of_part = part.is_some_and(|name| is_part(&name) && line_of_declaration(buffer, &name).is_none());
     if is_no_name || (behind_point && !is_of_part) || (!asked && !is_of_part && typed.len() < 2) {
         return (range, Vec::new());
     }
@@ -197,18 +197,18 @@ pub fn declaration(buffer: &Buffer, line: usize) -> About {
     About { head, text: comment.join(" "), facts: "declared in this scene".to_owned(), is_function }
 }
 
-fn is_declared(buffer: &Buffer, name: &str) -> bool {
-    (0..buffer.line_count()).any(|line| declared(buffer.line(line)).is_some_and(|(own, _)| own == name))
+/// Returns the line that declares `name`.
+fn line_of_declaration(buffer: &Buffer, name: &str) -> Option<usize> {
+    let declares = |line: &usize| declared(buffer.line(*line)).is_some_and(|(own, _)| own == name);
+    (0..buffer.line_count()).find(declares)
 }
 
 /// Returns the documentation of `name`: its declaration in the text or, without a declaration, the language's entry.
 pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
-    let own = (0..buffer.line_count())
-        .find(|line| declared(buffer.line(*line)).is_some_and(|(own, _)| own == name));
-    if let Some(line) = own {
-        return Some(declaration(buffer, line));
+    match line_of_declaration(buffer, name) {
+        Some(line) => Some(declaration(buffer, line)),
+        None => about_language(name),
     }
-    about_language(name)
 }
 
 /// Returns the documentation of a name of the language.
@@ -236,35 +236,58 @@ fn head_of_field(section: &str, name: &str) -> String {
 /// of the function whose arguments contain `offset`.
 pub fn about(buffer: &Buffer, colors: &mut Colors, offset: usize) -> Option<(Range<usize>, About)> {
     let line = buffer.line_of(offset);
-    let (start, text) = (buffer.line_start(line), buffer.line(line));
-    let inside = offset - start;
-    let words = colors.words(buffer, line);
-    let is_name =
-        |kind| matches!(kind, WordKind::Name | WordKind::Function | WordKind::Input | WordKind::Keyword);
-    let of = |word: &mariana_field::lang::Word| {
-        let name = std::str::from_utf8(text.get(word.start..word.end)?).ok()?;
+    let start = buffer.line_start(line);
+    let of = |range: Range<usize>| {
+        let name = std::str::from_utf8(buffer.slice(range.clone())).ok()?;
         let about =
             documentation(buffer, name).filter(|about| !(about.text.is_empty() && about.facts.is_empty()))?;
-        Some((start + word.start..start + word.end, about))
+        Some((range, about))
     };
-    let here = words.iter().find(|word| is_name(word.kind) && (word.start..=word.end).contains(&inside));
+    let names = colors.words(buffer, line).into_iter().filter(|word| is_name(word.kind));
+    let mut names = names.map(|word| start + word.start..start + word.end);
+    let here = names.find(|range| range.start <= offset && offset <= range.end);
     if let Some(found) = here.and_then(of) {
         return Some(found);
     }
-    let mut closed = 0_usize;
-    let before = words.iter().enumerate().rev().filter(|(_, word)| word.end <= inside);
-    for (index, word) in before {
-        match text.get(word.start..word.end) {
-            Some(b")") => closed += 1,
-            Some(b"(") if closed > 0 => closed -= 1,
-            Some(b"(") => {
-                let name = words.get(index.checked_sub(1)?).filter(|word| is_name(word.kind))?;
-                return of(name).filter(|(_, about)| about.is_function);
+    let (name, _) = call_around(buffer, colors, offset, 0)?;
+    of(name).filter(|(_, about)| about.is_function)
+}
+
+/// Returns the byte range of the name of the function whose arguments contain `offset`, and the number of the argument.
+/// The name is searched in this line and up to `lines_above` lines above it.
+pub fn call_around(
+    buffer: &Buffer,
+    colors: &mut Colors,
+    offset: usize,
+    lines_above: usize,
+) -> Option<(Range<usize>, usize)> {
+    let (mut closed, mut argument, mut opening) = (0_usize, 0, false);
+    let last = buffer.line_of(offset);
+    for line in (last.saturating_sub(lines_above)..=last).rev() {
+        let start = buffer.line_start(line);
+        for word in colors.words(buffer, line).iter().rev() {
+            let range = start + word.start..start + word.end;
+            if range.end > offset {
+                continue;
             }
-            _ => {}
+            if opening {
+                return is_name(word.kind).then_some((range, argument));
+            }
+            match buffer.slice(range) {
+                b")" | b"}" => closed += 1,
+                b"(" | b"{" if closed > 0 => closed -= 1,
+                b"(" => opening = true,
+                b"{" => return None,
+                b"," if closed == 0 => argument += 1,
+                _ => {}
+            }
         }
     }
     None
+}
+
+fn is_name(kind: WordKind) -> bool {
+    matches!(kind, WordKind::Name | WordKind::Function | WordKind::Input | WordKind::Keyword)
 }
 
 #[cfg(test)]
