@@ -3,7 +3,7 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mariana_editing::{Colors, Editing, Move, proposals};
+use mariana_editing::{Colors, Editing, Move, own_names, proposals};
 
 const SHOWN: usize = 50;
 
@@ -30,7 +30,8 @@ fn type_letters(criterion: &mut Criterion) {
     });
     criterion.bench_function("completion of a name", |bencher| {
         editing.insert(b"sph").unwrap();
-        bencher.iter(|| proposals(editing.buffer(), &mut colors, editing.cursor(), false));
+        let own = |from| own_names(editing.buffer(), from);
+        bencher.iter(|| proposals(editing.buffer(), &mut colors, editing.cursor(), false, own));
     });
 }
 

@@ -88,12 +88,14 @@ fn of_entry(entry: &Entry) -> About {
 }
 
 /// Returns candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces.
-/// Requires two typed letters, unless the user `asked` with Ctrl+Space or the name follows a part of the song.
+/// Requires two typed letters, unless the user `asked` with Ctrl+Space or the name follows a part of the song. `own`
+/// returns the names of the scene for a name that begins at an offset.
 pub fn proposals(
     buffer: &Buffer,
     colors: &mut Colors,
     offset: usize,
     asked: bool,
+    own: impl FnOnce(usize) -> Vec<Proposal>,
 ) -> (Range<usize>, Vec<Proposal>) {
     let line = buffer.line_of(offset);
     let start = buffer.line_start(line);
@@ -126,7 +128,7 @@ pub fn proposals(
             None
         }
     };
-    let own = if is_of_part { Vec::new() } else { own_names(buffer, range.start) };
+    let own = if is_of_part { Vec::new() } else { own(range.start) };
     let language = if is_of_part { &OF_PARTS } else { &LANGUAGE };
     let mut found: Vec<(usize, usize, &Proposal)> = own
         .iter()
@@ -150,7 +152,7 @@ pub fn proposals(
 }
 
 /// Returns the names declared in the text, without the declaration at `besides`, which the user is typing.
-fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
+pub fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
     for line in 0..buffer.line_count() {
@@ -296,7 +298,8 @@ mod tests {
 
     fn names(text: &str, asked: bool) -> Vec<String> {
         let buffer = Buffer::new(text.as_bytes().to_vec());
-        let (range, found) = proposals(&buffer, &mut Colors::default(), text.len(), asked);
+        let own = |from| own_names(&buffer, from);
+        let (range, found) = proposals(&buffer, &mut Colors::default(), text.len(), asked, own);
         assert!(range.end == text.len() && range.start <= range.end);
         found.into_iter().map(|one| one.name).collect()
     }

@@ -24,7 +24,7 @@ pub use colors::Colors;
 pub use columns::{Cell, cells, column_of, offset_of, width};
 pub use completion::{
     About, Proposal, about, about_field, about_language, about_part_input, call_around, declaration,
-    documentation, proposals,
+    documentation, own_names, proposals,
 };
 pub use editing::{Editing, Refused};
 pub use find::find;

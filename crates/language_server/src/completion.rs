@@ -1,13 +1,11 @@
 //! Names that can be inserted at a position.
 
-use std::collections::BTreeSet;
-
-use mariana_editing::{About, Proposal, proposals};
-use mariana_field::lang::{NameKind, keywords};
+use mariana_editing::{Proposal, proposals};
+use mariana_field::lang::{Declaration, Meaning, NameKind, keywords};
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
-use crate::hover::markdown;
+use crate::hover::{about, markdown};
 use crate::positions::{self, Position};
 use crate::protocol::TextEdit;
 
@@ -29,36 +27,20 @@ fn items(documents: &mut Documents, uri: &str, position: Position, snippets: boo
     let context = documents.contexts(uri).into_iter().next()?;
     let document = documents.open.get_mut(uri)?;
     let byte = positions::offset(&document.buffer, position);
-    let (range, found) = proposals(&document.buffer, &mut document.colors, byte, true);
-    let offset = context.offset(byte);
-    let (names, sources) = (&context.parsed.names, &context.parsed.sources);
-    let is_valid = |one: &&mariana_field::lang::Declaration| {
-        one.local.is_none_or(|local| local.start <= offset && offset <= local.end) && one.name.end != offset
+    let (offset, parsed) = (context.offset(byte), &context.parsed);
+    let is_valid = |one: &Declaration| {
+        let is_here = one.local.is_none_or(|local| local.start <= offset && offset <= local.end);
+        is_here && one.name.end != offset && is_value(one.kind)
     };
-    let valid: Vec<_> = names.declarations.iter().filter(is_valid).collect();
-    let valid_names: BTreeSet<&str> = valid.iter().map(|one| sources.text(one.name)).collect();
-    // A local name of another function is not valid here.
-    let is_local_elsewhere =
-        |one: &Proposal| one.about.facts == OWN && !valid_names.contains(one.name.as_str());
-    let mut all: Vec<Proposal> = found.into_iter().filter(|one| !is_local_elsewhere(one)).collect();
-    if !all.is_empty() || range.is_empty() {
-        let typed = String::from_utf8_lossy(document.buffer.slice(range.clone())).to_lowercase();
-        let behind_point = range.start.checked_sub(1).map(|at| document.buffer.slice(at..at + 1) == b".");
-        let known: BTreeSet<String> = all.iter().map(|one| one.name.clone()).collect();
-        for one in valid.iter().filter(|_| behind_point != Some(true)) {
-            let name = sources.text(one.name);
-            let is_value = !matches!(
-                one.kind,
-                NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera
-            );
-            if is_value && !known.contains(name) && name.to_lowercase().starts_with(&typed) {
-                let is_function = one.kind == NameKind::Function;
-                let about =
-                    About { head: name.to_owned(), text: String::new(), facts: OWN.to_owned(), is_function };
-                all.insert(0, Proposal { name: name.to_owned(), about });
-            }
-        }
-    }
+    let own = |_: usize| -> Vec<Proposal> {
+        let valid = parsed.names.declarations.iter().enumerate().filter(|(_, one)| is_valid(one));
+        let valid = valid.filter_map(|(index, one)| {
+            let about = about(parsed, one.name, Meaning::Declared(index))?;
+            Some(Proposal { name: parsed.sources.text(one.name).to_owned(), about })
+        });
+        valid.collect()
+    };
+    let (range, all) = proposals(&document.buffer, &mut document.colors, byte, true, own);
     let calls = document.buffer.slice(byte..byte + 1) == b"(";
     let items = all.iter().enumerate().map(|(index, one)| {
         let about = &one.about;
@@ -85,5 +67,10 @@ fn items(documents: &mut Documents, uri: &str, position: Position, snippets: boo
     Some(items.collect())
 }
 
-/// The facts of names that the text declares, from [`mariana_editing::declaration`].
-const OWN: &str = "declared in this scene";
+/// True for a name that an expression or a field may use.
+fn is_value(kind: NameKind) -> bool {
+    !matches!(
+        kind,
+        NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera
+    )
+}

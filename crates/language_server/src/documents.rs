@@ -94,7 +94,7 @@ impl Snapshot {
 pub(crate) struct SceneFile {
     /// The address; `None` for a path without one.
     pub uri: Option<String>,
-    buffer: Buffer,
+    pub buffer: Buffer,
 }
 
 /// Returns the location of a span in the files of a scene; `None` in a file without an address.

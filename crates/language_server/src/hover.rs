@@ -1,6 +1,6 @@
 //! The documentation of the name under the pointer.
 
-use mariana_editing::{About, Buffer, about_field, about_language, about_part_input, declaration};
+use mariana_editing::{About, about_field, about_language, about_part_input, declaration};
 use mariana_field::lang::{Meaning, NameKind, Span};
 use serde_json::{Value, json};
 
@@ -58,10 +58,9 @@ fn of_declaration(parsed: &Parsed, index: usize) -> Option<About> {
         _ => {}
     }
     let (file, bytes) = parsed.sources.place_in_file(declared.name)?;
-    let source = parsed.sources.files().get(file)?;
-    let buffer = Buffer::new(source.text.clone().into_bytes());
+    let (source, buffer) = (parsed.sources.files().get(file)?, &parsed.files.get(file)?.buffer);
     let facts = if file == 0 { String::new() } else { format!("declared in {}", source.name) };
-    Some(About { facts, ..declaration(&buffer, buffer.line_of(bytes.start)) })
+    Some(About { facts, ..declaration(buffer, buffer.line_of(bytes.start)) })
 }
 
 /// Returns the documentation as Markdown.

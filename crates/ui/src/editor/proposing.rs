@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use mariana_commands::input::{Key, Modifiers, NamedKey};
-use mariana_editing::{Proposal, proposals};
+use mariana_editing::{Proposal, own_names, proposals};
 use mariana_field::lang::examples;
 use mariana_field::ray_probe::preview;
 use mariana_work::{Worker, in_order};
@@ -90,7 +90,9 @@ impl Proposals {
     /// true if there are candidates.
     pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
-        let (range, list) = proposals(buffer, &mut document.colors.borrow_mut(), cursor, asked);
+        let own = |from| own_names(buffer, from);
+        let colors = &mut document.colors.borrow_mut();
+        let (range, list) = proposals(buffer, colors, cursor, asked, own);
         let proposing = Proposing { from: range.start, list, selected: 0, moved: asked };
         self.shown = Some(proposing).filter(|proposing| !proposing.list.is_empty());
         self.shown.is_some()
