@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use mariana_field::lang::{self, Compiled, Fault, NameKind, Span};
+use mariana_field::lang::{self, Compiled, Fault, NameKind, Section, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Snapshot, included_path, location};
@@ -59,7 +59,7 @@ impl Check {
             return compiled;
         }
         let (names, _) = lang::names("", &self.text, &mut |_| Ok(String::new()));
-        let has_object = names.declarations.iter().any(|one| one.kind == NameKind::Object);
+        let has_object = names.declarations.iter().any(|one| one.kind == NameKind::Section(Section::Object));
         let declares = names.declarations.iter().any(|one| one.local.is_none());
         if has_object || !declares {
             return compiled;

@@ -1,7 +1,7 @@
 //! Names that can be inserted at a position.
 
 use mariana_editing::{Proposal, proposals};
-use mariana_field::lang::{Declaration, Meaning, NameKind, keywords};
+use mariana_field::lang::{Declaration, Meaning, NameKind, Section, keywords};
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
@@ -30,7 +30,9 @@ fn items(documents: &mut Documents, uri: &str, position: Position, snippets: boo
     let (offset, parsed) = (context.offset(byte), &context.parsed);
     let is_valid = |one: &Declaration| {
         let is_here = one.local.is_none_or(|local| local.start <= offset && offset <= local.end);
-        is_here && one.name.end != offset && is_value(one.kind)
+        // A formula uses no other section than a material.
+        let is_value = !matches!(one.kind, NameKind::Section(section) if section != Section::Material);
+        is_here && one.name.end != offset && is_value
     };
     let own = |_: usize| -> Vec<Proposal> {
         let valid = parsed.names.declarations.iter().enumerate().filter(|(_, one)| is_valid(one));
@@ -65,12 +67,4 @@ fn items(documents: &mut Documents, uri: &str, position: Position, snippets: boo
         })
     });
     Some(items.collect())
-}
-
-/// True for a name that an expression or a field may use.
-fn is_value(kind: NameKind) -> bool {
-    !matches!(
-        kind,
-        NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera
-    )
 }

@@ -1,6 +1,6 @@
 //! The outline of a document: what it declares.
 
-use mariana_field::lang::NameKind;
+use mariana_field::lang::{NameKind, Section};
 use serde_json::{Value, json};
 
 use crate::documents::Documents;
@@ -10,13 +10,12 @@ use crate::positions::range;
 fn symbol_kind(kind: NameKind) -> u8 {
     match kind {
         NameKind::Param => 7,
-        NameKind::Let => 13,
         NameKind::Function => 12,
-        NameKind::Object => 19,
-        NameKind::Material => 23,
-        NameKind::Light | NameKind::Medium | NameKind::Swarm => 24,
-        NameKind::Camera => 11,
-        NameKind::FunctionParameter | NameKind::LoopVariable => 13,
+        NameKind::Let | NameKind::FunctionParameter | NameKind::LoopVariable => 13,
+        NameKind::Section(Section::Object) => 19,
+        NameKind::Section(Section::Material) => 23,
+        NameKind::Section(Section::Camera) => 11,
+        NameKind::Section(_) => 24,
     }
 }
 

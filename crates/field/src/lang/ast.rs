@@ -238,17 +238,50 @@ pub(super) struct Function {
     pub body: ExprId,
 }
 
+/// A block with fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
+pub enum Section {
+    /// A shape with its material.
     Object,
+    /// The material of a surface.
     Material,
+    /// A light.
     Light,
+    /// A medium that fills space.
     Medium,
+    /// A swarm of points.
     Swarm,
+    /// A camera. Only one may be without a name.
     Camera,
+    /// The background.
     Sky,
+    /// The conversion of light to an image.
     Picture,
+    /// Facts about the scene.
     About,
+}
+
+impl Section {
+    /// All sections with the words that begin them.
+    pub(super) const ALL: [(Self, &str); 9] = [
+        (Self::Object, "object"),
+        (Self::Material, "material"),
+        (Self::Light, "light"),
+        (Self::Medium, "medium"),
+        (Self::Swarm, "swarm"),
+        (Self::Camera, "camera"),
+        (Self::Sky, "sky"),
+        (Self::Picture, "picture"),
+        (Self::About, "about"),
+    ];
+
+    pub(super) fn named(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|(_, own)| *own == word).map(|(section, _)| section)
+    }
+
+    pub(super) fn word(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
 }
 
 /// `name = value`, `name = value .. end` or, with `is_let`, `let name = value`.
@@ -302,18 +335,8 @@ pub enum NameKind {
     FunctionParameter,
     /// The variable of a loop.
     LoopVariable,
-    /// An object.
-    Object,
-    /// A material.
-    Material,
-    /// A light.
-    Light,
-    /// A medium.
-    Medium,
-    /// A swarm.
-    Swarm,
-    /// A camera.
-    Camera,
+    /// A section, such as an object.
+    Section(Section),
 }
 
 /// A record of the parser about a name or a scope.

@@ -50,7 +50,7 @@ mod value;
 mod words;
 
 pub use about::{About, TransitionStyle};
-pub use ast::NameKind;
+pub use ast::{NameKind, Section};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, FieldRange, Holds};

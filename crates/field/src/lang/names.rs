@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::ast::{Name, NameEvent, NameKind};
+use super::ast::{Name, NameEvent, NameKind, Section};
 use super::fields::Holds;
 use super::load;
 use super::source::{Sources, Span};
@@ -87,8 +87,8 @@ fn namespace(kind: NameKind) -> Option<Namespace> {
             Some(Namespace::Values)
         }
         NameKind::Function => Some(Namespace::Functions),
-        NameKind::Material => Some(Namespace::Materials),
-        NameKind::Object | NameKind::Light | NameKind::Medium | NameKind::Swarm | NameKind::Camera => None,
+        NameKind::Section(Section::Material) => Some(Namespace::Materials),
+        NameKind::Section(_) => None,
     }
 }
 
@@ -127,7 +127,7 @@ fn resolved(events: &[NameEvent], interner: &Interner) -> Names {
             NameEvent::Closes(end) => this.close(end),
             NameEvent::Declares(kind, name) => this.declare(kind, name),
             NameEvent::Field(section, name) => {
-                this.names.all.push((name.span, Meaning::Field(lower::word(section))));
+                this.names.all.push((name.span, Meaning::Field(section.word())));
             }
             NameEvent::Member(span) => this.names.all.push((span, Meaning::Member)),
             NameEvent::Includes(name) => this.names.all.push((name.span, Meaning::Include)),
@@ -158,8 +158,8 @@ fn resolved(events: &[NameEvent], interner: &Interner) -> Names {
 /// Returns the type of the field whose value begins.
 fn holds(before: &NameEvent, interner: &Interner) -> Option<Holds> {
     let NameEvent::Field(section, name) = before else { return None };
-    let (_, fields) = lower::section_fields().find(|(word, _)| *word == lower::word(*section))?;
-    fields.iter().find(|field| field.name == interner.name(name.symbol)).map(|field| field.holds)
+    let mut fields = lower::fields(*section).iter();
+    fields.find(|field| field.name == interner.name(name.symbol)).map(|field| field.holds)
 }
 
 impl Resolving {

@@ -59,7 +59,7 @@ impl<'a> SceneBuilder<'a> {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
                         let span = first.span;
-                        self.twice(super::sections::word(*section), *name, span);
+                        self.twice(section.word(), *name, span);
                     }
                     taken.push((*section, *name));
                 }

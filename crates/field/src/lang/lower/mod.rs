@@ -24,7 +24,7 @@ mod statements;
 mod unused;
 
 pub(crate) use objects::{FORGOTTEN, VISIBLE, outlasting};
-pub(in crate::lang) use sections::word;
+pub(in crate::lang) use sections::fields;
 pub use sections::{plural, section_fields};
 
 use super::changing::ChangingNumbers;

@@ -36,34 +36,30 @@ const OBJECT: &[Field] = &[
     ),
 ];
 
-pub(super) fn fields(section: Section) -> &'static [Field] {
-    SECTIONS[section as usize].3
+pub(in crate::lang) fn fields(section: Section) -> &'static [Field] {
+    SECTIONS[section as usize].2
 }
 
-/// Each section: its word, what a scene's text describes by it, and its fields.
-const SECTIONS: [(Section, &str, &str, &[Field]); 9] = [
-    (Section::Object, "object", "a shape", OBJECT),
-    (Section::Material, "material", "a material", Material::FIELDS),
-    (Section::Light, "light", "a light", Light::FIELDS),
-    (Section::Medium, "medium", "a medium", Medium::FIELDS),
-    (Section::Swarm, "swarm", "a swarm", Swarm::FIELDS),
-    (Section::Camera, "camera", "the camera", Camera::FIELDS),
-    (Section::Sky, "sky", "the sky", Sky::FIELDS),
-    (Section::Picture, "picture", "the picture", Picture::FIELDS),
-    (Section::About, "about", "the block `about`", About::FIELDS),
+/// Each section: what a scene's text describes by it, and its fields.
+const SECTIONS: [(Section, &str, &[Field]); 9] = [
+    (Section::Object, "a shape", OBJECT),
+    (Section::Material, "a material", Material::FIELDS),
+    (Section::Light, "a light", Light::FIELDS),
+    (Section::Medium, "a medium", Medium::FIELDS),
+    (Section::Swarm, "a swarm", Swarm::FIELDS),
+    (Section::Camera, "the camera", Camera::FIELDS),
+    (Section::Sky, "the sky", Sky::FIELDS),
+    (Section::Picture, "the picture", Picture::FIELDS),
+    (Section::About, "the block `about`", About::FIELDS),
 ];
 
 fn is_field(name: &str) -> bool {
-    SECTIONS.iter().flat_map(|row| row.3).any(|field| field.name == name)
+    SECTIONS.iter().flat_map(|row| row.2).any(|field| field.name == name)
 }
 
 /// Returns the keyword and the fields of each section.
 pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])> {
-    SECTIONS.iter().map(|(_, word, _, fields)| (*word, *fields))
-}
-
-pub(in crate::lang) fn word(section: Section) -> &'static str {
-    SECTIONS[section as usize].1
+    SECTIONS.iter().map(|(section, _, fields)| (section.word(), *fields))
 }
 
 /// Returns the plural of a word for a part of a scene.
@@ -72,7 +68,7 @@ pub fn plural(word: &str) -> String {
 }
 
 fn place(section: Section) -> &'static str {
-    SECTIONS[section as usize].2
+    SECTIONS[section as usize].1
 }
 
 #[derive(Default)]
@@ -478,7 +474,7 @@ fn place_of_field(section: Section) -> &'static str {
 /// Stores a section that a scene may have only once. Reports a second such section.
 fn only<T>(reports: &mut Reports, place: &mut Option<T>, made: T, section: Section, span: Span) {
     if place.replace(made).is_some() {
-        let message = format!("the scene has a second block `{}`", word(section));
+        let message = format!("the scene has a second block `{}`", section.word());
         reports.add(Diagnostic::new(span, message).hint("leave one of them out"));
     }
 }

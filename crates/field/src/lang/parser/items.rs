@@ -8,36 +8,13 @@ use super::super::suggest;
 use super::super::token::{Kind, Token, word};
 use super::Parser;
 
-/// Words that begin an item if a name, a text or an opening brace follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Keyword {
-    Param,
-    Include,
-    /// A section, and the kind of its name.
-    Section(Section, Option<NameKind>),
-}
-
-const KEYWORDS: &[(&str, Keyword)] = &[
-    ("param", Keyword::Param),
-    ("include", Keyword::Include),
-    ("object", Keyword::Section(Section::Object, Some(NameKind::Object))),
-    ("material", Keyword::Section(Section::Material, Some(NameKind::Material))),
-    ("light", Keyword::Section(Section::Light, Some(NameKind::Light))),
-    ("medium", Keyword::Section(Section::Medium, Some(NameKind::Medium))),
-    ("swarm", Keyword::Section(Section::Swarm, Some(NameKind::Swarm))),
-    ("camera", Keyword::Section(Section::Camera, Some(NameKind::Camera))),
-    ("sky", Keyword::Section(Section::Sky, None)),
-    ("picture", Keyword::Section(Section::Picture, None)),
-    ("about", Keyword::Section(Section::About, None)),
-];
-
 pub(crate) fn is_keyword(name: &str) -> bool {
     item_words().any(|word| word == name)
 }
 
 /// Returns the words that begin a part of a scene. They may also be names.
 pub fn item_words() -> impl Iterator<Item = &'static str> {
-    KEYWORDS.iter().map(|(name, _)| *name)
+    ["param", "include"].into_iter().chain(Section::ALL.map(|(_, word)| word))
 }
 
 /// GLSL types and qualifiers that people write out of habit.
@@ -53,14 +30,15 @@ pub(in crate::lang) fn declares_glsl(word: &str) -> bool {
 /// Maximum number of words before a declared name, such as `const highp float`.
 const GLSL_WORDS_MAX: usize = 4;
 
-pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
+/// Returns the word here if it begins an item: a name, a text or an opening brace follows.
+pub(super) fn keyword(parser: &Parser<'_>) -> Option<&'static str> {
     let token = parser.token();
     let next = parser.ahead(1);
     if !token.is_name() || !matches!(next.kind, Kind::Name | Kind::Text | Kind::OpenBrace) {
         return None;
     }
     let text = parser.names.name(token.symbol);
-    KEYWORDS.iter().find(|(name, _)| *name == text).map(|(_, keyword)| *keyword)
+    item_words().find(|word| *word == text)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,10 +79,10 @@ impl Parser<'_> {
 
     fn item(&mut self) -> Option<Item> {
         match keyword(self) {
-            Some(Keyword::Param) => return self.param(),
-            Some(Keyword::Include) => return self.include(),
-            Some(Keyword::Section(section, named)) => return self.section(section, named),
             None => {}
+            Some("param") => return self.param(),
+            Some("include") => return self.include(),
+            Some(word) => return self.section(Section::named(word)?),
         }
         if self.eat_word(word::FN) {
             return self.function();
@@ -354,13 +332,13 @@ impl Parser<'_> {
         self.name("a name")
     }
 
-    fn section(&mut self, section: Section, named: Option<NameKind>) -> Option<Item> {
+    fn section(&mut self, section: Section) -> Option<Item> {
         let word = self.names.name(self.token().symbol);
         let head = self.advance().span;
         let mut name = None;
         if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };
-        } else if named.is_some() {
+        } else if !matches!(section, Section::Sky | Section::Picture | Section::About) {
             name = Some(self.name_of(word)?);
         } else if self.token().is_name() {
             self.report_missing("`{`", "`sky`, `picture` and `about` have no names: a scene has one of each");
@@ -371,8 +349,8 @@ impl Parser<'_> {
         if !self.demand(Kind::OpenBrace, "and the fields") {
             return name.and_then(|name| self.broken(name));
         }
-        if let (Some(kind), Some(name)) = (named, name) {
-            self.ast.record(NameEvent::Declares(kind, name));
+        if let Some(name) = name {
+            self.ast.record(NameEvent::Declares(NameKind::Section(section), name));
         }
         self.ast.record(NameEvent::Opens);
         let (mut entries, mut broken) = (Vec::new(), false);
