@@ -30,7 +30,6 @@ pub(super) struct Global<'a> {
     /// The brackets after the type and after the name.
     pub array: Vec<Token<'a>>,
     pub value: Vec<Token<'a>>,
-    pub is_const: bool,
     pub origin: Origin,
 }
 
@@ -39,6 +38,8 @@ pub(super) struct Global<'a> {
 pub(super) enum Origin {
     /// The GLSL itself.
     Own,
+    /// The GLSL itself, only once.
+    Const,
     /// The program around the shader: a uniform.
     Uniform,
     /// An earlier stage of the shader.
@@ -54,17 +55,12 @@ const QUALIFIERS: &str = "const uniform in out inout varying attribute flat smoo
 pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>> {
     check_nesting(tokens)?;
     check_sizes(tokens)?;
-    let mut items = Vec::new();
-    let mut at = 0;
-    while let Some(first) = tokens.get(at) {
-        if first.is(";") {
-            at += 1;
-            continue;
-        }
-        at += item(tokens.get(at..).unwrap_or_default(), &mut items)?;
+    let mut reader = ItemReader { rest: tokens, items: Vec::new() };
+    while !reader.rest.is_empty() {
+        reader.item()?;
     }
-    check_structs(&items)?;
-    Ok(items)
+    check_structs(&reader.items)?;
+    Ok(reader.items)
 }
 
 /// Refuses structs with very many values, which naga and the import visit for each use, and structs that are nested
@@ -96,151 +92,134 @@ fn check_structs(items: &[Item<'_>]) -> Result<()> {
     Ok(())
 }
 
-/// Reads one item and returns the number of its tokens, at least 1.
-fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize> {
-    let Some(first) = tokens.first() else { return Ok(1) };
-    let end = |from: usize| {
-        let rest = tokens.get(from..).unwrap_or_default();
-        from + closing(rest, |token| token.is(";")).map_or(rest.len(), |length| length + 1)
-    };
-    if first.is("precision") {
-        return Ok(end(0));
-    }
-    let mut start = 0;
-    let (mut origin, mut is_const) = (Origin::Own, false);
-    while let Some(token) = tokens.get(start) {
-        match token.text {
-            "layout" => {
-                let rest = tokens.get(start + 1..).unwrap_or_default();
-                start += 1 + matching(rest);
-                continue;
+/// Reads items from the front of a list of tokens.
+struct ItemReader<'t, 'a> {
+    /// The tokens that are not read yet.
+    rest: &'t [Token<'a>],
+    items: Vec<Item<'a>>,
+}
+
+impl<'t, 'a> ItemReader<'t, 'a> {
+    /// Reads one item, at least one token.
+    fn item(&mut self) -> Result<()> {
+        let mut origin = Origin::Own;
+        let of = loop {
+            let Some(token) = self.read(1).first() else { return Ok(()) };
+            match token.text {
+                ";" => return Ok(()),
+                "precision" => {
+                    self.read_statement();
+                    return Ok(());
+                }
+                "layout" => _ = self.read(matching(self.rest)),
+                "uniform" | "buffer" => origin = Origin::Uniform,
+                "in" | "varying" | "attribute" => origin = Origin::Varying,
+                "out" => origin = Origin::Output,
+                "const" => origin = Origin::Const,
+                word if QUALIFIERS.split(' ').any(|known| known == word) => {}
+                _ => break *token,
             }
-            "uniform" | "buffer" => origin = Origin::Uniform,
-            "in" | "varying" | "attribute" => origin = Origin::Varying,
-            "out" => origin = Origin::Output,
-            "const" => is_const = true,
-            word if QUALIFIERS.split(' ').any(|known| known == word) => {}
-            _ => break,
+        };
+        if !of.is_word() {
+            let message = format!("a declaration cannot begin with `{}`", shortened(of.text));
+            return Err(Diagnostic::new(of.place(), message).hint("check the brackets before this line"));
         }
-        start += 1;
-    }
-    let Some(of) = tokens.get(start) else { return Ok(tokens.len().max(1)) };
-    if of.is(";") {
-        return Ok(start + 1);
-    }
-    if !of.is_word() {
-        let message = format!("a declaration cannot begin with `{}`", shortened(of.text));
-        return Err(Diagnostic::new(of.place(), message).hint("check the brackets before this line"));
-    }
-    if of.is("struct") {
-        let end = end(start);
-        // A struct may declare variables at once.
-        let close = (start..end).rfind(|&at| tokens.get(at).is_some_and(|token| token.is("}")));
-        let close = close.unwrap_or(end);
-        let mut plain = words(tokens.get(start..=close).unwrap_or_default());
-        plain.push(of.made(";", Kind::Sign));
-        items.push(Item::Plain(plain));
-        if let (Some(name), Some(rest)) = (tokens.get(start + 1), tokens.get(close + 1..end)) {
-            globals(*name, Vec::new(), rest, is_const, origin, items);
+        if of.is("struct") {
+            // A struct may declare variables at once.
+            let statement = self.read_statement();
+            let close = statement.iter().rposition(|token| token.is("}"));
+            let (body, names) = statement.split_at(close.map_or(statement.len(), |at| at + 1));
+            self.structure(&[of], body);
+            if let Some(name) = body.first() {
+                self.globals(*name, &[], names, origin);
+            }
+            return Ok(());
         }
-        return Ok(end);
+        if self.rest.first().is_some_and(|token| token.is("{")) {
+            self.block(of, origin);
+            return Ok(());
+        }
+        let array = self.read(brackets_length(self.rest));
+        let found = self.rest.first();
+        if !found.is_some_and(Token::is_word) {
+            let place = of.place().to(found.unwrap_or(&of).place());
+            let message = format!("`{}` begins no declaration", shortened(of.text));
+            return Err(Diagnostic::new(place, message)
+                .hint("a declaration is a type and a name, such as `float a = 1.0;`"));
+        }
+        if self.rest.get(1).is_some_and(|token| token.is("(")) {
+            self.function([of].into_iter().chain(array.iter().copied()).collect());
+        } else {
+            let names = self.read_statement();
+            self.globals(of, array, names, origin);
+        }
+        Ok(())
     }
-    let after = start + 1;
-    if tokens.get(after).is_some_and(|token| token.is("{")) {
-        return Ok(block(tokens, start, origin, items));
-    }
-    let rest = tokens.get(after..).unwrap_or_default();
-    let brackets = brackets_length(rest);
-    let array = rest.get(..brackets).unwrap_or_default().to_vec();
-    let name_at = after + brackets;
-    if !tokens.get(name_at).is_some_and(Token::is_word) {
-        let found = tokens.get(name_at).unwrap_or(of);
-        let message = format!("`{}` begins no declaration", shortened(of.text));
-        return Err(Diagnostic::new(of.place().to(found.place()), message)
-            .hint("a declaration is a type and a name, such as `float a = 1.0;`"));
-    }
-    if tokens.get(name_at + 1).is_some_and(|token| token.is("(")) {
-        let result: Vec<Token<'a>> = [*of].into_iter().chain(array).collect();
-        return Ok(match function(tokens, name_at, result, items) {
-            (at, true) => at,
-            (at, false) => end(at),
-        });
-    }
-    let end = end(name_at);
-    globals(*of, array, tokens.get(name_at..end).unwrap_or_default(), is_const, origin, items);
-    Ok(end)
-}
 
-/// Reads a function from its name on. Returns the index after it, and whether it has a body.
-fn function<'a>(
-    tokens: &[Token<'a>],
-    name_at: usize,
-    result: Vec<Token<'a>>,
-    items: &mut Vec<Item<'a>>,
-) -> (usize, bool) {
-    let Some(name) = tokens.get(name_at) else { return (tokens.len(), true) };
-    let parameters = tokens.get(name_at + 1..).unwrap_or_default();
-    let close = name_at + 1 + matching(parameters);
-    let mut header = result;
-    header.extend(words(tokens.get(name_at..close).unwrap_or_default()));
-    if tokens.get(close).is_some_and(|brace| brace.is("{")) {
-        let body = tokens.get(close..).unwrap_or_default();
-        let length = matching(body);
-        let body = words(body.get(..length).unwrap_or_default());
-        items.push(Item::Function { name: *name, header, body });
-        (close + length, true)
-    } else {
-        header.push(name.made(";", Kind::Sign));
-        items.push(Item::Plain(header));
-        (close, false)
+    /// Reads tokens: as many, or all that are left.
+    fn read(&mut self, count: usize) -> &'t [Token<'a>] {
+        let (read, rest) = self.rest.split_at(count.min(self.rest.len()));
+        self.rest = rest;
+        read
     }
-}
 
-/// Reads an interface block; its members become global variables.
-fn block<'a>(tokens: &[Token<'a>], start: usize, origin: Origin, items: &mut Vec<Item<'a>>) -> usize {
-    let body = tokens.get(start + 1..).unwrap_or_default();
-    let length = matching(body);
-    let after = start + 1 + length;
-    let members = body.get(1..length.saturating_sub(1)).unwrap_or_default();
-    let name = tokens.get(after).filter(|token| token.is_word());
-    if let (Some(name), Some(of)) = (name, tokens.get(start)) {
-        let mut plain = vec![of.made("struct", Kind::Word), *of];
-        plain.extend(words(body.get(..length).unwrap_or_default()));
-        plain.push(of.made(";", Kind::Sign));
-        items.push(Item::Plain(plain));
-        globals(*of, Vec::new(), &[*name], false, origin, items);
-    } else {
+    /// Reads up to the next `;` outside of brackets. Returns the tokens before it.
+    fn read_statement(&mut self) -> &'t [Token<'a>] {
+        let length = closing(self.rest, |token| token.is(";")).unwrap_or(self.rest.len());
+        let statement = self.read(length);
+        self.read(1);
+        statement
+    }
+
+    /// Reads a function from its name on. A function without a body ends with `;`.
+    fn function(&mut self, result: Vec<Token<'a>>) {
+        let [name, parameters @ ..] = self.rest else { return };
+        let mut header = result;
+        header.extend(words(self.read(1 + matching(parameters))));
+        if self.rest.first().is_some_and(|brace| brace.is("{")) {
+            let body = words(self.read(matching(self.rest)));
+            self.items.push(Item::Function { name: *name, header, body });
+        } else {
+            self.read_statement();
+            header.push(name.made(";", Kind::Sign));
+            self.items.push(Item::Plain(header));
+        }
+    }
+
+    /// Reads an interface block; its members become global variables.
+    fn block(&mut self, of: Token<'a>, origin: Origin) {
+        let body = self.read(matching(self.rest));
+        if let Some(name) = self.read_statement().first().filter(|token| token.is_word()) {
+            self.structure(&[of.made("struct", Kind::Word), of], body);
+            return self.globals(of, &[], &[*name], origin);
+        }
+        let members = body.get(1..body.len().saturating_sub(1)).unwrap_or_default();
         for member in members.split(|token| token.is(";")) {
-            let member = words(member);
-            if let Some((of, rest)) = member.split_first() {
-                globals(*of, Vec::new(), rest, false, origin, items);
+            if let Some((of, rest)) = words(member).split_first() {
+                self.globals(*of, &[], rest, origin);
             }
         }
     }
-    let rest = tokens.get(after..).unwrap_or_default();
-    after + closing(rest, |token| token.is(";")).map_or(rest.len(), |length| length + 1)
-}
 
-/// Reads the names of a declaration, with their arrays and values.
-fn globals<'a>(
-    of: Token<'a>,
-    array: Vec<Token<'a>>,
-    names: &[Token<'a>],
-    is_const: bool,
-    origin: Origin,
-    items: &mut Vec<Item<'a>>,
-) {
-    let mut rest = names;
-    while let Some(name) = rest.first().filter(|name| name.is_word()) {
-        let own = rest.get(1..).unwrap_or_default();
-        let length = closing(own, |token| token.is(",") || token.is(";")).unwrap_or(own.len());
-        let own = own.get(..length).unwrap_or_default();
-        let equals = own.iter().position(|token| token.is("=")).unwrap_or(own.len());
-        let mut brackets = own.get(..equals).unwrap_or_default().to_vec();
-        brackets.extend_from_slice(&array);
-        let value = words(own.get(equals + 1..).unwrap_or_default());
-        items.push(Item::Global(Global { name: *name, of, array: brackets, value, is_const, origin }));
-        rest = rest.get(length + 2..).unwrap_or_default();
+    fn structure(&mut self, head: &[Token<'a>], body: &[Token<'a>]) {
+        let mut plain = [head, &words(body)].concat();
+        plain.extend(head.first().map(|of| of.made(";", Kind::Sign)));
+        self.items.push(Item::Plain(plain));
+    }
+
+    /// Reads the names of a declaration, with their arrays and values.
+    fn globals(&mut self, of: Token<'a>, array: &[Token<'a>], names: &[Token<'a>], origin: Origin) {
+        let mut rest = names;
+        while let Some(name) = rest.first().filter(|name| name.is_word()) {
+            let own = rest.get(1..).unwrap_or_default();
+            let length = closing(own, |token| token.is(",")).unwrap_or(own.len());
+            let own = own.get(..length).unwrap_or_default();
+            let equals = own.iter().position(|token| token.is("=")).unwrap_or(own.len());
+            let array = [own.get(..equals).unwrap_or_default(), array].concat();
+            let value = words(own.get(equals + 1..).unwrap_or_default());
+            self.items.push(Item::Global(Global { name: *name, of, array, value, origin }));
+            rest = rest.get(length + 2..).unwrap_or_default();
+        }
     }
 }
 

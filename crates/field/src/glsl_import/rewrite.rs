@@ -323,7 +323,7 @@ fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bo
         out.push(&semicolon, index);
     };
     let is_set = !global.value.is_empty() && !broken;
-    if global.is_const && is_whole && array.is_empty() && is_set {
+    if global.origin == Origin::Const && is_whole && array.is_empty() && is_set {
         out.push(&global.of.made("const", Kind::Word), index);
         return declare(out, global.name);
     }
