@@ -10,10 +10,10 @@ use super::token::Kind;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ExprId(pub u32);
 
-/// Declares the operators between two expressions: the token, the sign, how tightly the operator binds, and how tightly
-/// an operator in its right operand must bind at least.
+/// Declares the operators between two expressions: the token, how tightly the operator binds, and how tightly an
+/// operator in its right operand must bind at least.
 macro_rules! binary_operators {
-    ($($op:ident = $kind:ident $sign:literal $binds:literal $right:literal;)+) => {
+    ($($op:ident = $kind:ident $binds:literal $right:literal;)+) => {
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(super) enum BinaryOp { $($op,)+ }
 
@@ -27,27 +27,27 @@ macro_rules! binary_operators {
             }
 
             pub(super) fn sign(self) -> &'static str {
-                match self { $(Self::$op => $sign,)+ }
+                match self { $(Self::$op => Kind::$kind.sign(),)+ }
             }
         }
     };
 }
 
 binary_operators! {
-    Or = Or "||" 1 2;
-    And = And "&&" 2 3;
-    Equal = Equal "==" 3 4;
-    NotEqual = NotEqual "!=" 3 4;
-    Less = Less "<" 4 5;
-    LessEqual = LessEqual "<=" 4 5;
-    Greater = Greater ">" 4 5;
-    GreaterEqual = GreaterEqual ">=" 4 5;
-    Add = Plus "+" 5 6;
-    Subtract = Minus "-" 5 6;
-    Multiply = Star "*" 6 7;
-    Divide = Slash "/" 6 7;
-    Modulo = Percent "%" 6 7;
-    Power = Caret "^" 8 8;
+    Or = Or 1 2;
+    And = And 2 3;
+    Equal = Equal 3 4;
+    NotEqual = NotEqual 3 4;
+    Less = Less 4 5;
+    LessEqual = LessEqual 4 5;
+    Greater = Greater 4 5;
+    GreaterEqual = GreaterEqual 4 5;
+    Add = Plus 5 6;
+    Subtract = Minus 5 6;
+    Multiply = Star 6 7;
+    Divide = Slash 6 7;
+    Modulo = Percent 6 7;
+    Power = Caret 8 8;
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
 use super::symbol::{Interner, Symbol};
-use super::token::{Kind, Token};
+use super::token::{Kind, SIGNS, Token};
 
 /// Appends the tokens of `text`, whose first byte has the offset `base`, and a final `End`. If there are more than
 /// `tokens_max` tokens, this is reported and the rest is ignored.
@@ -67,7 +67,7 @@ impl Lexer<'_> {
                 (b'a'..=b'z' | b'A'..=b'Z' | b'_', _) => self.name(),
                 (b'0'..=b'9', _) | (b'.', b'0'..=b'9') => self.number(),
                 (b'"', _) => self.quoted(),
-                _ => (self.sign(byte).unwrap_or_else(|| self.unknown()), Symbol(0)),
+                _ => (self.sign().unwrap_or_else(|| self.unknown()), Symbol(0)),
             };
             if tokens.len() >= tokens_max {
                 return self.too_many(start, tokens_max);
@@ -202,39 +202,10 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
-    /// Reads a sign of one or two bytes, such as `<` or `<=`.
-    fn sign(&mut self, byte: u8) -> Option<Kind> {
-        let (kind, length) = match (byte, self.peek(1)) {
-            (b'.', b'.') => (Kind::Range, 2),
-            (b'.', _) => (Kind::Dot, 1),
-            (b'/', _) => (Kind::Slash, 1),
-            (b'=', b'=') => (Kind::Equal, 2),
-            (b'=', _) => (Kind::Assign, 1),
-            (b'!', b'=') => (Kind::NotEqual, 2),
-            (b'!', _) => (Kind::Not, 1),
-            (b'<', b'=') => (Kind::LessEqual, 2),
-            (b'<', _) => (Kind::Less, 1),
-            (b'>', b'=') => (Kind::GreaterEqual, 2),
-            (b'>', _) => (Kind::Greater, 1),
-            (b'&', b'&') => (Kind::And, 2),
-            (b'|', b'|') => (Kind::Or, 2),
-            (b'(', _) => (Kind::OpenParen, 1),
-            (b')', _) => (Kind::CloseParen, 1),
-            (b'{', _) => (Kind::OpenBrace, 1),
-            (b'}', _) => (Kind::CloseBrace, 1),
-            (b',', _) => (Kind::Comma, 1),
-            (b';', _) => (Kind::Semicolon, 1),
-            (b':', _) => (Kind::Colon, 1),
-            (b'?', _) => (Kind::Question, 1),
-            (b'+', _) => (Kind::Plus, 1),
-            (b'-', _) => (Kind::Minus, 1),
-            (b'*', _) => (Kind::Star, 1),
-            (b'%', _) => (Kind::Percent, 1),
-            (b'^', _) => (Kind::Caret, 1),
-            _ => return None,
-        };
-        self.at += length;
-        Some(kind)
+    fn sign(&mut self) -> Option<Kind> {
+        let (sign, kind) = SIGNS.iter().find(|(sign, _)| self.rest().starts_with(sign.as_bytes()))?;
+        self.at += sign.len();
+        Some(*kind)
     }
 
     /// Reports a run of unknown characters. A character that looks like a sign is treated as that sign.

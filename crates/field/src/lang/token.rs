@@ -40,6 +40,43 @@ pub(super) enum Kind {
     End,
 }
 
+/// The signs, each before the signs with which it begins.
+pub(super) const SIGNS: [(&str, Kind); 26] = [
+    ("(", Kind::OpenParen),
+    (")", Kind::CloseParen),
+    (",", Kind::Comma),
+    ("..", Kind::Range),
+    (".", Kind::Dot),
+    ("==", Kind::Equal),
+    ("=", Kind::Assign),
+    ("*", Kind::Star),
+    ("+", Kind::Plus),
+    ("-", Kind::Minus),
+    ("/", Kind::Slash),
+    ("{", Kind::OpenBrace),
+    ("}", Kind::CloseBrace),
+    ("^", Kind::Caret),
+    ("%", Kind::Percent),
+    (":", Kind::Colon),
+    (";", Kind::Semicolon),
+    ("?", Kind::Question),
+    ("!=", Kind::NotEqual),
+    ("!", Kind::Not),
+    ("<=", Kind::LessEqual),
+    ("<", Kind::Less),
+    (">=", Kind::GreaterEqual),
+    (">", Kind::Greater),
+    ("&&", Kind::And),
+    ("||", Kind::Or),
+];
+
+impl Kind {
+    /// Returns the sign of a token; empty for other tokens.
+    pub(super) fn sign(self) -> &'static str {
+        SIGNS.iter().find(|(_, kind)| *kind == self).map_or("", |(sign, _)| sign)
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token {
     pub kind: Kind,

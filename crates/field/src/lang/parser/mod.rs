@@ -41,7 +41,7 @@ mod statements;
 #[cfg(test)]
 mod tests;
 
-use super::ast::{Ast, BinaryOp, Expr, ExprId, Item};
+use super::ast::{Ast, Expr, ExprId, Item};
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::Span;
 use super::symbol::{Interner, Symbol};
@@ -165,7 +165,7 @@ impl Parser<'_> {
                 let short: String = name.chars().take(NAME_SHOWN).collect();
                 format!("`{short}{}`", if short.len() < name.len() { "…" } else { "" })
             }
-            other => format!("`{}`", sign(other)),
+            other => format!("`{}`", other.sign()),
         }
     }
 
@@ -197,7 +197,7 @@ impl Parser<'_> {
     fn demand(&mut self, kind: Kind, after: &str) -> bool {
         let found = self.eat(kind);
         if !found {
-            self.report_expected(&format!("`{}` {after}", sign(kind)));
+            self.report_expected(&format!("`{}` {after}", kind.sign()));
         }
         found
     }
@@ -237,21 +237,3 @@ impl Parser<'_> {
 }
 
 const NAME_SHOWN: usize = 60;
-
-fn sign(kind: Kind) -> &'static str {
-    match kind {
-        Kind::OpenParen => "(",
-        Kind::CloseParen => ")",
-        Kind::OpenBrace => "{",
-        Kind::CloseBrace => "}",
-        Kind::Comma => ",",
-        Kind::Semicolon => ";",
-        Kind::Colon => ":",
-        Kind::Question => "?",
-        Kind::Dot => ".",
-        Kind::Range => "..",
-        Kind::Assign => "=",
-        Kind::Not => "!",
-        other => BinaryOp::infix(other).map_or("", |(op, ..)| op.sign()),
-    }
-}
