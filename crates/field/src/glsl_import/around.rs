@@ -85,31 +85,29 @@ pub(crate) fn scene_around_file(file: &GlslFile, shown: Shown) -> Result<SceneAr
     };
     let of_picture =
         picture.filter(|_| shown == Shown::Picture).map(|picture| scene_of_picture(file, picture));
-    let (mut around, is_picture, problem) = match of_picture {
-        None => (of_shape()?, false, None),
-        Some(Ok(around)) => (around, true, None),
-        Some(Err(problem)) => match of_shape() {
-            Ok(around) => (around, false, Some(problem)),
-            Err(_) => return Err(problem),
-        },
+    let (body, is_picture, own) = match of_picture {
+        None => (of_shape()?, false, Vec::new()),
+        Some(Ok((body, own))) => (body, true, own),
+        Some(Err(problem)) => {
+            let refused = format!("the shader's own picture: {}", problem.message);
+            (of_shape().map_err(|_| problem)?, false, vec![refused])
+        }
     };
-    around.left_out.splice(0..0, left_out(file, is_picture));
     let shape = shape.filter(|shape| picture.is_some() && is_distance_for_sure(shape));
-    around.choice = match (shape, is_picture) {
+    let choice = match (shape, is_picture) {
         (Some(shape), true) => Some(format!(
             "draws the shader's own picture; `mariana import --as shape` makes an object of its distance `{}`",
             shape.name
         )),
-        (Some(shape), false) if problem.is_none() => Some(format!(
+        (Some(shape), false) if own.is_empty() => Some(format!(
             "shows the distance `{}` as an object; `mariana import --as picture` draws the shader's own picture",
             shape.name
         )),
         _ => None,
     };
-    if let Some(problem) = problem {
-        around.left_out.insert(0, format!("the shader's own picture: {}", problem.message));
-    }
-    Ok(around)
+    let all = left_out(file, is_picture);
+    let left_out = if is_picture { [all, own] } else { [own, all] }.concat();
+    Ok(SceneAround { body, choice, left_out })
 }
 
 fn nothing_found(file: &GlslFile) -> Diagnostic {
@@ -164,8 +162,8 @@ impl TextureReader for Slopes {
     }
 }
 
-/// A scene of sky alone. A shader computes colours of the screen, but a sky is light.
-fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneAround> {
+/// A scene of sky alone, and what it leaves out. A shader computes colours of the screen, but a sky is light.
+fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<(String, Vec<String>)> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
     let mut session = GlslSession::of_picture();
@@ -188,7 +186,7 @@ fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<SceneArou
     if is_flat {
         left_out.push("everything but one colour: the picture is the same at all pixels".to_owned());
     }
-    Ok(SceneAround { body: scene, choice: None, left_out })
+    Ok((scene, left_out))
 }
 
 /// The number of nodes that are evaluated to see whether a picture has one colour.
@@ -219,42 +217,35 @@ fn is_flat(graph: &Graph, colour: &[NodeId]) -> bool {
     colours.all(|colour| Some(colour) == first)
 }
 
-fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<SceneAround> {
+fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<String> {
     let mut graph = Graph::new();
     let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
     let nodes = executed(&mut graph, &mut GlslSession::default(), file, function, point)?;
     graph.check().map_err(|error| {
         Diagnostic::over_limit(function.place, error.to_string()).hint("shorten its loops")
     })?;
-    let order = graph.order(&nodes);
-    let sampled = sampled(&Sampler { graph, nodes, order, frame: FrameInputs::default() });
-    let (call, name) = (format!("{}(p)", function.name), &function.name);
-    let is_vector = function.result != Some(GlslType::Float);
-    let mut scene = uniforms(file);
-    let _ = writeln!(scene, "\nmaterial surface {{");
-    if sampled.numbers.len() > 1 {
-        let _ = writeln!(scene, "  # the number of the material is the second number of {name}");
-        let _ = writeln!(scene, "  let number = {call}.y");
-        let _ = writeln!(scene, "  color = {}", choice(&sampled.numbers));
-    } else {
-        let _ = writeln!(scene, "  color = {}", COLORS[0]);
-    }
-    scene.push_str("  roughness = 0.5\n}\n\n");
-    let _ = writeln!(
-        scene,
-        "object shape {{ shape = {call}{}  material = surface }}\n",
-        if is_vector { ".x" } else { "" }
+    let (order, frame) = (graph.order(&nodes), FrameInputs::default());
+    // An expensive function gets fewer samples, so that an import takes no longer than a second.
+    let samples = if order.len() > 4_000 { SAMPLES / 3 } else { SAMPLES };
+    let values = |[x, y, z]: [f32; 3]| graph.evaluate_in(&order, &nodes, &Point::at(x, y, z), &frame);
+    let Sampled { numbers, eye, target } = sampled(samples, values);
+    let name = &function.name;
+    let number = format!(
+        "  # the number of the material is the second number of {name}\n  let number = {name}(p).y\n"
     );
-    let [x, y, z] = sampled.eye.map(short);
-    let [a, b, c] = sampled.target.map(short);
-    scene.push_str(
-        "light sun { direction = vec3(0.5, -0.8, 0.6)  color = vec3(3, 2.8, 2.5)  radius = 0.02 }\n",
-    );
-    let _ = writeln!(
-        scene,
-        "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
-    );
-    Ok(SceneAround { body: scene, choice: None, left_out: Vec::new() })
+    let (number, color) = match numbers.len() {
+        0 | 1 => (String::new(), COLORS[0].to_owned()),
+        _ => (number, choice(&numbers)),
+    };
+    let distance = if function.result == Some(GlslType::Float) { "" } else { ".x" };
+    let [eye, target] = [eye, target].map(|place| place.map(short).join(", "));
+    Ok(format!(
+        "{}\nmaterial surface {{\n{number}  color = {color}\n  roughness = 0.5\n}}\n\n\
+         object shape {{ shape = {name}(p){distance}  material = surface }}\n\n\
+         light sun {{ direction = vec3(0.5, -0.8, 0.6)  color = vec3(3, 2.8, 2.5)  radius = 0.02 }}\n\
+         camera {{ position = vec3({eye})  target = vec3({target})  fov = 50 }}\n",
+        uniforms(file)
+    ))
 }
 
 /// A sentence for each part of the file that the scene leaves out.
@@ -315,23 +306,6 @@ struct Sampled {
     target: [f32; 3],
 }
 
-struct Sampler {
-    graph: Graph,
-    nodes: Vec<NodeId>,
-    order: Vec<NodeId>,
-    frame: FrameInputs,
-}
-
-impl Sampler {
-    fn at(&self, [x, y, z]: [f32; 3]) -> Vec<f32> {
-        self.graph.evaluate_in(&self.order, &self.nodes, &Point::at(x, y, z), &self.frame)
-    }
-
-    fn distance(&self, at: [f32; 3]) -> f32 {
-        self.at(at).first().copied().unwrap_or(0.0)
-    }
-}
-
 /// Executes a function of one vector with the values that the scene gives to uniforms.
 fn executed(
     graph: &mut Graph,
@@ -346,30 +320,25 @@ fn executed(
         memory_max: LIMITS.scene_tokens_max,
     };
     let (one, half) = (graph.constant(1.0), graph.constant(0.5));
-    let given = file.open_uniforms().into_iter();
-    let given =
-        given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
-    let mut given: Vec<(String, Vec<NodeId>)> = given.collect();
-    given.extend(
-        file.pictures()
-            .zip(1..)
-            .map(|(name, texture)| (name.to_owned(), vec![graph.constant(image_sampler(texture))])),
-    );
+    let open = file.open_uniforms().into_iter();
+    let open = open.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
+    let image =
+        |(name, texture): (&str, u16)| (name.to_owned(), vec![graph.constant(image_sampler(texture))]);
+    let given: Vec<(String, Vec<NodeId>)> = open.chain(file.pictures().zip(1..).map(image)).collect();
     session.call(file, function, &[argument], graph, &mut budget, &given)
 }
 
-/// Looks for the shape on a grid, and places the camera in free space around it.
-fn sampled(sampler: &Sampler) -> Sampled {
-    // An expensive function gets fewer samples, so that an import takes no longer than a second.
-    let samples = if sampler.order.len() > 4_000 { SAMPLES / 3 } else { SAMPLES };
+/// Looks for the shape on a grid with `samples` points along a side, and places the camera in free space around it.
+/// `values` returns the function's numbers at a point.
+fn sampled(samples: usize, values: impl Fn([f32; 3]) -> Vec<f32>) -> Sampled {
+    let distance = |values: &[f32]| values.first().copied().unwrap_or(0.0);
     let step = 2.0 * REACH / (samples - 1) as f32;
     let place = |index: usize| index as f32 * step - REACH;
     let mut numbers: Vec<f32> = Vec::new();
     let (mut sum, mut squares, mut count) = ([0.0_f32; 3], 0.0_f32, 0.0_f32);
     for index in 0..samples * samples * samples {
         let at = [index % samples, index / samples % samples, index / samples / samples].map(place);
-        let values = sampler.at(at);
-        let distance = values.first().copied().unwrap_or(0.0);
+        let values = values(at);
         if let Some(number) = values.get(1).filter(|number| number.is_finite()) {
             let number = (number * 100.0).round() / 100.0;
             if !numbers.contains(&number) && numbers.len() <= 4 * MATERIALS_MAX {
@@ -377,7 +346,7 @@ fn sampled(sampler: &Sampler) -> Sampled {
             }
         }
         // A floor is everywhere, so what is near the origin counts more.
-        if distance.abs() < step {
+        if distance(&values).abs() < step {
             let weight = 1.0 / (1.0 + at.iter().map(|x| x * x).sum::<f32>());
             for (sum, x) in sum.iter_mut().zip(at) {
                 *sum += weight * x;
@@ -394,11 +363,11 @@ fn sampled(sampler: &Sampler) -> Sampled {
     let target = sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 });
     let spread = squares / count.max(f32::MIN_POSITIVE) - target.iter().map(|x| x * x).sum::<f32>();
     let away = (2.0 * spread.max(0.0).sqrt() + 1.5).clamp(1.5, 7.0);
-    Sampled { numbers, eye: eye(sampler, target, away), target }
+    Sampled { numbers, eye: eye(|at| distance(&values(at)), target, away), target }
 }
 
 /// A place in free space with a free view of the target, about `wanted` away from it.
-fn eye(sampler: &Sampler, target: [f32; 3], wanted: f32) -> [f32; 3] {
+fn eye(distance: impl Fn([f32; 3]) -> f32, target: [f32; 3], wanted: f32) -> [f32; 3] {
     let (mut best, mut best_score) = ([0.0, 2.0, -5.0], f32::NEG_INFINITY);
     for away in [1.0, 0.7, 1.4, 0.4, 0.25, 0.12].map(|share| share * wanted) {
         for turn in 0..8 {
@@ -409,7 +378,7 @@ fn eye(sampler: &Sampler, target: [f32; 3], wanted: f32) -> [f32; 3] {
             let is_blocked = |part: usize| {
                 let share = part as f32 / 8.0;
                 let place = std::array::from_fn(|axis| at[axis] + (target[axis] - at[axis]) * share);
-                sampler.distance(place) < 0.02
+                distance(place) < 0.02
             };
             let free = (0..8).take_while(|part| !is_blocked(*part)).count();
             if free < 2 {
