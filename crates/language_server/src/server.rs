@@ -122,30 +122,23 @@ impl Server {
     }
 
     fn request(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
-        match (self.state, method) {
+        let (code, message) = match (self.state, method) {
             (State::New, "initialize") if params["capabilities"].is_object() => {
                 return Ok(self.initialize(params));
             }
-            (State::New, "initialize") => {
-                let message = "the parameters are wrong: send an object with `capabilities`";
-                return Err(Failure::new(code::INVALID_PARAMS, message));
-            }
-            (State::New, _) => {
-                return Err(Failure::new(code::NOT_INITIALIZED, "send the request `initialize` first"));
-            }
-            (State::Ready, "initialize") => {
-                return Err(Failure::new(code::INVALID_REQUEST, "the server is already initialized"));
-            }
+            (State::New, "initialize") => (code::INVALID_PARAMS, "send an object with `capabilities`"),
+            (State::New, _) => (code::NOT_INITIALIZED, "send the request `initialize` first"),
+            (State::Ready, "initialize") => (code::INVALID_REQUEST, "the server is already initialized"),
             (State::Ready, "shutdown") => {
                 self.state = State::ShutDown;
                 return Ok(Value::Null);
             }
-            (State::Ready, _) => {}
+            (State::Ready, _) => return self.of_document(method, params),
             (State::ShutDown | State::Ended(_), _) => {
-                return Err(Failure::new(code::INVALID_REQUEST, "the server is shut down: send `exit`"));
+                (code::INVALID_REQUEST, "the server is shut down: send `exit`")
             }
-        }
-        self.of_document(method, params)
+        };
+        Err(Failure::new(code, message))
     }
 
     /// Answers a request about a document. A document that is too large for the language gets empty answers.
