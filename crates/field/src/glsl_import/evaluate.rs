@@ -280,18 +280,31 @@ impl Executor<'_, '_> {
             }
             Argument::Parts(parts) => parts,
         };
-        let stride = info.stride as usize;
         self.step(parts.len())?;
-        let mut result = parts.get(..stride).unwrap_or_default().to_vec();
-        for element in 1..info.count as usize {
-            let number = self.graph.constant(element as f32);
+        let mut elements = parts.chunks(info.stride.max(1) as usize);
+        let chosen =
+            self.chosen(index, info.count, |_, _| Ok(elements.next().unwrap_or_default().to_vec()))?;
+        Ok(Argument::Parts(chosen))
+    }
+
+    /// Returns the element with a computed index, or the first one if there is no such element. `element` returns the
+    /// parts of each element in turn.
+    pub(super) fn chosen(
+        &mut self,
+        index: NodeId,
+        count: u32,
+        mut element: impl FnMut(&mut Self, u32) -> Result<Vec<Part>>,
+    ) -> Result<Vec<Part>> {
+        let mut result = element(self, 0)?;
+        for number in 1..count {
+            let parts = element(self, number)?;
+            let number = self.graph.constant(number as f32);
             let chosen = self.graph.binary(Op::Equal, index, number);
-            for (at, before) in result.iter_mut().enumerate() {
-                let part = parts.get(element * stride + at).copied().unwrap_or(*before);
+            for (before, part) in result.iter_mut().zip(parts) {
                 *before = self.select(chosen, part, *before)?;
             }
         }
-        Ok(Argument::Parts(result))
+        Ok(result)
     }
 
     pub(super) fn literal(&mut self, literal: Literal) -> Result<Part> {

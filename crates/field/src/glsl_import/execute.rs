@@ -219,22 +219,10 @@ impl<'m> Executor<'m, '_> {
             let (start, len) = (pointer.start as usize, pointer.len as usize);
             return Ok(self.memory.read(start..start + len));
         };
-        let mut result: Vec<Part> = Vec::new();
-        for element in 0..count {
+        self.chosen(index, count, |this, element| {
             let start = pointer.start + element * stride;
-            let of = Pointer { start, len: pointer.len, indices: rest.to_vec() };
-            let parts = self.load(&of)?;
-            if element == 0 {
-                result = parts;
-                continue;
-            }
-            let number = self.graph.constant(element as f32);
-            let chosen = self.graph.binary(Op::Equal, index, number);
-            for (before, part) in result.iter_mut().zip(parts) {
-                *before = self.select(chosen, part, *before)?;
-            }
-        }
-        Ok(result)
+            this.load(&Pointer { start, len: pointer.len, indices: rest.to_vec() })
+        })
     }
 
     fn branch(&mut self, of: ExprId, accept: &'m Block, reject: &'m Block) -> Result<()> {

@@ -51,14 +51,11 @@ impl Executor<'_, '_> {
     }
 
     pub(super) fn node_binary(&mut self, op: BinaryOperator, a: NodeId, b: NodeId) -> NodeId {
-        match op {
-            BinaryOperator::And | BinaryOperator::LogicalAnd => return self.and(a, b),
-            BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => return self.or(a, b),
-            BinaryOperator::Subtract => return difference(self.graph, a, b),
-            _ => {}
-        }
         let graph = &mut *self.graph;
         match op {
+            BinaryOperator::And | BinaryOperator::LogicalAnd => self.and(a, b),
+            BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => self.or(a, b),
+            BinaryOperator::Subtract => difference(graph, a, b),
             BinaryOperator::Add => graph.add(a, b),
             BinaryOperator::Multiply => graph.mul(a, b),
             BinaryOperator::Divide => graph.div(a, b),

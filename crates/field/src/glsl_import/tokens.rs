@@ -60,13 +60,8 @@ pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>> 
     while let Some(&byte) = bytes.get(at) {
         let rest = bytes.get(at..).unwrap_or_default();
         let start = at;
-        if byte == b'\n' {
-            begins_line = true;
-            joined = false;
-            at += 1;
-            continue;
-        }
         if byte.is_ascii_whitespace() || rest.starts_with(b"\xEF\xBB\xBF") || byte == 0x0B {
+            begins_line |= byte == b'\n';
             joined = false;
             at += if byte == 0xEF { 3 } else { 1 };
             continue;
