@@ -335,48 +335,37 @@ struct Conditional<'t, 'a> {
     of: Token<'a>,
 }
 
-const LEVELS: [&[&str]; 10] = [
-    &["||"],
-    &["&&"],
-    &["|"],
-    &["^"],
-    &["&"],
-    &["==", "!="],
-    &["<", ">", "<=", ">="],
-    &["<<", ">>"],
-    &["+", "-"],
-    &["*", "/", "%"],
+/// The operators of conditions: the sign, how tightly it binds, and the result.
+const OPERATORS: [(&str, u8, fn(i64, i64) -> i64); 18] = [
+    ("||", 1, |a, b| i64::from(a != 0 || b != 0)),
+    ("&&", 2, |a, b| i64::from(a != 0 && b != 0)),
+    ("|", 3, |a, b| a | b),
+    ("^", 4, |a, b| a ^ b),
+    ("&", 5, |a, b| a & b),
+    ("==", 6, |a, b| i64::from(a == b)),
+    ("!=", 6, |a, b| i64::from(a != b)),
+    ("<", 7, |a, b| i64::from(a < b)),
+    (">", 7, |a, b| i64::from(a > b)),
+    ("<=", 7, |a, b| i64::from(a <= b)),
+    (">=", 7, |a, b| i64::from(a >= b)),
+    ("<<", 8, |a, b| a.checked_shl(b as u32).unwrap_or(0)),
+    (">>", 8, |a, b| a.checked_shr(b as u32).unwrap_or(0)),
+    ("+", 9, i64::wrapping_add),
+    ("-", 9, i64::wrapping_sub),
+    ("*", 10, i64::wrapping_mul),
+    ("/", 10, |a, b| a.checked_div(b).unwrap_or(0)),
+    ("%", 10, |a, b| a.checked_rem(b).unwrap_or(0)),
 ];
 
 impl Conditional<'_, '_> {
-    fn binary(&mut self, level: usize, depth: usize) -> Result<i64> {
-        let Some(signs) = LEVELS.get(level) else { return self.operand(depth) };
-        let mut left = self.binary(level + 1, depth)?;
-        while let Some(sign) =
-            self.tokens.get(self.at).map(|token| token.text).filter(|sign| signs.contains(sign))
+    /// Evaluates an expression whose operators bind at least as tightly as `least`.
+    fn binary(&mut self, least: u8, depth: usize) -> Result<i64> {
+        let mut left = self.operand(depth)?;
+        while let Some(sign) = self.tokens.get(self.at)
+            && let Some((_, binds, result)) = OPERATORS.iter().find(|row| sign.is(row.0) && row.1 >= least)
         {
             self.at += 1;
-            let right = self.binary(level + 1, depth)?;
-            left = match sign {
-                "||" => i64::from(left != 0 || right != 0),
-                "&&" => i64::from(left != 0 && right != 0),
-                "|" => left | right,
-                "^" => left ^ right,
-                "&" => left & right,
-                "==" => i64::from(left == right),
-                "!=" => i64::from(left != right),
-                "<" => i64::from(left < right),
-                ">" => i64::from(left > right),
-                "<=" => i64::from(left <= right),
-                ">=" => i64::from(left >= right),
-                "<<" => left.checked_shl(right as u32).unwrap_or(0),
-                ">>" => left.checked_shr(right as u32).unwrap_or(0),
-                "+" => left.wrapping_add(right),
-                "-" => left.wrapping_sub(right),
-                "*" => left.wrapping_mul(right),
-                "/" => left.checked_div(right).unwrap_or(0),
-                _ => left.checked_rem(right).unwrap_or(0),
-            };
+            left = result(left, self.binary(binds + 1, depth)?);
         }
         Ok(left)
     }
