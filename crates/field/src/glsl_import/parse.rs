@@ -169,38 +169,34 @@ impl GlslFile {
         let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
         for (handle, function) in module.functions.iter() {
             let name = function.name.clone().unwrap_or_default();
-            match name.as_str() {
-                "main" => continue,
-                "glsl_texture" => drop(special.insert(handle, Special::Texture)),
-                "glsl_texel" => drop(special.insert(handle, Special::Texel)),
-                "glsl_texture_size" => drop(special.insert(handle, Special::TextureSize)),
-                _ => {
-                    if let Some(number) = name.strip_prefix(BROKEN).and_then(|number| number.parse().ok()) {
-                        special.insert(handle, Special::Broken(number));
-                    } else if name.starts_with(START) {
-                        starts.push(handle);
-                    } else if DRAWING.contains(&name.as_str()) || name == "main_" {
-                        // A scene calls it by the function that returns the colour.
-                    } else if written.is_own(range(module.functions.get_span(handle)).start) {
-                        let is_picture = name == IMAGE;
-                        let parameters = function.arguments.iter().map(|argument| GlslParameter {
-                            name: argument.name.as_deref().unwrap_or("").replace("glsl_", ""),
-                            of: type_of(&module, argument.ty),
-                        });
-                        let result = function.result.as_ref().and_then(|result| type_of(&module, result.ty));
-                        functions.push(GlslFunction {
-                            name: if is_picture { IMAGE_IN_SCENES.to_owned() } else { name },
-                            parameters: parameters.collect(),
-                            result,
-                            place: match is_picture {
-                                true => program.image_place(),
-                                false => written.source_range(range(module.functions.get_span(handle))),
-                            },
-                            is_picture,
-                            handle,
-                        });
-                    }
-                }
+            let added = match name.as_str() {
+                "glsl_texture" => Some(Special::Texture),
+                "glsl_texel" => Some(Special::Texel),
+                "glsl_texture_size" => Some(Special::TextureSize),
+                name => name.strip_prefix(BROKEN).and_then(|number| number.parse().ok()).map(Special::Broken),
+            };
+            let span = range(module.functions.get_span(handle));
+            // A scene calls a function that draws by the function that returns the colour.
+            let draws = DRAWING.contains(&name.as_str()) || name == "main_";
+            if let Some(added) = added {
+                special.insert(handle, added);
+            } else if name.starts_with(START) {
+                starts.push(handle);
+            } else if !draws && written.is_own(span.start) {
+                let is_picture = name == IMAGE;
+                let parameters = function.arguments.iter().map(|argument| GlslParameter {
+                    name: argument.name.as_deref().unwrap_or("").replace("glsl_", ""),
+                    of: type_of(&module, argument.ty),
+                });
+                let result = function.result.as_ref().and_then(|result| type_of(&module, result.ty));
+                functions.push(GlslFunction {
+                    name: if is_picture { IMAGE_IN_SCENES.to_owned() } else { name },
+                    parameters: parameters.collect(),
+                    result,
+                    place: if is_picture { program.image_place() } else { written.source_range(span) },
+                    is_picture,
+                    handle,
+                });
             }
         }
         Ok(Self { module, written, problems, globals: program.globals, starts, special, functions })

@@ -338,13 +338,9 @@ fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bo
     }
 }
 
-/// Sizes of arrays as text, for arrays without a written size.
-const SIZES: [&str; 65] = [
-    "1", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
-    "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31", "32", "33", "34", "35",
-    "36", "37", "38", "39", "40", "41", "42", "43", "44", "45", "46", "47", "48", "49", "50", "51", "52",
-    "53", "54", "55", "56", "57", "58", "59", "60", "61", "62", "63", "64",
-];
+/// Sizes of arrays as text, for arrays without a written size. An array without values has one.
+const SIZES: &str = "1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 \
+    36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64";
 
 /// Number of values of an array's constructor or list.
 fn values(tokens: &[Token<'_>]) -> usize {
@@ -446,7 +442,7 @@ fn sizes<'a>(brackets: &[Token<'a>], value: &[Token<'a>]) -> Vec<Token<'a>> {
         rest = others;
         match group {
             [open, close] => {
-                let size = SIZES.get(values(value)).copied().unwrap_or("1");
+                let size = SIZES.split(' ').nth(values(value)).unwrap_or("1");
                 groups.push(vec![*open, open.made(size, Kind::Number), *close]);
             }
             group => groups.push(in_shape(group)),
@@ -469,15 +465,13 @@ pub(super) fn is_sampler(of: &str) -> bool {
     kind.is_some_and(|kind| matches!(kind, "1D" | "2D" | "3D" | "Cube" | "2DRect" | "2DArray" | "Buffer"))
 }
 
+/// Functions that read a texture at a place.
+const TEXTURE_READS: &str = "texture texture2D texture2DLod texture2DLodEXT textureLod textureLodEXT textureGrad \
+    texture2DGradEXT textureCube textureCubeLod texture3D texture2DBias";
+
 fn renamed(name: &str, called: bool) -> &str {
     match name {
-        "texture" | "texture2D" | "texture2DLod" | "texture2DLodEXT" | "textureLod" | "textureLodEXT"
-        | "textureGrad" | "texture2DGradEXT" | "textureCube" | "textureCubeLod" | "texture3D"
-        | "texture2DBias"
-            if called =>
-        {
-            "glsl_texture"
-        }
+        name if called && TEXTURE_READS.split(' ').any(|read| read == name) => "glsl_texture",
         "texelFetch" if called => "glsl_texel",
         "textureSize" if called => "glsl_texture_size",
         of if is_sampler(of) => "int",
