@@ -73,10 +73,6 @@ impl Loader<'_, '_> {
         let items =
             parser::parse(&tokens, &self.loaded.names, nesting, &mut self.loaded.ast, &mut self.diagnostics);
         drop(tokens);
-        if self.loaded.items.is_empty() && !items.iter().any(|item| matches!(item, Item::Include { .. })) {
-            self.loaded.items = items;
-            return;
-        }
         for item in items {
             match item {
                 Item::Include { path } => self.include(path),
