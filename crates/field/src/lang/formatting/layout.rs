@@ -43,8 +43,10 @@ pub(super) struct Tail {
     pub written_at: usize,
 }
 
-/// The inside of a `{`, or the top level.
+/// The inside of a bracket, or the top level.
+#[derive(Clone, Copy)]
 struct Frame {
+    in_parens: bool,
     /// Where the `}` begins.
     closing: Start,
     /// Where items, fields, lets and results begin.
@@ -54,7 +56,7 @@ struct Frame {
 }
 
 pub(super) fn lines(pieces: &[Piece<'_>]) -> Vec<Line> {
-    let top = Frame { closing: Start::Margin, inside: Start::Margin, statement: 0 };
+    let top = Frame { in_parens: false, closing: Start::Margin, inside: Start::Margin, statement: 0 };
     let mut next = pieces.len();
     let mut next_token: Vec<usize> = Vec::with_capacity(pieces.len());
     for (index, piece) in pieces.iter().enumerate().rev() {
@@ -62,15 +64,8 @@ pub(super) fn lines(pieces: &[Piece<'_>]) -> Vec<Line> {
         next_token.push(next);
     }
     next_token.reverse();
-    let mut layout = Layout {
-        pieces,
-        next_token,
-        lines: Vec::new(),
-        frames: vec![top],
-        brackets: Vec::new(),
-        token: None,
-        role: Role::Other,
-    };
+    let mut layout =
+        Layout { pieces, next_token, lines: Vec::new(), frames: vec![top], token: None, role: Role::Other };
     for index in 0..pieces.len() {
         layout.place(index);
     }
@@ -80,9 +75,8 @@ pub(super) fn lines(pieces: &[Piece<'_>]) -> Vec<Line> {
 struct Layout<'a> {
     pieces: &'a [Piece<'a>],
     lines: Vec<Line>,
+    /// The open brackets, in the top level.
     frames: Vec<Frame>,
-    /// The open brackets.
-    brackets: Vec<Kind>,
     /// For each piece, the index of the first token from this piece on.
     next_token: Vec<usize>,
     /// The index of the last token.
@@ -94,7 +88,7 @@ struct Layout<'a> {
 impl<'a> Layout<'a> {
     fn place(&mut self, index: usize) {
         let Some(piece) = self.pieces.get(index) else { return };
-        let in_parens = self.brackets.last() == Some(&Kind::OpenParen);
+        let in_parens = self.frames.last().is_some_and(|frame| frame.in_parens);
         let begins = !in_parens && self.begins_statement(index);
         let closes = piece.is(Kind::CloseBrace);
         let role = if piece.is_comment() {
@@ -177,20 +171,17 @@ impl<'a> Layout<'a> {
     }
 
     fn record_bracket(&mut self, index: usize) {
-        let Some(piece) = self.pieces.get(index) else { return };
+        let (Some(piece), Some(&outer)) = (self.pieces.get(index), self.frames.last()) else { return };
         let line = self.last_line();
         if piece.is(Kind::OpenParen) {
-            self.brackets.push(Kind::OpenParen);
+            self.frames.push(Frame { in_parens: true, ..outer });
         } else if piece.is(Kind::OpenBrace) {
-            self.brackets.push(Kind::OpenBrace);
             let hangs = self.pieces.get(index + 1).is_some_and(|next| next.breaks == 0 && !next.is_comment());
             let inside = if hangs { Start::Behind(line) } else { Start::Inside(line) };
-            self.frames.push(Frame { closing: Start::Below(line), inside, statement: line });
-        } else if piece.is(Kind::CloseParen) || piece.is(Kind::CloseBrace) {
-            self.brackets.pop();
-            if piece.is(Kind::CloseBrace) && self.frames.len() > 1 {
-                self.frames.pop();
-            }
+            let closing = Start::Below(line);
+            self.frames.push(Frame { in_parens: false, closing, inside, statement: line });
+        } else if (piece.is(Kind::CloseParen) || piece.is(Kind::CloseBrace)) && self.frames.len() > 1 {
+            self.frames.pop();
         }
     }
 }
