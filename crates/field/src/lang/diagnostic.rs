@@ -94,28 +94,28 @@ impl Diagnostic {
 
     /// Returns the diagnostic as text of several lines, with terminal colours if `color` is set; ends with a newline.
     pub fn render(&self, sources: &Sources, color: bool) -> String {
-        let paint = Paint { color };
-        let mut out = String::new();
         let gutter = (self.notes.iter().map(|(span, _)| span))
             .chain([&self.span])
             .filter_map(|span| sources.place(span.start))
             .map(|place| place.line.to_string().len())
             .max()
             .unwrap_or(1);
+        let mut printer = Printer { out: String::new(), sources, gutter, color };
         let kind = match self.fault {
-            Fault::Warning => paint.with(WARNING, "warning"),
-            _ => paint.with(ERROR, "error"),
+            Fault::Warning => printer.painted(WARNING, "warning"),
+            _ => printer.painted(ERROR, "error"),
         };
-        out.push_str(&format!("{kind}{}\n", paint.with(STRONG, &format!(": {}", self.message))));
-        excerpt(&mut out, sources, self.span, &self.label, '^', gutter, paint);
+        let message = printer.painted(STRONG, &format!(": {}", self.message));
+        let _ = writeln!(printer.out, "{kind}{message}");
+        printer.excerpt(self.span, &self.label, '^');
         for (span, text) in &self.notes {
-            excerpt(&mut out, sources, *span, text, '-', gutter, paint);
+            printer.excerpt(*span, text, '-');
         }
         if let Some(hint) = &self.hint {
-            let (sign, help) = (paint.with(FRAME, "="), paint.with(STRONG, "help: "));
-            let _ = writeln!(out, "{:gutter$} {sign} {help}{hint}", "");
+            let (sign, help) = (printer.painted(FRAME, "="), printer.painted(STRONG, "help: "));
+            let _ = writeln!(printer.out, "{:gutter$} {sign} {help}{hint}", "");
         }
-        out
+        printer.out
     }
 }
 
@@ -131,58 +131,66 @@ const WIDTH_SHOWN: usize = 120;
 const WIDTH_BEFORE: usize = 40;
 const TAB: &str = "    ";
 
-fn excerpt(
-    out: &mut String,
-    sources: &Sources,
-    span: Span,
-    label: &str,
-    mark: char,
+/// Prints one diagnostic.
+struct Printer<'a> {
+    out: String,
+    sources: &'a Sources,
+    /// The width of the line numbers.
     gutter: usize,
-    paint: Paint,
-) {
-    let Some(place) = sources.place(span.start) else { return };
-    let bar = paint.with(FRAME, "|");
-    let arrow = paint.with(FRAME, if mark == '^' { "-->" } else { ":::" });
-    let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
-    let _ = writeln!(out, "{:gutter$} {bar}", "");
+    color: bool,
+}
 
-    // For each character, the printed text and its width in columns.
-    let length = (span.end - span.start) as usize;
-    let (mut shown, mut before, mut under) = (String::new(), 0, 0);
-    let (first, last) = (place.byte, place.byte + length.max(1));
-    let lead: usize = place.text.get(..first).unwrap_or("").chars().map(columns).sum();
-    let skip = if lead > WIDTH_SHOWN - WIDTH_BEFORE { lead - WIDTH_BEFORE } else { 0 };
-    if skip > 0 {
-        shown.push('…');
-        before += 1;
+impl Printer<'_> {
+    fn painted(&self, code: &str, text: &str) -> String {
+        if self.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
     }
-    let (mut column, mut cut) = (0, false);
-    for (at, character) in place.text.char_indices() {
-        let (text, width) = cell(character);
-        column += width;
-        if column <= skip {
-            continue;
+
+    fn excerpt(&mut self, span: Span, label: &str, mark: char) {
+        let (sources, gutter) = (self.sources, self.gutter);
+        let Some(place) = sources.place(span.start) else { return };
+        let bar = self.painted(FRAME, "|");
+        let arrow = self.painted(FRAME, if mark == '^' { "-->" } else { ":::" });
+        let _ =
+            writeln!(self.out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
+        let _ = writeln!(self.out, "{:gutter$} {bar}", "");
+
+        // For each character, the printed text and its width in columns.
+        let length = (span.end - span.start) as usize;
+        let (mut shown, mut before, mut under) = (String::new(), 0, 0);
+        let (first, last) = (place.byte, place.byte + length.max(1));
+        let lead: usize = place.text.get(..first).unwrap_or("").chars().map(columns).sum();
+        let skip = if lead > WIDTH_SHOWN - WIDTH_BEFORE { lead - WIDTH_BEFORE } else { 0 };
+        if skip > 0 {
+            shown.push('…');
+            before += 1;
+        }
+        let mut column = 0;
+        for (at, character) in place.text.char_indices() {
+            let (text, width) = cell(character);
+            column += width;
+            if column <= skip {
+                continue;
+            }
+            if column > skip + WIDTH_SHOWN {
+                break;
+            }
+            shown.push_str(text.unwrap_or(character.encode_utf8(&mut [0; 4])));
+            if at < first {
+                before += width;
+            } else if at < last {
+                under += width;
+            }
         }
         if column > skip + WIDTH_SHOWN {
-            cut = true;
-            break;
+            shown.push('…');
         }
-        shown.push_str(text.unwrap_or(character.encode_utf8(&mut [0; 4])));
-        if at < first {
-            before += width;
-        } else if at < last {
-            under += width;
-        }
+        let number = self.painted(FRAME, &format!("{:>gutter$}", place.line));
+        let _ = writeln!(self.out, "{number} {bar} {}", shown.trim_end());
+        let marks = mark.to_string().repeat(under.max(1));
+        let text = if label.is_empty() { marks } else { format!("{marks} {label}") };
+        let text = self.painted(if mark == '^' { ERROR } else { FRAME }, &text);
+        let _ = writeln!(self.out, "{:gutter$} {bar} {:before$}{text}", "", "");
     }
-    if cut {
-        shown.push('…');
-    }
-    let number = paint.with(FRAME, &format!("{:>gutter$}", place.line));
-    let _ = writeln!(out, "{number} {bar} {}", shown.trim_end());
-    let marks = mark.to_string().repeat(under.max(1));
-    let text = if label.is_empty() { marks } else { format!("{marks} {label}") };
-    let text = paint.with(if mark == '^' { ERROR } else { FRAME }, &text);
-    let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
 }
 
 /// Returns the width of a character in terminal columns.
@@ -217,17 +225,6 @@ const ERROR: &str = "1;31";
 const WARNING: &str = "1;33";
 const FRAME: &str = "1;34";
 const STRONG: &str = "1";
-
-#[derive(Clone, Copy)]
-struct Paint {
-    color: bool,
-}
-
-impl Paint {
-    fn with(self, code: &str, text: &str) -> String {
-        if self.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
-    }
-}
 
 #[derive(Debug, Default)]
 pub(super) struct Diagnostics {
