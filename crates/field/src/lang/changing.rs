@@ -6,7 +6,7 @@
 //! the scene's structure: exponents, the bounds of loops, the defaults and ranges of parameters.
 
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::diagnostic::Diagnostics;
 use super::lexer;
@@ -72,31 +72,25 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
 
 #[derive(Debug, Default)]
 pub(super) struct ChangingNumbers {
-    /// Offsets of the edited numbers in the text, sorted.
-    offsets: Vec<u32>,
+    /// The edited numbers by their offsets in the text. A number that is being dragged has a range.
+    edited: BTreeMap<u32, Option<Turning>>,
     /// The edited numbers found in expressions so far, in the order of their inputs: each number's offset and value.
     found: Vec<(u32, f32)>,
     /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
-    turning: Vec<(u32, Turning)>,
     /// Inputs whose values determine the scene's structure. If one changes, the text has to be compiled again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
 impl ChangingNumbers {
     pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: &[Turning]) -> Self {
-        if places.is_empty() && turning.is_empty() {
-            return Self::default();
-        }
         let tokens = tokens(text, &mut library::library().names.clone());
         let numbers = tokens.iter().filter(|token| token.kind == Kind::Number).enumerate();
-        let turned = |place: usize| turning.iter().find(|turning| turning.place == place);
         let mut this = Self::default();
         for (place, token) in numbers {
-            let start = token.span.start;
-            this.turning.extend(turned(place).map(|turning| (start, *turning)));
-            if places.contains(&place) || turned(place).is_some() {
-                this.offsets.push(start);
+            let turned = turning.iter().find(|turning| turning.place == place);
+            if places.contains(&place) || turned.is_some() {
+                this.edited.insert(token.span.start, turned.copied());
             }
         }
         this
@@ -105,7 +99,7 @@ impl ChangingNumbers {
     /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs are
     /// parameters. There are at most `max` inputs; the remaining numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
-        self.offsets.binary_search(&offset).ok()?;
+        self.edited.get(&offset)?;
         if self.found.is_empty() {
             self.first = declared;
         }
@@ -126,9 +120,10 @@ impl ChangingNumbers {
         let fixed = self.depended_on.borrow().clone();
         self.found.iter().zip(self.first..).map(move |(&(offset, value), input)| {
             let is_fixed = fixed.iter().any(|fixed| usize::from(*fixed) == input);
-            let turned = self.turning.iter().find(|(of, _)| *of == offset && !is_fixed);
-            let (min, max) = turned
-                .map_or((value, value), |(_, turning)| (turning.least.min(value), turning.most.max(value)));
+            let (min, max) = match self.edited.get(&offset) {
+                Some(Some(turning)) if !is_fixed => (turning.least.min(value), turning.most.max(value)),
+                _ => (value, value),
+            };
             let span = Span::new(offset, offset);
             Param { name: String::new(), default: value, min, max, is_number: true, span }
         })
