@@ -1,8 +1,6 @@
 //! The material of a surface, one row for each field (see `fields`). The struct in the shaders, and the code that
 //! fills the struct in each mode, are generated from the rows.
 
-use std::fmt::Write;
-
 use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::fields::DefaultValue::Each;
 use super::fields::{DefaultValue, Field, FieldRange, Holds, section};
@@ -67,63 +65,48 @@ const _: () = {
 /// ranges, and macros that read the members from the results of interpreted programs, one for each group of fields. In
 /// the macros, each component of `head` holds four numbers.
 pub fn material_glsl() -> String {
-    let [surface, body] =
-        [&Material::FIELDS[..SURFACE_FIELDS], &Material::FIELDS[SURFACE_FIELDS..]].map(group_glsl);
+    let groups = [&Material::FIELDS[..SURFACE_FIELDS], &Material::FIELDS[SURFACE_FIELDS..]];
+    let lines = |line: fn(&Field) -> String| {
+        let [surface, body] = groups.map(|fields| fields.iter().map(line).collect::<String>());
+        format!("{surface}#ifdef BODY\n{body}#endif\n")
+    };
+    let members = lines(|field| format!("    {} {};    // {}\n", glsl_type(field), field.name, field.doc));
+    let defaults = lines(|field| match field.default {
+        DefaultValue::Each(number) => format!("    m.{} = {}({number:?});\n", field.name, glsl_type(field)),
+        _ => String::new(),
+    });
+    let ranges = lines(|field| {
+        let (name, range) = (field.name, field.range.unwrap_or(FieldRange::LIGHT));
+        format!("    m.{name} = within(m.{name}, {:?}, {:?});\n", range.least, range.most)
+    });
+    let [read_surface, read_body] = groups.map(|fields| {
+        let mut places =
+            (0_usize..).map(|at| format!("READ(head.{}, {})", ["x", "y", "z", "w"][at / 4], at % 4));
+        let read = fields.iter().map(|field| {
+            let places: Vec<String> = places.by_ref().take(field.holds.parts()).collect();
+            format!("m.{} = {}({}); ", field.name, glsl_type(field), places.join(", "))
+        });
+        read.collect::<String>()
+    });
     format!(
-        "struct Material {{\n{}#ifdef BODY\n{}#endif\n}};\n\n\
+        "struct Material {{\n{members}}};\n\n\
          // Clamps a formula's values to their ranges; a NaN becomes the least value.\n\
          float within(float value, float least, float most) {{\n    \
          return value > least ? min(value, most) : least;\n}}\n\
          vec3 within(vec3 value, float least, float most) {{\n    \
          return vec3(within(value.r, least, most), within(value.g, least, most), within(value.b, least, most));\n}}\n\
          vec3 light_of(vec3 value) {{\n    return within(value, {:?}, {:?});\n}}\n\
-         Material default_material() {{\n    Material m;\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
-         Material within_ranges(Material m) {{\n{}#ifdef BODY\n{}#endif\n    return m;\n}}\n\n\
+         Material default_material() {{\n    Material m;\n{defaults}    return m;\n}}\n\n\
+         Material within_ranges(Material m) {{\n{ranges}    return m;\n}}\n\n\
          // The fields in these outputs of the interpreter's program.\n\
-         #define READ_MATERIAL(m, head) {}\n#define READ_BODY(m, head) {}\n",
-        surface.members,
-        body.members,
+         #define READ_MATERIAL(m, head) {read_surface}\n#define READ_BODY(m, head) {read_body}\n",
         FieldRange::LIGHT.least,
         FieldRange::LIGHT.most,
-        surface.defaults,
-        body.defaults,
-        surface.ranges,
-        body.ranges,
-        surface.read,
-        body.read
     )
 }
 
-#[derive(Default)]
-struct GroupGlsl {
-    members: String,
-    defaults: String,
-    ranges: String,
-    read: String,
-}
-
-fn group_glsl(fields: &[Field]) -> GroupGlsl {
-    let mut glsl = GroupGlsl::default();
-    let mut number = 0;
-    for field in fields {
-        let parts = field.holds.parts();
-        let kind = if field.holds == Holds::Vector { "vec3" } else { "float" };
-        let _ = writeln!(glsl.members, "    {kind} {};    // {}", field.name, field.doc);
-        let value = format!("m.{}", field.name);
-        if let DefaultValue::Each(number) = field.default {
-            let _ = writeln!(glsl.defaults, "    {value} = {kind}({number:?});");
-        }
-        let clamped = field
-            .range
-            .map_or(value.clone(), |range| format!("within({value}, {:?}, {:?})", range.least, range.most));
-        let _ = writeln!(glsl.ranges, "    {value} = {clamped};");
-        let place =
-            |number: usize| format!("READ(head.{}, {})", ["x", "y", "z", "w"][number / 4], number % 4);
-        let places: Vec<String> = (number..number + parts).map(place).collect();
-        number += parts;
-        let _ = write!(glsl.read, "{value} = {kind}({}); ", places.join(", "));
-    }
-    glsl
+fn glsl_type(field: &Field) -> &'static str {
+    if field.holds == Holds::Vector { "vec3" } else { "float" }
 }
 
 /// Returns the members of a material `name` in the shaders' struct, one per number.
