@@ -239,7 +239,7 @@ pub(super) struct Function {
 }
 
 /// A block with fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Section {
     /// A shape with its material.
     Object,

@@ -1,12 +1,14 @@
 //! The scene's declarations: collects all names, and evaluates numbers that must be constant.
 
+use std::collections::HashMap;
+
 use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::{INPUTS, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
-use super::super::origins::Stretch;
 use super::super::scene::Param;
 use super::super::source::Span;
+use super::super::symbol::Symbol;
 use super::declared::{GlobalFunction, GlobalLet, GlobalValue};
 use super::lowering::A_NUMBER;
 use super::scene::SceneBuilder;
@@ -15,13 +17,7 @@ use super::sections::plural;
 impl<'a> SceneBuilder<'a> {
     /// Records all names before anything is lowered, so that declarations may follow their uses.
     pub(super) fn declare(&mut self, items: &'a [Item]) {
-        let mut taken: Vec<(Section, Name)> = Vec::new();
-        let limits = self.lowering.limits;
-        let named_max = limits.scene_objects_max
-            + limits.scene_materials_max
-            + limits.scene_lights_max
-            + limits.scene_media_max
-            + limits.scene_cameras_max;
+        let mut taken: HashMap<(Section, Symbol), Span> = HashMap::new();
         for item in items {
             match item {
                 Item::Param { name, value, range } => self.param(*name, *value, *range),
@@ -30,13 +26,10 @@ impl<'a> SceneBuilder<'a> {
                         let declared = &mut self.lowering.declared;
                         let index = declared.lets.len() as u32;
                         declared.globals[name.symbol.index()].value = GlobalValue::Let(index);
-                        let (name, span) = (name.symbol, name.span);
                         declared.lets.push(GlobalLet {
-                            name,
-                            span,
+                            name: *name,
                             value: *value,
                             known: None,
-                            by: Stretch::default(),
                             open: false,
                         });
                     }
@@ -53,15 +46,11 @@ impl<'a> SceneBuilder<'a> {
                     declared.functions.push(GlobalFunction { function, called: false, open: false });
                     declared.globals[index].function = declared.functions.len() as u32;
                 }
-                // Compare at most as many names as all limits together allow. More names exceed one of the limits,
-                // which is reported later.
-                Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
-                    let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
-                    if let Some((_, first)) = first {
-                        let span = first.span;
-                        self.twice(section.word(), *name, span);
+                Item::Section { section, name: Some(name), .. } => {
+                    let first = *taken.entry((*section, name.symbol)).or_insert(name.span);
+                    if first != name.span {
+                        self.twice(section.word(), *name, first);
                     }
-                    taken.push((*section, *name));
                 }
                 Item::Broken(name) => self.lowering.declared.globals[name.symbol.index()].broken = true,
                 Item::Section { .. } | Item::Bare(_) | Item::Include { .. } => {}
@@ -89,7 +78,7 @@ impl<'a> SceneBuilder<'a> {
         let declared = &self.lowering.declared;
         let first = match declared.globals[name.symbol.index()].value {
             GlobalValue::None => return true,
-            GlobalValue::Let(index) => declared.lets.get(index as usize).map(|one| one.span),
+            GlobalValue::Let(index) => declared.lets.get(index as usize).map(|one| one.name.span),
             GlobalValue::Param(index) => declared.params.get(index as usize).map(|one| one.span),
         };
         self.twice("value", name, first.unwrap_or(name.span));

@@ -1,10 +1,9 @@
 //! The top-level declarations of a scene: lets, parameters, functions and materials.
 
-use super::super::ast::{ExprId, Function};
+use super::super::ast::{ExprId, Function, Name};
 use super::super::origins::Stretch;
 use super::super::scene::{Param, TextureRef};
 use super::super::shape::ShapeRef;
-use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
 use super::foreign::Foreign;
@@ -54,13 +53,11 @@ pub(super) enum GlobalValue {
 /// A `let` of the scene. Lets are lowered in the order of the text. A let that is used before its declaration is
 /// lowered at the use.
 pub(super) struct GlobalLet {
-    pub name: Symbol,
-    pub span: Span,
+    pub name: Name,
     pub value: ExprId,
-    /// The value and the inputs that it uses, as bits of `uses`; `None` until it is lowered.
-    pub known: Option<(Value, u16)>,
-    /// The notes of the text that computes the value (see `lang::origins`).
-    pub by: Stretch,
+    /// The value, the inputs that it uses, as bits of `uses`, and the notes of the text that computes it (see
+    /// `lang::origins`); `None` until it is lowered.
+    pub known: Option<(Value, u16, Stretch)>,
     /// True while the value is being lowered.
     pub open: bool,
 }

@@ -1,6 +1,6 @@
 //! The state of lowering, and the lookup of names.
 
-use super::super::ast::{Ast, ExprId, Parameter};
+use super::super::ast::{Ast, ExprId, Name, Parameter};
 use super::super::builtin::{INPUTS, InputValue, uses};
 use super::super::changing::ChangingNumbers;
 use super::super::diagnostic::{Diagnostic, Diagnostics};
@@ -278,9 +278,8 @@ impl<'a> Lowering<'a> {
 
     pub(super) fn global_let(&mut self, index: usize, span: Span) -> Value {
         let Some(global) = self.declared.lets.get_mut(index) else { return Value::Unknown };
-        let name = global.name;
-        if let Some((value, used)) = global.known {
-            let by = global.by;
+        let Name { symbol: name, span: global_span } = global.name;
+        if let Some((value, used, by)) = global.known {
             self.origins.uses(by);
             self.inputs.declare(used, name, span, &mut self.reports);
             return value;
@@ -288,7 +287,7 @@ impl<'a> Lowering<'a> {
         if std::mem::replace(&mut global.open, true) {
             return self.reports.circle(name, span);
         }
-        let (expr, global_span) = (global.value, global.span);
+        let expr = global.value;
         let outside =
             (self.inputs.used, self.inputs.allowed, self.scope.frame, self.ast, self.reports.library_call);
         (self.inputs.used, self.inputs.allowed, self.scope.frame) =
@@ -304,8 +303,7 @@ impl<'a> Lowering<'a> {
         (self.inputs.used, self.inputs.allowed, self.scope.frame, self.ast, self.reports.library_call) =
             outside;
         if let Some(global) = self.declared.lets.get_mut(index) {
-            global.known = Some((value, used));
-            global.by = by;
+            global.known = Some((value, used, by));
             global.open = false;
         }
         self.inputs.declare(used, name, span, &mut self.reports);

@@ -126,7 +126,7 @@ impl<'a> SceneBuilder<'a> {
     fn lower_lets(&mut self) {
         self.lowering.within(u16::MAX, "", |this| {
             for index in 0..this.declared.lets.len() {
-                let span = this.declared.lets[index].span;
+                let span = this.declared.lets[index].name.span;
                 if this.declared.lets[index].known.is_none() && !this.reports.stopped {
                     this.global_let(index, span);
                 }
