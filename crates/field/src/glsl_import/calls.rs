@@ -189,7 +189,21 @@ impl GlslSession {
         let wrong = || Diagnostic::new(place, "this function does not fit its call");
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
         let known = self.globals.take();
-        let mut executor = Executor::new(file, called, graph, budget, self);
+        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+        let mut executor = Executor {
+            file,
+            graph: &mut *graph,
+            memory: Memory::default(),
+            live: one,
+            zero,
+            one,
+            frame: CallFrame::new(called, one),
+            budget: &mut *budget,
+            here: place,
+            session: &mut *self,
+            discarded: zero,
+            open: Vec::new(),
+        };
         match known {
             Some(globals) => executor.memory.parts = globals,
             None => executor.start(given)?,
@@ -220,33 +234,7 @@ impl GlslSession {
     }
 }
 
-impl<'m, 'g> Executor<'m, 'g> {
-    fn new(
-        file: &'m GlslFile,
-        function: &'m Function,
-        graph: &'g mut Graph,
-        budget: &'g mut Budget,
-        session: &'g mut GlslSession,
-    ) -> Self {
-        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-        let frame = CallFrame::new(function, one);
-        let (memory, open, here) = (Memory::default(), Vec::new(), Span::default());
-        Self {
-            file,
-            graph,
-            memory,
-            live: one,
-            zero,
-            one,
-            frame,
-            budget,
-            here,
-            session,
-            discarded: zero,
-            open,
-        }
-    }
-
+impl<'m> Executor<'m, '_> {
     /// Gives the globals their values.
     fn start(&mut self, given: &[(String, Vec<NodeId>)]) -> Result<()> {
         let file = self.file;

@@ -213,19 +213,14 @@ impl<'a> Preprocessor<'a> {
                 let hint = "make some of them functions";
                 return Err(Diagnostic::over_limit(token.place(), message).hint(hint));
             }
-            let floor;
             let body = match &of.parameters {
-                None => {
-                    floor = left.len();
-                    of.body.to_vec()
-                }
+                None => of.body.to_vec(),
                 Some(parameters) => {
                     if left.last().is_none_or(|next| !next.is("(")) {
                         out.push(token);
                         continue;
                     }
                     let arguments = self.arguments(&token, &mut left, depth)?;
-                    floor = left.len();
                     let given = if parameters.is_empty() { 0 } else { arguments.len() };
                     if given != parameters.len() {
                         let (takes, name) = (parameters.len(), token.text);
@@ -236,6 +231,7 @@ impl<'a> Preprocessor<'a> {
                     self.substitute(&of.body, parameters, &arguments, &token)?
                 }
             };
+            let floor = left.len();
             while active.last().is_some_and(|(_, length)| floor < *length) {
                 active.pop();
             }
