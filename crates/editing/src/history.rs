@@ -1,5 +1,6 @@
 //! The undo history, and a log of recent changes that maps positions of earlier versions to the present text.
 
+use std::collections::VecDeque;
 use std::ops::Range;
 
 use crate::limits;
@@ -52,7 +53,7 @@ pub(crate) enum Joins {
 
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
-    done: Vec<Step>,
+    done: VecDeque<Step>,
     undone: Vec<Step>,
     bytes: usize,
 }
@@ -60,7 +61,7 @@ pub(crate) struct History {
 impl History {
     pub(crate) fn record(&mut self, step: Step) {
         self.undone.clear();
-        match self.done.last_mut().filter(|last| last.joins == step.joins && follows(last, &step)) {
+        match self.done.back_mut().filter(|last| last.joins == step.joins && follows(last, &step)) {
             Some(last) => {
                 self.bytes -= last.bytes();
                 last.merge(step);
@@ -68,30 +69,23 @@ impl History {
             }
             None => {
                 self.bytes += step.bytes();
-                self.done.push(step);
+                self.done.push_back(step);
             }
         }
-        self.forget_the_oldest();
-    }
-
-    fn forget_the_oldest(&mut self) {
-        let mut gone = 0;
-        while self.bytes > limits::UNDO_BYTES_MAX && gone + 1 < self.done.len() {
-            self.bytes = self.bytes.saturating_sub(self.done.get(gone).map_or(0, Step::bytes));
-            gone += 1;
+        while self.bytes > limits::UNDO_BYTES_MAX && self.done.len() > 1 {
+            self.bytes -= self.done.pop_front().map_or(0, |oldest| oldest.bytes());
         }
-        self.done.drain(..gone);
     }
 
     /// Closes the last step, so that the next change starts a new step.
     pub(crate) fn close(&mut self) {
-        if let Some(last) = self.done.last_mut() {
+        if let Some(last) = self.done.back_mut() {
             last.joins = Joins::Nothing;
         }
     }
 
     pub(crate) fn undo(&mut self) -> Option<Step> {
-        let step = self.done.pop()?;
+        let step = self.done.pop_back()?;
         self.bytes = self.bytes.saturating_sub(step.bytes());
         self.undone.push(step.clone());
         Some(step)
@@ -101,7 +95,7 @@ impl History {
         let mut step = self.undone.pop()?;
         step.joins = Joins::Nothing;
         self.bytes += step.bytes();
-        self.done.push(step.clone());
+        self.done.push_back(step.clone());
         Some(step)
     }
 
@@ -125,7 +119,7 @@ fn follows(last: &Step, step: &Step) -> bool {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Followed {
     /// For each change: the version, the offset, and the numbers of removed and inserted bytes.
-    changes: std::collections::VecDeque<(u64, usize, usize, usize)>,
+    changes: VecDeque<(u64, usize, usize, usize)>,
 }
 
 impl Followed {

@@ -65,13 +65,11 @@ pub fn triples(buffer: &Buffer, colors: &mut Colors, line: usize) -> Vec<Triple>
             continue;
         };
         let (Some(first), Some(last)) = (words.get(at), words.get(at + length - 1)) else { break };
-        let kind = match field_before(text, &words, at) {
-            Some(name) => kind_of(COLORS.contains(&name), text, &words, at, length),
-            None => {
-                let is_color = field_above(buffer, colors, line).is_some_and(|name| COLORS.contains(&&*name));
-                kind_of(is_color, text, &words, at, length)
-            }
+        let is_color = match field_before(text, &words, at) {
+            Some(name) => COLORS.contains(&name),
+            None => field_above(buffer, colors, line).is_some_and(|name| COLORS.contains(&&*name)),
         };
+        let kind = kind_of(is_color, text, &words, at, length);
         triples.push(Triple { range: first.start..last.end, word: first.start..first.end, numbers, kind });
         at += length;
     }
