@@ -9,14 +9,6 @@ use crate::hover::{about, markdown};
 use crate::positions::{self, Position};
 use crate::protocol::TextEdit;
 
-/// Kinds of the protocol.
-mod kind {
-    pub(crate) const FUNCTION: u8 = 3;
-    pub(crate) const FIELD: u8 = 5;
-    pub(crate) const VARIABLE: u8 = 6;
-    pub(crate) const KEYWORD: u8 = 14;
-}
-
 pub(crate) fn completion(documents: &mut Documents, uri: &str, position: Position, snippets: bool) -> Value {
     let items = items(documents, uri, position, snippets).unwrap_or_default();
     // The list holds the best candidates only, so the client asks again with more letters.
@@ -46,11 +38,12 @@ fn items(documents: &mut Documents, uri: &str, position: Position, snippets: boo
     let calls = document.buffer.slice(byte..byte + 1) == b"(";
     let items = all.iter().enumerate().map(|(index, one)| {
         let about = &one.about;
+        // The protocol's kinds are 3 for a function, 5 for a field, 14 for a keyword and 6 for a variable.
         let kind = match () {
-            () if about.is_function => kind::FUNCTION,
-            () if about.head.contains('{') && about.head.ends_with("= }") => kind::FIELD,
-            () if keywords().any(|word| word == one.name) => kind::KEYWORD,
-            () => kind::VARIABLE,
+            () if about.is_function => 3,
+            () if about.head.contains('{') && about.head.ends_with("= }") => 5,
+            () if keywords().any(|word| word == one.name) => 14,
+            () => 6,
         };
         let has_parameters = snippets && about.is_function && !calls;
         let new_text = if has_parameters { format!("{}($0)", one.name) } else { one.name.clone() };
