@@ -134,14 +134,11 @@ impl Read<'_, '_> {
         let words = if has_words { Some(self.text(0, what, hint.as_str())?) } else { None };
         let position = usize::from(has_words);
         let at = self.position(position, "take two components, as in `p.xy`")?;
-        let font = match self.argument(position + 1) {
-            Some(_) => Some(self.text(position + 1, "the name of a font in quotes", hint.as_str())?),
-            None => None,
-        };
-        let font = match font {
-            Some(font) => Some(self.path(font, "font", self.place(position + 1))?),
-            None => None,
-        };
+        let mut font = None;
+        if self.argument(position + 1).is_some() {
+            let name = self.text(position + 1, "the name of a font in quotes", hint)?;
+            font = Some(self.path(name, "font", self.place(position + 1))?);
+        }
         let source = self.source(call, words, font)?;
         let number = self.shape_number(source)?;
         Some(Value::scalar(self.distance(number, at)))
