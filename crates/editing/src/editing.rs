@@ -361,16 +361,12 @@ impl Editing {
     }
 
     fn with_own_line_ends(&self, text: &[u8]) -> Vec<u8> {
-        let mut own = Vec::with_capacity(text.len());
-        let mut rest = text;
-        while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
-            let line = rest.get(..end).unwrap_or_default();
-            own.extend_from_slice(line.strip_suffix(b"\r").unwrap_or(line));
-            own.extend_from_slice(self.buffer.line_end());
-            rest = rest.get(end + 1..).unwrap_or_default();
-        }
-        own.extend_from_slice(rest);
-        own
+        let lines = text.split_inclusive(|byte| *byte == b'\n');
+        let lines = lines.map(|line| match line.strip_suffix(b"\n") {
+            Some(line) => [line.strip_suffix(b"\r").unwrap_or(line), self.buffer.line_end()].concat(),
+            None => line.to_vec(),
+        });
+        lines.flatten().collect()
     }
 }
 
