@@ -143,6 +143,8 @@ impl Executor<'_, '_> {
         if let Some(parts) = self.composed(expression, Self::parts_of)? {
             return Ok(parts);
         }
+        let here = self.here;
+        let unsupported = |message: &str| Diagnostic::unsupported(here, message);
         Ok(match expression {
             Expression::Swizzle { size, vector, pattern } => {
                 let components = pattern.iter().take(*size as usize);
@@ -168,26 +170,17 @@ impl Executor<'_, '_> {
                 self.math(*fun, *arg, [*arg1, *arg2, *arg3])?
             }
             Expression::As { expr, kind, convert } => self.converted(*expr, *kind, convert.is_some())?,
-            Expression::ArrayLength(_) => {
-                return Err(Diagnostic::unsupported(self.here, "an array needs a known size"));
-            }
+            Expression::ArrayLength(_) => return Err(unsupported("an array needs a known size")),
             Expression::Derivative { axis, expr, .. } if self.session.in_picture => {
                 let nodes = self.nodes_of(*expr)?;
                 self.derivative(*axis, &nodes)?
             }
             Expression::Derivative { .. } => {
-                return Err(Diagnostic::unsupported(
-                    self.here,
-                    "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
-                )
-                .hint("use it in the sky's colour, or pass the size of the detail as a parameter"));
+                let message = "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know";
+                let hint = "use it in the sky's colour, or pass the size of the detail as a parameter";
+                return Err(unsupported(message).hint(hint));
             }
-            _ => {
-                return Err(Diagnostic::unsupported(
-                    self.here,
-                    "this expression has no meaning in a formula",
-                ));
-            }
+            _ => return Err(unsupported("this expression has no meaning in a formula")),
         })
     }
 

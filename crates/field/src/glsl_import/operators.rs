@@ -229,39 +229,30 @@ pub(super) fn bits(place: Span) -> Diagnostic {
         .hint("compute the bits with `floor`, `mod` and `exp2` of floats, and a hash with `fract(sin(…))`")
 }
 
-/// Computes an operation on two constants of one type of whole numbers, or compares them.
-macro_rules! folded {
-    ($graph:expr, $op:expr, $a:expr, $b:expr, $part:path) => {
-        $part(match $op {
-            BinaryOperator::Add => $a.wrapping_add($b),
-            BinaryOperator::Subtract => $a.wrapping_sub($b),
-            BinaryOperator::Multiply => $a.wrapping_mul($b),
-            BinaryOperator::Divide => $a.checked_div($b).unwrap_or(0),
-            BinaryOperator::Modulo => $a.checked_rem($b).unwrap_or(0),
-            BinaryOperator::And => $a & $b,
-            BinaryOperator::InclusiveOr => $a | $b,
-            BinaryOperator::ExclusiveOr => $a ^ $b,
-            BinaryOperator::ShiftLeft => $a.wrapping_shl($b as u32),
-            BinaryOperator::ShiftRight => $a.wrapping_shr($b as u32),
-            _ => return Some(truth($graph, compared($op, &$a, &$b))),
-        })
-    };
-}
-
-/// The value of an operation on two constants.
+/// The value of an operation on two constants of one type of whole numbers, or the condition of a comparison.
 fn constant(graph: &mut Graph, op: BinaryOperator, a: Part, b: Part) -> Option<Part> {
     let shifts = matches!(op, BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight);
-    Some(match (a, b) {
-        (Part::Int(a), Part::Int(b)) => folded!(graph, op, a, b, Part::Int),
-        (Part::Int(a), Part::Uint(b)) if shifts => folded!(graph, op, a, b as i32, Part::Int),
-        (Part::Uint(a), Part::Uint(b)) => folded!(graph, op, a, b, Part::Uint),
+    let (a, b, is_signed) = match (a, b) {
+        (Part::Int(a), Part::Int(b)) => (i64::from(a), i64::from(b), true),
+        (Part::Int(a), Part::Uint(b)) if shifts => (i64::from(a), i64::from(b), true),
+        (Part::Uint(a), Part::Uint(b)) => (i64::from(a), i64::from(b), false),
         _ => return None,
-    })
-}
-
-/// A constant condition.
-fn truth(graph: &mut Graph, holds: bool) -> Part {
-    Part::Node(graph.constant(if holds { 1.0 } else { 0.0 }))
+    };
+    let value = match op {
+        BinaryOperator::Add => a.wrapping_add(b),
+        BinaryOperator::Subtract => a.wrapping_sub(b),
+        BinaryOperator::Multiply => a.wrapping_mul(b),
+        BinaryOperator::Divide => a.checked_div(b).unwrap_or(0),
+        BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
+        BinaryOperator::And => a & b,
+        BinaryOperator::InclusiveOr => a | b,
+        BinaryOperator::ExclusiveOr => a ^ b,
+        BinaryOperator::ShiftLeft => a << (b & 31),
+        BinaryOperator::ShiftRight => a >> (b & 31),
+        _ => return Some(Part::Node(graph.constant(if compared(op, a, b) { 1.0 } else { 0.0 }))),
+    };
+    // The lowest 32 bits are those of an operation on 32 bits.
+    Some(if is_signed { Part::Int(value as i32) } else { Part::Uint(value as u32) })
 }
 
 /// Number of different values of 32 bits.
@@ -323,7 +314,7 @@ fn masked(graph: &mut Graph, a: NodeId, [low, high]: [u32; 2]) -> NodeId {
     }
 }
 
-fn compared<T: PartialOrd>(op: BinaryOperator, a: &T, b: &T) -> bool {
+fn compared(op: BinaryOperator, a: i64, b: i64) -> bool {
     match op {
         BinaryOperator::Equal => a == b,
         BinaryOperator::NotEqual => a != b,
