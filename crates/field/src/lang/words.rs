@@ -85,11 +85,9 @@ fn kind_of_name(name: &str) -> WordKind {
         return WordKind::Keyword;
     }
     let Some(symbol) = library.names.get(name) else { return WordKind::Name };
-    if library::input_index(symbol).is_some() || library.parts.contains(&symbol) {
+    if library::input(symbol).is_some() || library.parts.contains(&symbol) {
         WordKind::Input
-    } else if library::builtin_index(symbol).is_some()
-        || library.by_symbol.get(symbol.index()).is_some_and(|function| *function != 0)
-    {
+    } else if library::builtin(symbol).is_some() || library::function(symbol).is_some() {
         WordKind::Function
     } else {
         WordKind::Name

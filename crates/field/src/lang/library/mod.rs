@@ -8,7 +8,7 @@
 use std::sync::LazyLock;
 
 use super::ast::{Ast, Function, Item};
-use super::builtin::{BUILTIN_TEXT, BUILTINS, FOLDS, INPUTS, InputRow};
+use super::builtin::{BUILTIN_TEXT, BUILTINS, BuiltinRow, FOLDS, INPUTS, InputRow};
 use super::diagnostic::Diagnostics;
 use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
@@ -66,7 +66,7 @@ pub(super) struct Library {
     pub ast: Ast,
     pub functions: Vec<Function>,
     /// For each symbol: 1 + the function's index; 0 if the symbol is no function.
-    pub by_symbol: Vec<u32>,
+    by_symbol: Vec<u32>,
     /// For each symbol: 1 + the number of final arguments that every step of a fold gets; 0 if it is no fold.
     pub folds: Vec<u8>,
 }
@@ -77,12 +77,18 @@ pub(super) fn library() -> &'static Library {
     &LIBRARY
 }
 
-pub(super) fn input_index(symbol: Symbol) -> Option<usize> {
-    symbol.index().checked_sub(RESERVED.len()).filter(|index| *index < INPUTS.len())
+pub(super) fn input(symbol: Symbol) -> Option<&'static InputRow> {
+    INPUTS.get(symbol.index().checked_sub(RESERVED.len())?)
 }
 
-pub(super) fn builtin_index(symbol: Symbol) -> Option<usize> {
-    symbol.index().checked_sub(RESERVED.len() + INPUTS.len()).filter(|index| *index < BUILTINS.len())
+pub(super) fn builtin(symbol: Symbol) -> Option<&'static BuiltinRow> {
+    BUILTINS.get(symbol.index().checked_sub(RESERVED.len() + INPUTS.len())?)
+}
+
+/// Returns the library's function of a name.
+pub(super) fn function(symbol: Symbol) -> Option<&'static Function> {
+    let number = *LIBRARY.by_symbol.get(symbol.index())? as usize;
+    LIBRARY.functions.get(number.checked_sub(1)?)
 }
 
 fn build() -> Library {

@@ -1,7 +1,7 @@
 //! Lowers calls of functions: built-in, from the library or from the scene. Folds combine any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
-use super::super::builtin::{BUILTINS, uses};
+use super::super::builtin::{BUILTINS, BuiltinRow, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::glsl_names;
 use super::super::library;
@@ -15,9 +15,10 @@ use crate::graph::NodeId;
 
 #[derive(Clone, Copy)]
 enum Callee {
+    /// The index of a function of the scene.
     Scene(usize),
-    Library(usize),
-    Builtin(usize),
+    Library(&'static Function),
+    Builtin(&'static BuiltinRow),
 }
 
 /// A call with the arguments from `mark` on.
@@ -32,15 +33,12 @@ pub(super) struct Call {
 
 impl Lowering<'_> {
     fn callee(&self, symbol: Symbol) -> Option<Callee> {
-        let index = symbol.index();
-        let own = self.declared.globals.get(index).map_or(0, |global| global.function);
+        let own = self.declared.globals.get(symbol.index()).map_or(0, |global| global.function);
         if own > 0 && self.reports.library_call.is_none() {
             return Some(Callee::Scene(own as usize - 1));
         }
-        match self.library.by_symbol.get(index) {
-            Some(&shared) if shared > 0 => Some(Callee::Library(shared as usize - 1)),
-            _ => library::builtin_index(symbol).map(Callee::Builtin),
-        }
+        let shared = library::function(symbol).map(Callee::Library);
+        shared.or_else(|| library::builtin(symbol).map(Callee::Builtin))
     }
 
     pub(super) fn call(&mut self, name: Symbol, first: u32, count: u32, span: Span) -> Value {
@@ -188,13 +186,8 @@ impl Lowering<'_> {
     fn apply(&mut self, callee: Callee, call: Call) -> Value {
         let Call { name, mark, span, .. } = call;
         match callee {
-            Callee::Builtin(index) => match BUILTINS.get(index) {
-                Some(row) => self.builtin(row, call),
-                None => Value::Unknown,
-            },
-            Callee::Library(index) => {
-                let library = self.library;
-                let Some(function) = library.functions.get(index) else { return Value::Unknown };
+            Callee::Builtin(row) => self.builtin(row, call),
+            Callee::Library(function) => {
                 if !self.arguments_fit(function, callee, call) {
                     return Value::Unknown;
                 }
@@ -253,9 +246,8 @@ impl Lowering<'_> {
 
     /// Expands a library function for a default or a field, not for a call in the scene's text.
     fn library_value(&mut self, name: &str, arguments: &[Value]) -> Option<Vector> {
-        let (symbol, library) = (self.names.get(name)?, self.library);
-        let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
-        let function = library.functions.get(index.wrapping_sub(1))?;
+        let symbol = self.names.get(name)?;
+        let function = library::function(symbol)?;
         let mark = self.arguments.len();
         self.arguments.extend_from_slice(arguments);
         let value = self.put_in_library(function, mark, (symbol, Span::default()));
@@ -328,12 +320,8 @@ impl Lowering<'_> {
             Callee::Scene(index) => {
                 self.declared.functions.get(index).map(|called| self.parameters(&called.function.parameters))
             }
-            Callee::Library(index) => {
-                self.library.functions.get(index).map(|function| self.parameters(&function.parameters))
-            }
-            Callee::Builtin(index) => {
-                return BUILTINS.get(index).map_or(String::new(), |row| row.signature().to_owned());
-            }
+            Callee::Library(function) => Some(self.parameters(&function.parameters)),
+            Callee::Builtin(row) => return row.signature().to_owned(),
         };
         format!("{}({})", self.name(name), parameters.unwrap_or_default())
     }
@@ -362,7 +350,7 @@ impl Lowering<'_> {
         let own = own.chain(foreign.iter().copied());
         let near = suggest::nearest(name, own.chain(shared).chain(BUILTINS.iter().map(|row| row.name)));
         let unknown = match near {
-            None if self.scope.local(symbol).is_some() || library::input_index(symbol).is_some() => {
+            None if self.scope.local(symbol).is_some() || library::input(symbol).is_some() => {
                 unknown.hint(format!("`{name}` is a value; to multiply write `{name} * (…)`"))
             }
             _ => unknown.did_you_mean(near),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::ast::{ExprId, Item, Name, Section};
-use super::super::builtin::{INPUTS, uses};
+use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::scene::Param;
@@ -69,8 +69,7 @@ impl<'a> SceneBuilder<'a> {
 
     /// True if a value of the scene may have this name; otherwise reports the conflict.
     fn may_declare(&mut self, name: Name) -> bool {
-        let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
-        if input.is_some_and(|row| !row.may_be_hidden()) {
+        if library::input(name.symbol).is_some_and(|row| !row.may_be_hidden()) {
             let message = format!("the name `{}` is taken by an input", self.lowering.name(name.symbol));
             self.report(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;

@@ -335,8 +335,8 @@ impl Lowering<'_> {
 
     pub(super) fn is_function(&self, symbol: Symbol) -> bool {
         let own = self.declared.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
-        let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
-        own || shared || library::builtin_index(symbol).is_some() || self.declared.foreign.is_function(symbol)
+        let shared = library::function(symbol).is_some() || library::builtin(symbol).is_some();
+        own || shared || self.declared.foreign.is_function(symbol)
     }
 }
 

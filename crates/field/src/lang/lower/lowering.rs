@@ -1,7 +1,7 @@
 //! The state of lowering, and the lookup of names.
 
 use super::super::ast::{Ast, ExprId, Name, Parameter};
-use super::super::builtin::{INPUTS, InputValue, uses};
+use super::super::builtin::{InputValue, uses};
 use super::super::changing::ChangingNumbers;
 use super::super::diagnostic::{Diagnostic, Diagnostics};
 use super::super::fields::Field;
@@ -257,7 +257,7 @@ impl<'a> Lowering<'a> {
                 _ => {}
             }
         }
-        match library::input_index(symbol).and_then(|index| INPUTS.get(index)) {
+        match library::input(symbol) {
             Some(row) => {
                 self.inputs.declare(row.uses, symbol, span, &mut self.reports);
                 match row.value {

@@ -33,7 +33,7 @@ impl Lowering<'_> {
             numbers.map(|input| PartInput { part, number: PartNumber::Sound(input) }.index()).collect();
         if indices.is_empty() {
             // `bass.xx` is a vector of the low frequencies.
-            let is_vector = library::input_index(symbol).is_some() && is_swizzle(text);
+            let is_vector = library::input(symbol).is_some() && is_swizzle(text);
             return (!is_vector).then(|| self.reports.no_such_number(part, text, span));
         }
         self.inputs.declare(uses::FRAME, symbol, span, &mut self.reports);

@@ -137,7 +137,7 @@ impl BlockLowering<'_, '_> {
     fn unknown_target(&mut self, name: Symbol, span: Span) {
         let text = self.outer.name(name);
         let place = Span::new(span.start, span.start + text.len() as u32);
-        let (message, hint) = match library::input_index(name) {
+        let (message, hint) = match library::input(name) {
             Some(_) => (
                 format!("`{text}` is an input, which has the same value everywhere in the text"),
                 format!("make a copy first: `let {text} = {text}`"),
