@@ -39,12 +39,6 @@ pub struct Server {
     /// The capabilities of the client.
     client: Value,
     documents: Documents,
-    diagnosing: Diagnosing,
-}
-
-/// Which documents are to be compiled, and the diagnostics that the client has.
-#[derive(Default)]
-struct Diagnosing {
     /// The documents whose newest version is not yet being compiled.
     wanted: BTreeSet<String>,
     /// The last result for each document.
@@ -60,7 +54,9 @@ impl Server {
             state: State::New,
             client: Value::Null,
             documents: Documents::new(read),
-            diagnosing: Diagnosing::default(),
+            wanted: BTreeSet::new(),
+            results: BTreeMap::new(),
+            shown: BTreeMap::new(),
         }
     }
 
@@ -221,7 +217,7 @@ impl Server {
             (State::Ready, "textDocument/didClose") => return self.close(params),
             (State::Ready, "workspace/didChangeWatchedFiles") => {
                 self.documents.parsed.clear();
-                self.diagnosing.wanted.extend(self.documents.open.keys().cloned());
+                self.wanted.extend(self.documents.open.keys().cloned());
             }
             _ => {}
         }
@@ -270,27 +266,26 @@ impl Server {
         self.documents.close(uri);
         // Scenes that include the document now read the file. Documents that it includes are checked alone.
         self.changed(uri);
-        let included = self.diagnosing.results.remove(uri).map(|result| result.included).unwrap_or_default();
+        let included = self.results.remove(uri).map(|result| result.included).unwrap_or_default();
         let alone = self.documents.open.keys().filter(|uri| is_among(uri, &included));
-        self.diagnosing.wanted.extend(alone.cloned());
-        self.diagnosing.wanted.remove(uri);
+        self.wanted.extend(alone.cloned());
+        self.wanted.remove(uri);
         self.publish(uri)
     }
 
     /// Requests diagnostics of a document and of all scenes that include it.
     fn changed(&mut self, uri: &str) {
-        let Diagnosing { wanted, results, .. } = &mut self.diagnosing;
-        wanted.insert(uri.to_owned());
+        self.wanted.insert(uri.to_owned());
         let Some(path) = path_of(uri) else { return };
-        let roots = results.values().filter(|result| result.included.contains(&path));
+        let roots = self.results.values().filter(|result| result.included.contains(&path));
         let roots = roots.map(|result| &result.uri).filter(|root| self.documents.open.contains_key(*root));
-        wanted.extend(roots.cloned());
+        self.wanted.extend(roots.cloned());
     }
 
     /// Returns a document that is to be compiled. The caller passes the result to [`Server::checked`], and then asks for
     /// the next document.
     pub fn next_check(&mut self) -> Option<Check> {
-        while let Some(uri) = self.diagnosing.wanted.pop_first() {
+        while let Some(uri) = self.wanted.pop_first() {
             let Some(document) = self.documents.open.get(&uri) else { continue };
             return Some(Check {
                 path: document.path.clone(),
@@ -307,17 +302,17 @@ impl Server {
     /// since is ignored.
     pub fn checked(&mut self, result: Checked) -> Vec<Value> {
         let uri = result.uri.clone();
-        if self.diagnosing.wanted.contains(&uri) || !self.documents.open.contains_key(&uri) {
+        if self.wanted.contains(&uri) || !self.documents.open.contains_key(&uri) {
             return Vec::new();
         }
-        self.diagnosing.results.insert(uri.clone(), result);
+        self.results.insert(uri.clone(), result);
         self.publish(&uri)
     }
 
     /// Returns the diagnostics of a document that was checked, and of all documents whose diagnostics have changed. A
     /// document has the diagnostics of the scenes that include it or, without such a scene, its own.
     fn publish(&mut self, checked: &str) -> Vec<Value> {
-        let results = &self.diagnosing.results;
+        let results = &self.results;
         // A document belongs to the scenes that include it, unless they include each other.
         let is_part = |part: &Checked| {
             let includes = |a: &Checked, b: &Checked| is_among(&b.uri, &a.included);
@@ -333,11 +328,11 @@ impl Server {
                 list.extend(new.into_iter().cloned());
             }
         }
-        for uri in self.diagnosing.shown.keys() {
+        for uri in self.shown.keys() {
             all.entry(uri.clone()).or_default();
         }
         let none = Vec::new();
-        let is_new = |uri: &str, list: &Vec<Value>| self.diagnosing.shown.get(uri).unwrap_or(&none) != list;
+        let is_new = |uri: &str, list: &Vec<Value>| self.shown.get(uri).unwrap_or(&none) != list;
         let changed = all.iter().filter(|(uri, list)| *uri == checked || is_new(uri, list));
         let messages = changed.map(|(uri, diagnostics)| {
             let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
@@ -347,7 +342,7 @@ impl Server {
             notification("textDocument/publishDiagnostics", params)
         });
         let messages = messages.collect();
-        self.diagnosing.shown = all.into_iter().filter(|(_, list)| !list.is_empty()).collect();
+        self.shown = all.into_iter().filter(|(_, list)| !list.is_empty()).collect();
         messages
     }
 }
