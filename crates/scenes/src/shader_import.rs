@@ -94,7 +94,7 @@ pub fn read_shader(path: &Path) -> Result<Shader, ShaderError> {
     let text =
         read_text(path, max).map_err(|problem| ShaderError::File { path: path.to_owned(), problem })?;
     let folder = Folder::of(path);
-    let whole = whole(&text, &FIELD_LIMITS, &mut |file| folder.text(file, max).ok());
+    let whole = whole(&text, &mut |file| folder.text(file, max).ok());
     Ok(Shader { text, whole })
 }
 

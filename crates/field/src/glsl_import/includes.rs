@@ -1,7 +1,7 @@
 //! Puts the texts of `#include` in their places.
 
 use crate::lang::Span;
-use crate::limits::Limits;
+use crate::limits::LIMITS;
 
 /// A text with all that it includes.
 #[derive(Debug, Default)]
@@ -10,27 +10,29 @@ pub struct Whole {
     pub text: String,
     /// Paths of the included files, relative to the folder of the text.
     pub files: Vec<String>,
-    /// Where stretches of the text come from.
-    stretches: Vec<Stretch>,
+    /// Where the lines of the text come from.
+    lines: Vec<Line>,
     /// Number of files that were asked for.
     reads: usize,
 }
 
-/// A stretch of a [`Whole`] and its place in the text that includes: the line that includes it, or for the text itself
-/// an empty range at its start.
+/// A line of a [`Whole`] and its place in the text that includes: the line that includes it, or for a line of the text
+/// itself an empty range at its start.
 #[derive(Debug)]
-struct Stretch {
+struct Line {
     start: u32,
     place: Span,
 }
 
 /// Puts the texts of `#include` in their places. `read` returns the text of a file by its path relative to the folder
 /// of `text`. A line whose file cannot be read stays, and each file is included once.
-pub fn whole(text: &str, limits: &Limits, read: &mut dyn FnMut(&str) -> Option<String>) -> Whole {
+pub fn whole(text: &str, read: &mut ReadText<'_>) -> Whole {
     let mut whole = Whole::default();
-    whole.paste(text, "", None, limits, read, 0);
+    whole.paste(text, "", None, read, 0);
     whole
 }
+
+type ReadText<'r> = dyn FnMut(&str) -> Option<String> + 'r;
 
 impl Whole {
     fn paste(
@@ -38,41 +40,36 @@ impl Whole {
         text: &str,
         folder: &str,
         included: Option<Span>,
-        limits: &Limits,
-        read: &mut dyn FnMut(&str) -> Option<String>,
+        read: &mut ReadText<'_>,
         depth: usize,
     ) {
-        let (mut at, mut goes_on) = (0, false);
+        let mut at = 0;
         for line in text.split_inclusive('\n') {
             let own = Span::new(at as u32, (at + line.trim_end().len()) as u32);
             let place = included.unwrap_or(own);
             at += line.len();
-            let is_free = depth < limits.include_depth_max && self.reads < limits.scene_includes_max;
+            let is_free = depth < LIMITS.include_depth_max && self.reads < LIMITS.scene_includes_max;
             let path = named(line).and_then(|name| joined(folder, name));
             let path = path.filter(|path| is_free || self.files.contains(path));
             if let Some(path) = path {
-                let left = limits.scene_bytes_max.saturating_sub(self.text.len());
+                let left = LIMITS.scene_bytes_max.saturating_sub(self.text.len());
                 let mut is_there = self.files.contains(&path);
                 if !is_there {
                     self.reads += 1;
                     if let Some(other) = read(&path).filter(|other| other.len() <= left) {
                         let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
                         self.files.push(path);
-                        self.paste(&other, &folder, Some(place), limits, read, depth + 1);
+                        self.paste(&other, &folder, Some(place), read, depth + 1);
                         is_there = true;
                     }
                 }
                 if is_there {
                     self.text.push('\n');
-                    goes_on = false;
                     continue;
                 }
             }
-            if !goes_on {
-                let place = if included.is_some() { place } else { Span::new(place.start, place.start) };
-                self.stretches.push(Stretch { start: self.text.len() as u32, place });
-            }
-            goes_on = true;
+            let place = included.unwrap_or(Span::new(own.start, own.start));
+            self.lines.push(Line { start: self.text.len() as u32, place });
             self.text.push_str(line);
         }
     }
@@ -80,9 +77,9 @@ impl Whole {
     /// Maps a range of the whole text to the including text.
     pub fn place(&self, range: Span) -> Span {
         let of = |offset: u32| {
-            let after = self.stretches.partition_point(|stretch| stretch.start <= offset);
-            let stretch = after.checked_sub(1).and_then(|index| self.stretches.get(index));
-            stretch.map_or(Span::new(offset, offset), |Stretch { start, place }| {
+            let after = self.lines.partition_point(|line| line.start <= offset);
+            let line = after.checked_sub(1).and_then(|index| self.lines.get(index));
+            line.map_or(Span::new(offset, offset), |Line { start, place }| {
                 let on = if place.is_empty() { offset - start } else { 0 };
                 Span::new(place.start + on, place.end + on)
             })

@@ -129,7 +129,7 @@ impl Loader<'_, '_> {
         let folder = included.and_then(|_| name.rsplit_once('/'));
         let folder = folder.map_or(String::new(), |(folder, _)| format!("{folder}/"));
         let resolve = &mut *self.resolve;
-        let whole = whole(text, self.limits, &mut |name| {
+        let whole = whole(text, &mut |name| {
             path::checked(&format!("{folder}{name}")).ok().and_then(|path| resolve(&path).ok())
         });
         self.loaded.includes.extend(whole.files.iter().map(|file| format!("{folder}{file}")));

@@ -327,17 +327,17 @@ fn files_that_a_shader_includes_are_read_from_its_folder() {
 #[test]
 fn files_that_include_each_other_end() {
     let text = "#include \"a.glsl\"\nfloat f(vec3 p) { return 1.0; }\n";
-    let all = whole(text, &LIMITS, &mut |_| Some(text.to_owned()));
+    let all = whole(text, &mut |_| Some(text.to_owned()));
     assert_eq!(all.files, ["a.glsl"]);
     let mut count = 0;
-    let endless = whole(text, &LIMITS, &mut |_| {
+    let endless = whole(text, &mut |_| {
         count += 1;
         Some(format!("#include \"b{count}.glsl\"\n#include \"c{count}.glsl\"\n"))
     });
     assert!(endless.files.len() <= LIMITS.scene_includes_max, "{}", endless.files.len());
     let mut reads = 0;
     let many = (0..9_000).map(|at| format!("#include \"{at}.glsl\"\n")).collect::<String>();
-    whole(&many, &LIMITS, &mut |_| {
+    whole(&many, &mut |_| {
         reads += 1;
         Some("x".repeat(LIMITS.scene_bytes_max + 1))
     });
