@@ -21,24 +21,20 @@ impl MotionCall<'_, '_> {
     pub(super) fn value(mut self) -> Value {
         self.outer.used(uses::FRAME, self.row.name, self.call.span);
         let count = self.outer.arguments.len() - self.call.mark;
-        let mut vectors = Vec::with_capacity(count);
-        for index in 0..count {
-            let Some(vector) = self.argument(index) else { return Value::Unknown };
-            vectors.push(vector);
-        }
+        let vectors: Option<Vec<Vector>> = (0..count).map(|index| self.argument(index)).collect();
+        let Some(vectors) = vectors else { return Value::Unknown };
         let len = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
         if !sizes_fit(&vectors) || (self.kind == MotionKind::Since && len > 1) {
             let message = format!("`{}` needs one number, or vectors of the same size", self.row.name);
             let hint = format!("it is declared as `{}`", self.row.signature());
             return self.outer.reports.add(Diagnostic::new(self.call.span, message).hint(hint));
         }
-        let mut moving = [NodeId::default(); 4];
-        for (index, part) in moving.iter_mut().enumerate().take(len) {
+        let moving = (0..len).map(|index| {
             let given: Vec<NodeId> = vectors.iter().map(|vector| vector.part(index)).collect();
-            let Some(value) = self.moving(&given) else { return Value::Unknown };
-            *part = value;
-        }
-        Value::of(moving.get(..len).unwrap_or(&moving))
+            self.moving(&given)
+        });
+        let moving: Option<Vec<NodeId>> = moving.collect();
+        moving.map_or(Value::Unknown, |parts| Value::of(&parts))
     }
 
     /// Returns an argument, which must be known for earlier moments.
