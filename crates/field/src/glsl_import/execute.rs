@@ -134,15 +134,12 @@ impl<'m> Executor<'m, '_> {
                 self.live = self.zero;
             }
             Statement::Continue => {
-                let position = self.frame.targets.iter().rposition(|target| target.is_loop);
-                let position = position.unwrap_or(0);
-                if let Some(target) = self.frame.targets.get_mut(position) {
+                let mut targets = std::mem::take(&mut self.frame.targets);
+                if let Some(target) = targets.iter_mut().rfind(|target| target.is_loop) {
                     let exits = std::mem::replace(&mut target.continues, Exits::new(0));
-                    let exits = self.leave(exits, usize::MAX, self.live)?;
-                    if let Some(target) = self.frame.targets.get_mut(position) {
-                        target.continues = exits;
-                    }
+                    target.continues = self.leave(exits, usize::MAX, self.live)?;
                 }
+                self.frame.targets = targets;
                 self.frame.counts.continues += 1;
                 self.live = self.zero;
             }
