@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use mariana_field::lang::{self, Compiled, Fault, NameKind, Section, Span};
+use mariana_field::lang::{self, Compiled, Diagnostic, Fault, NameKind, Section, Span};
 use serde_json::{Value, json};
 
 use crate::documents::{Snapshot, included_path, location};
@@ -40,10 +40,9 @@ impl Check {
         let uris = files.iter().filter_map(|file| file.uri.clone());
         let mut diagnostics: BTreeMap<String, Vec<Value>> = uris.map(|uri| (uri, Vec::new())).collect();
         let place = |span: Span| location(&compiled.sources, &files, span);
-        for one in compiled.diagnostics.iter().chain(&compiled.warnings) {
-            if let Some(Location { uri, range }) = place(one.span) {
-                diagnostics.entry(uri).or_default().push(self.diagnostic(one, range, place));
-            }
+        let all = compiled.diagnostics.iter().chain(&compiled.warnings);
+        for (uri, value) in all.filter_map(|one| self.written(one, place)) {
+            diagnostics.entry(uri).or_default().push(value);
         }
         Checked { uri: self.uri.clone(), diagnostics, included }
     }
@@ -70,12 +69,9 @@ impl Check {
         if with_object.diagnostics.len() < compiled.diagnostics.len() { with_object } else { compiled }
     }
 
-    fn diagnostic(
-        &self,
-        one: &lang::Diagnostic,
-        range: crate::positions::Span,
-        place: impl Fn(Span) -> Option<Location>,
-    ) -> Value {
+    /// Returns the address of a diagnostic's file, and the diagnostic as the protocol has it.
+    fn written(&self, one: &Diagnostic, place: impl Fn(Span) -> Option<Location>) -> Option<(String, Value)> {
+        let Location { uri, range } = place(one.span)?;
         let mut message = one.message.clone();
         if !one.label.is_empty() {
             message.push_str(&format!(" ({})", one.label));
@@ -103,6 +99,6 @@ impl Check {
         if !related.is_empty() {
             value["relatedInformation"] = related.into();
         }
-        value
+        Some((uri, value))
     }
 }
