@@ -134,7 +134,7 @@ impl GlslFile {
             let errors = match read(&written.text) {
                 Ok(module) => {
                     program.globals.with_values.retain(|_, item| !broken.contains_key(item));
-                    return Self::of(module, written, problems, program);
+                    return Ok(Self::of(module, written, problems, program));
                 }
                 Err(errors) => errors,
             };
@@ -160,12 +160,7 @@ impl GlslFile {
         Err(first.unwrap_or_else(|| Diagnostic::over_limit(Span::default(), message)))
     }
 
-    fn of(
-        module: Module,
-        written: Written,
-        problems: Vec<Diagnostic>,
-        program: ShaderItems<'_>,
-    ) -> Result<Self> {
+    fn of(module: Module, written: Written, problems: Vec<Diagnostic>, program: ShaderItems<'_>) -> Self {
         let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
         for (handle, function) in module.functions.iter() {
             let name = function.name.clone().unwrap_or_default();
@@ -199,7 +194,7 @@ impl GlslFile {
                 });
             }
         }
-        Ok(Self { module, written, problems, globals: program.globals, starts, special, functions })
+        Self { module, written, problems, globals: program.globals, starts, special, functions }
     }
 
     /// Returns the functions of the file. A function that draws is there as a function of the pixel that returns its
