@@ -90,7 +90,7 @@ impl<'a> SceneBuilder<'a> {
         }
         let (count, max) = (self.lowering.declared.params.len(), self.lowering.limits.scene_params_max);
         let hint = "declare some of them with `let`";
-        if self.lowering.reports.refuses_more(count, max, "parameters", hint, name.span) {
+        if self.lowering.reports.is_full(count, max, "parameters", hint, name.span) {
             return;
         }
         self.lowering.declared.globals[name.symbol.index()].broken = true;

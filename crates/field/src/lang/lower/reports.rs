@@ -60,14 +60,7 @@ impl Reports<'_> {
     }
 
     /// Reports a list that has no room for one more entry. `what` names the entries.
-    pub(super) fn refuses_more(
-        &mut self,
-        count: usize,
-        max: usize,
-        what: &str,
-        hint: &str,
-        span: Span,
-    ) -> bool {
+    pub(super) fn is_full(&mut self, count: usize, max: usize, what: &str, hint: &str, span: Span) -> bool {
         let is_full = count >= max;
         if is_full {
             self.stop(span, format!("the scene has more than {max} {what}"), hint);

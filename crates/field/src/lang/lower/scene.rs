@@ -225,7 +225,7 @@ impl<'a> SceneBuilder<'a> {
     pub(super) fn add_object(&mut self, object: Object) {
         let (count, max) = (self.parts.objects.len(), self.lowering.limits.scene_objects_max);
         let hint = "combine shapes of the same material with `union`";
-        if !self.lowering.reports.refuses_more(count, max, "objects", hint, object.span) {
+        if !self.lowering.reports.is_full(count, max, "objects", hint, object.span) {
             self.parts.objects.push(object);
         }
     }

@@ -111,7 +111,7 @@ impl SceneBuilder<'_> {
             Section::Light => {
                 let (count, max) = (self.parts.lights.len(), limits.scene_lights_max);
                 let hint = "use materials with `emission` instead";
-                if !self.lowering.reports.refuses_more(count, max, "lights", hint, span)
+                if !self.lowering.reports.is_full(count, max, "lights", hint, span)
                     && let Some(kind) = self.light_kind(&title, span, values)
                 {
                     let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
@@ -121,7 +121,7 @@ impl SceneBuilder<'_> {
             Section::Medium => {
                 let (count, max) = (self.parts.media.len(), limits.scene_media_max);
                 let hint = "add the densities of several media in one, and mix their colours by `p`";
-                if !self.lowering.reports.refuses_more(count, max, "media", hint, span) {
+                if !self.lowering.reports.is_full(count, max, "media", hint, span) {
                     let medium = self.lowering.numbers(Medium::FIELDS, values);
                     self.parts.media.push(Medium::of(medium));
                 }
@@ -133,7 +133,7 @@ impl SceneBuilder<'_> {
                 let hint = "move one camera instead";
                 if name.is_none() {
                     only(&mut self.lowering.reports, &mut self.parts.camera, camera, section, span);
-                } else if !self.lowering.reports.refuses_more(count, max, "named cameras", hint, span) {
+                } else if !self.lowering.reports.is_full(count, max, "named cameras", hint, span) {
                     self.parts.cameras.push((title, camera));
                 }
             }
@@ -163,14 +163,14 @@ impl SceneBuilder<'_> {
     pub(super) fn refuses_material(&mut self, what: &str, span: Span) -> bool {
         let (count, max) = (self.parts.materials.len(), self.lowering.limits.scene_materials_max);
         let hint = "use one material whose fields depend on `p`";
-        self.lowering.reports.refuses_more(count, max, what, hint, span)
+        self.lowering.reports.is_full(count, max, what, hint, span)
     }
 
     fn swarm(&mut self, span: Span, values: &Values) {
         let limits = self.lowering.limits;
         let (count, points_max) = (self.parts.swarms.len(), limits.scene_swarm_points_max);
         let hint = "let `index` decide what each point of one swarm does";
-        if self.lowering.reports.refuses_more(count, limits.scene_swarms_max, "swarms", hint, span) {
+        if self.lowering.reports.is_full(count, limits.scene_swarms_max, "swarms", hint, span) {
             return;
         }
         let numbers = self.lowering.numbers(Swarm::FIELDS, values);
