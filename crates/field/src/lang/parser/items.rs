@@ -323,15 +323,6 @@ impl Parser<'_> {
         Some(Parameter { name, of: known })
     }
 
-    /// Consumes the name of a section, or reports that it is missing.
-    fn name_of(&mut self, word: &str) -> Option<Name> {
-        if self.kind() == Kind::OpenBrace {
-            self.report_missing("a name", format!("each {word} has a name: `{word} first {{ … }}`"));
-            return None;
-        }
-        self.name("a name")
-    }
-
     fn section(&mut self, section: Section) -> Option<Item> {
         let word = self.names.name(self.token().symbol);
         let head = self.advance().span;
@@ -339,7 +330,10 @@ impl Parser<'_> {
         if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };
         } else if !matches!(section, Section::Sky | Section::Picture | Section::About) {
-            name = Some(self.name_of(word)?);
+            if self.kind() == Kind::OpenBrace {
+                self.report_missing("a name", format!("each {word} has a name: `{word} first {{ … }}`"));
+            }
+            name = Some(self.name("a name")?);
         } else if self.token().is_name() {
             self.report_missing("`{`", "`sky`, `picture` and `about` have no names: a scene has one of each");
             self.advance();
@@ -355,7 +349,7 @@ impl Parser<'_> {
         self.ast.record(NameEvent::Opens);
         let (mut entries, mut broken) = (Vec::new(), false);
         loop {
-            while self.eat(Kind::Semicolon) || self.kind() == Kind::Comma && self.stray_comma() {}
+            while self.eat(Kind::Semicolon) {}
             let token = self.token();
             if matches!(token.kind, Kind::CloseBrace | Kind::End) || (token.newline && self.begins_item()) {
                 break;
@@ -373,6 +367,9 @@ impl Parser<'_> {
                 let end = self.eat(Kind::Range).then(|| self.expression());
                 entries.push(Entry { is_let: false, name, value, end });
                 if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
+            } else if self.kind() == Kind::Comma {
+                self.report_missing("a field", "separate fields by a line end, a space or `;`");
+                self.advance();
             } else {
                 broken = true;
                 self.report_missing("a field, as in `name = value`", "a block ends with `}`");
@@ -395,11 +392,5 @@ impl Parser<'_> {
             }
             self.advance();
         }
-    }
-
-    fn stray_comma(&mut self) -> bool {
-        self.report_missing("a field", "separate fields by a line end, a space or `;`");
-        self.advance();
-        true
     }
 }
