@@ -1,4 +1,4 @@
-//! Pictures of scenes with a song: still ones, and animated ones as WebP files, which need ffmpeg.
+//! Pictures of scenes with the demo track: still ones, and animated ones as WebP files, which need ffmpeg.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,14 +12,13 @@ use mariana::export::video::{EncodingQuality, VideoRequest, write_video};
 use mariana::export::{Output, Showing, Shutter};
 use mariana::scenes::SceneSource;
 use mariana_music::Gain;
-use mariana_player::song::Song;
 
-/// Draws a scene at `at` seconds of a song, in the same way as `mariana still`.
-pub(crate) fn still(song: &Song, scene: SceneSource, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
+/// Draws a scene at `at` seconds of the demo track, in the same way as `mariana still`.
+pub(crate) fn still(scene: SceneSource, at: f64, size: (u32, u32)) -> anyhow::Result<RgbaImage> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("still.png");
     let output = Output::Path(path.clone());
-    let request = StillRequest::of(song.clone(), at, size, scene.into(), output);
+    let request = StillRequest::of(DEMO_TRACK, at, size, scene.into(), output);
     write_still(&request, PathWatch::default())?;
     Ok(image::open(&path)?.into_rgba8())
 }

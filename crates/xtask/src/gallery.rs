@@ -11,7 +11,6 @@ use crate::animation::{Animation, still};
 use anyhow::Context as _;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbaImage, imageops};
-use mariana::demo_track::DEMO_TRACK;
 use mariana::scenes::{SceneSource, first_comment, shipped_names};
 
 /// Times in the demo track in seconds: the quiet start, the first rise, the loudest part and the ending.
@@ -68,7 +67,7 @@ moments of the demo track; the large one is the loudest. `cargo xtask gallery` g
 ";
 
 fn draw(name: &str, folder: &Path) -> anyhow::Result<()> {
-    let still = |time, size| still(&DEMO_TRACK, SceneSource::Shipped(name.to_owned()), time, size);
+    let still = |time, size| still(SceneSource::Shipped(name.to_owned()), time, size);
     write_jpeg(&folder.join(format!("{name}.jpg")), still(MOMENTS[LARGE], LARGE_SIZE)?)?;
     let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
     for (moment, time) in MOMENTS.into_iter().enumerate() {

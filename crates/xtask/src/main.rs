@@ -8,7 +8,6 @@ mod gallery;
 mod gpu;
 mod grammars;
 mod language_page;
-mod looks;
 mod root;
 mod thumbnails;
 
@@ -37,12 +36,6 @@ const TOOLS: &[Tool] = &[
     ),
     ("grammars", "[FOLDER]", "writes the grammars for editors to editors", grammars::run),
     ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
-    (
-        "looks",
-        "SONG SHEET.png [SCENE ...]",
-        "draws scenes at quiet and loud moments of a song, and prints how much these differ",
-        looks::run,
-    ),
     (
         "thumbnails",
         "[SCENE ...]",

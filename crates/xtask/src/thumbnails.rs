@@ -6,7 +6,6 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
-use mariana::demo_track::DEMO_TRACK;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_of};
 
@@ -22,7 +21,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     fs::create_dir_all(&folder)?;
     let names = shipped_names();
     for name in names.iter().filter(|name| wanted.is_empty() || wanted.contains(name)) {
-        let jpeg = still(&DEMO_TRACK, SceneSource::Shipped(name.clone()), MOMENT, SIZE)
+        let jpeg = still(SceneSource::Shipped(name.clone()), MOMENT, SIZE)
             .map(|picture| jpeg_of(&picture))
             .with_context(|| format!("drawing {name}"))?;
         fs::write(folder.join(format!("{name}.jpg")), &jpeg)?;

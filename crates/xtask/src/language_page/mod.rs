@@ -17,7 +17,6 @@ use anyhow::Context as _;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::thumbnail;
 use image::{DynamicImage, RgbImage};
-use mariana::demo_track::DEMO_TRACK;
 use mariana::scenes::SceneSource;
 use mariana_field::lang::examples;
 
@@ -47,7 +46,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
 fn picture(formula: &str) -> anyhow::Result<RgbImage> {
     let scene =
         format!("object shape {{ shape = {formula}  material = copper }}\n{}", include_str!("around.scene"));
-    let drawn = still(&DEMO_TRACK, SceneSource::Formula(scene), 0.0, (FINER * SIZE.0, FINER * SIZE.1))?;
+    let drawn = still(SceneSource::Formula(scene), 0.0, (FINER * SIZE.0, FINER * SIZE.1))?;
     let mut image = DynamicImage::from(thumbnail(&drawn, SIZE.0, SIZE.1)).into_rgb8();
     // Even values make smaller files.
     image.iter_mut().for_each(|part| *part &= !1);
