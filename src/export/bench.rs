@@ -1,7 +1,6 @@
 //! `mariana bench`: measures times, evaluations and clauses without a window, for each mode with and without regions.
 
 mod all;
-mod edit;
 mod report;
 
 use std::rc::Rc;
@@ -10,7 +9,7 @@ use std::time::{Duration, Instant};
 
 pub use all::{AllReport, measure_all};
 use cpu_time::ProcessTime;
-pub use report::{BenchReport, EdgeReport, EditReport, ModeReport};
+pub use report::{BenchReport, EdgeReport, ModeReport};
 
 use super::error::ExportError;
 use super::painter::SceneChoice;
@@ -70,7 +69,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let resources =
         SceneResources::upload(gl, None, ready.world.clone(), ready.buffers.clone(), ready.plan.clone())?;
     let bench = Bench { request, gl, ready, resources, frame, following };
-    let (modes, mut notes) = bench.modes();
+    let (modes, notes) = bench.modes();
     let mut renderer = Renderer::new(gl, &request.scene.shaders, Counting::Off)?;
     let mut runs: Vec<Measurement> = Vec::new();
     for mode in modes {
@@ -80,13 +79,6 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let edges = match runs.first() {
         Some(run) if request.edges => measure_edges(&mut renderer, &bench.resources, run, &bench.frame)?,
         _ => Vec::new(),
-    };
-    let edit = match edit::measure_edit(&mut renderer, request, &bench.resources, sound, &runs) {
-        Ok(edit) => Some(edit),
-        Err(error) => {
-            notes.push(format!("the time of an edit was not measured: {error}"));
-            None
-        }
     };
     drop(renderer);
 
@@ -101,7 +93,6 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         scene_ms,
         modes: bench.count(runs)?,
         edges,
-        edit,
         notes,
     })
 }

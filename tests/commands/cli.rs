@@ -232,11 +232,6 @@ fn bench_measures_all_scenes_and_continues_after_a_failure() {
             .collect();
         let [interpreted, compiled] = ["interpreted", "compiled"];
         assert_eq!(rows, [(interpreted, true), (interpreted, false), (compiled, true), (compiled, false)]);
-        let edit = &scene["report"]["edit"];
-        assert!(
-            edit["interpreted_ms"].as_f64() > Some(0.0) && edit["compiled_ms"].as_f64() > Some(0.0),
-            "{edit}"
-        );
     }
     assert_measured(&report, "the report");
 

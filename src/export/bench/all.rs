@@ -116,9 +116,6 @@ impl std::fmt::Display for AllReport {
                     write!(f, "{:>12}", value(row))?;
                 }
             }
-            if let Some(edit) = &report.edit {
-                write!(f, "\n{scene:<14}edited scene: {edit}")?;
-            }
             for note in &report.notes {
                 write!(f, "\n{scene:<14}{note}")?;
             }

@@ -29,21 +29,8 @@ pub struct BenchReport {
     pub modes: Vec<ModeReport>,
     /// Quality of edges for each number of samples; empty unless requested.
     pub edges: Vec<EdgeReport>,
-    /// Time from an edit to a frame; `None` if the scene cannot be edited, see the notes.
-    pub edit: Option<EditReport>,
     /// Reasons for missing measurements.
     pub notes: Vec<String>,
-}
-
-/// Times from an edit of a scene to the first frames. No driver has cached the edited scene.
-#[derive(Debug, Serialize)]
-pub struct EditReport {
-    /// Time to the interpreted frame, in ms; `None` if the tape does not fit the driver.
-    pub interpreted_ms: Option<f64>,
-    /// True if another interpreter had to be linked for that frame.
-    pub new_interpreter: bool,
-    /// Time to the compiled frame, in ms.
-    pub compiled_ms: f64,
 }
 
 /// Quality of edges, compared to a regular grid of 64 samples in each pixel.
@@ -181,9 +168,6 @@ impl std::fmt::Display for BenchReport {
         }
         let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
         write!(f, "{:<32}{:>14}", "pixels with edge samples, %", format!("{:.2}", 100.0 * edge))?;
-        if let Some(edit) = &self.edit {
-            write!(f, "\nedited scene: {edit}")?;
-        }
         for EdgeReport { samples, scale, cpu_ms, fraction, decibels } in &self.edges {
             let percent = 100.0 * fraction;
             write!(
@@ -196,18 +180,5 @@ impl std::fmt::Display for BenchReport {
             write!(f, "\nCPU time, interpreted / compiled, {what} regions: {ratio:.2}")?;
         }
         Ok(())
-    }
-}
-
-impl std::fmt::Display for EditReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.interpreted_ms {
-            Some(ms) if self.new_interpreter => {
-                write!(f, "interpreted after {ms:.0} ms with a new interpreter, ")
-            }
-            Some(ms) => write!(f, "interpreted after {ms:.0} ms, "),
-            None => write!(f, "not interpreted, "),
-        }?;
-        write!(f, "compiled after {:.0} ms", self.compiled_ms)
     }
 }
