@@ -87,22 +87,6 @@ pub struct ModeReport {
 
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
-impl BenchReport {
-    /// Returns the CPU time of interpreted frames divided by that of compiled frames, with and without regions.
-    fn ratios(&self) -> Vec<(&'static str, f64)> {
-        let cpu = |mode: Mode, regions: bool| {
-            let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;
-            Some(row.cpu_p50_ms.max(1e-9))
-        };
-        let ways = [("with", true, true), ("without", false, false), ("with over without", true, false)];
-        let ratio = |(what, interpreted, compiled)| {
-            let slow = cpu(Mode::Interpreted, interpreted)?;
-            Some((what, slow / cpu(Mode::Compiled, compiled)?))
-        };
-        ways.into_iter().filter_map(ratio).collect()
-    }
-}
-
 impl std::fmt::Display for BenchReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
@@ -175,9 +159,6 @@ impl std::fmt::Display for BenchReport {
                 "\nscale {scale:.2}, {samples:>2} samples at edges, {percent:.2} % of the pixels, {cpu_ms:.1} ms CPU: \
                  {decibels:.2} dB against 64 in all pixels"
             )?;
-        }
-        for (what, ratio) in self.ratios() {
-            write!(f, "\nCPU time, interpreted / compiled, {what} regions: {ratio:.2}")?;
         }
         Ok(())
     }
