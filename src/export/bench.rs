@@ -20,7 +20,7 @@ use crate::gpu::scene_program::{drawing_variant_of, link_scene, variant_of};
 use crate::gpu::timer::GpuTimer;
 use crate::gpu::{
     BuiltRegions, CellUse, Counting, EdgeSamples, Evaluations, Gl, Headless, Interpreter, Mode, Program,
-    RegionMaker, Renderer, SceneResources, ShaderLibrary, Variant,
+    RegionMaker, Renderer, SceneResources, Variant,
 };
 use crate::scenes::ReadyScene;
 use mariana_music::{Gain, Sound};
@@ -150,28 +150,27 @@ impl Bench<'_> {
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
             // In interpreted mode, the rows with and without regions have the same program.
-            let made = runs.last().map(|run| run.made.clone());
-            runs.push(self.start_run(renderer, mode, regions, made)?);
+            let run = self.start_run(renderer, mode, regions, runs.last())?;
+            runs.push(run);
         }
         Ok(())
     }
 
-    /// Prepares a row. Reuses the program in `made` if the row needs the same variant.
+    /// Prepares a row. Reuses the program of the `last` row if the row needs the same variant.
     fn start_run(
         &self,
         renderer: &mut Renderer,
         mode: Mode,
         regions: bool,
-        made: Option<Made>,
+        last: Option<&Measurement>,
     ) -> Result<Measurement, ExportError> {
         let (resources, frame, library) = (&self.resources, &self.frame, &self.request.scene.shaders);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
         let start = Instant::now();
         let cells = if regions { CellUse::Always } else { CellUse::Never };
         let variant = drawing_variant_of(world, buffers, plan, mode, cells, self.gl.info())?;
-        let known = made.filter(|made| made.variant == variant);
-        let (program, shader_ms) = match &known {
-            Some(made) => (made.program.clone(), made.shader_ms),
+        let (program, shader_ms) = match last.filter(|last| last.variant == variant) {
+            Some(last) => (last.program.clone(), last.shader_ms),
             None => (Rc::new(link_scene(self.gl, library, &variant)?), milliseconds(start.elapsed())),
         };
         let (built, build_ms, next_build_ms) = build(resources, frame, &self.following, regions, mode);
@@ -180,15 +179,21 @@ impl Bench<'_> {
         renderer.draw(frame, resources, &program)?;
         self.gl.finish();
         let first_draw_ms = milliseconds(start.elapsed());
-        let made = match known {
-            Some(made) => made,
-            None => {
-                let again = first_draw(renderer, frame, resources, library, &variant)?;
-                Made { variant, program, shader_ms, again }
-            }
-        };
         let (wall, cpu, gpu) = Default::default();
-        Ok(Measurement { mode, regions, built, build_ms, next_build_ms, made, first_draw_ms, wall, cpu, gpu })
+        Ok(Measurement {
+            mode,
+            regions,
+            built,
+            build_ms,
+            next_build_ms,
+            variant,
+            program,
+            shader_ms,
+            first_draw_ms,
+            wall,
+            cpu,
+            gpu,
+        })
     }
 
     fn time(&self, renderer: &mut Renderer, runs: &mut [Measurement]) -> Result<(), ExportError> {
@@ -205,12 +210,11 @@ impl Bench<'_> {
                 let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
                 let drawn = match &timer {
                     Some(timer) => {
-                        let (drawn, duration) =
-                            timer.time(|| renderer.draw(frame, resources, &run.made.program));
+                        let (drawn, duration) = timer.time(|| renderer.draw(frame, resources, &run.program));
                         run.gpu.push(milliseconds(duration));
                         drawn
                     }
-                    None => renderer.draw(frame, resources, &run.made.program),
+                    None => renderer.draw(frame, resources, &run.program),
                 };
                 drawn?;
                 gl.finish();
@@ -240,24 +244,6 @@ impl Bench<'_> {
     }
 }
 
-/// Links a program and draws a frame with it; returns both times in ms.
-fn first_draw(
-    renderer: &mut Renderer,
-    frame: &Frame,
-    resources: &SceneResources,
-    library: &ShaderLibrary,
-    variant: &Variant,
-) -> Result<[f64; 2], ExportError> {
-    let gl = renderer.gl().clone();
-    let start = Instant::now();
-    let program = link_scene(&gl, library, variant)?;
-    let made = milliseconds(start.elapsed());
-    let start = Instant::now();
-    renderer.draw(frame, resources, &program)?;
-    gl.finish();
-    Ok([made, milliseconds(start.elapsed())])
-}
-
 /// Fractions of a window's width and height in which frames are compared: the whole window, and sizes that the window
 /// chooses when frames are late.
 const EDGE_SCALES: [f64; 5] = [1.0, 0.92, 0.84, 0.77, 0.64];
@@ -276,7 +262,7 @@ fn measure_edges(
     resources.upload_regions(run.built.clone());
     let mut frame = frame.clone();
     frame.picture.grain = 0.0;
-    renderer.draw_reference(&frame, resources, &run.made.program)?;
+    renderer.draw_reference(&frame, resources, &run.program)?;
     let reference = renderer.read();
     let (gl, (width, height)) = (renderer.gl().clone(), frame.size);
     let mut reports = Vec::new();
@@ -293,7 +279,7 @@ fn measure_edges(
         for _ in 0..EDGE_FRAMES {
             gl.finish();
             let start = ProcessTime::now();
-            renderer.draw(&frame, resources, &run.made.program)?;
+            renderer.draw(&frame, resources, &run.program)?;
             gl.finish();
             cpu.push(milliseconds(start.elapsed()));
         }
@@ -361,22 +347,15 @@ fn build(
     (built, percentile(&mut times, 0.5), percentile(&mut next_times, 0.5))
 }
 
-#[derive(Clone)]
-struct Made {
-    variant: Variant,
-    program: Rc<Program>,
-    shader_ms: f64,
-    /// The time of linking the same program again, and the time of the program's first frame, in ms.
-    again: [f64; 2],
-}
-
 struct Measurement {
     mode: Mode,
     regions: bool,
     built: Arc<BuiltRegions>,
     build_ms: f64,
     next_build_ms: f64,
-    made: Made,
+    variant: Variant,
+    program: Rc<Program>,
+    shader_ms: f64,
     first_draw_ms: f64,
     wall: Vec<f64>,
     cpu: Vec<f64>,
@@ -392,10 +371,8 @@ impl Measurement {
             build_ms: self.build_ms,
             next_build_ms: self.next_build_ms,
             tree: self.built.regions.stats,
-            shader_ms: self.made.shader_ms,
+            shader_ms: self.shader_ms,
             first_draw_ms: self.first_draw_ms,
-            shader_again_ms: self.made.again[0],
-            first_draw_again_ms: self.made.again[1],
             wall_p50_ms: percentile(&mut self.wall, 0.5),
             wall_p99_ms: percentile(&mut self.wall, 0.99),
             cpu_p50_ms: percentile(&mut self.cpu, 0.5),

@@ -68,7 +68,7 @@ pub fn measure_all(
 
 type Column = (&'static str, fn(&ModeReport) -> String);
 
-const COLUMNS: [Column; 10] = [
+const COLUMNS: [Column; 9] = [
     ("CPU ms", |row| format!("{:.2}", row.cpu_p50_ms)),
     ("GPU ms", |row| row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.2}"))),
     ("evaluations", |row| format!("{:.1}", row.evaluations_per_pixel_total)),
@@ -78,7 +78,6 @@ const COLUMNS: [Column; 10] = [
     ("cells", |row| row.tree.cells.to_string()),
     ("KiB", |row| (row.tree.bytes / 1024).to_string()),
     ("made ms", |row| format!("{:.0}", row.shader_ms + row.first_draw_ms)),
-    ("again ms", |row| format!("{:.0}", row.shader_again_ms + row.first_draw_again_ms)),
 ];
 
 impl std::fmt::Display for AllReport {
@@ -96,10 +95,7 @@ impl std::fmt::Display for AllReport {
             f,
             "tree: building the first tree; next: the tree of the next frame, which reuses unchanged cells"
         )?;
-        writeln!(
-            f,
-            "made: linking the program and drawing once; again: the same when the driver knows the program"
-        )?;
+        writeln!(f, "made: linking the program and drawing once")?;
         write!(f, "\n{:<14}{:<13}{:<8}", "scene", "mode", "tree")?;
         for (title, _) in COLUMNS {
             write!(f, "{title:>12}")?;

@@ -67,10 +67,6 @@ pub struct ModeReport {
     pub shader_ms: f64,
     /// Time of the first frame, for which drivers may compile again, in ms.
     pub first_draw_ms: f64,
-    /// Time of linking the same program again, when the driver has cached it, in ms.
-    pub shader_again_ms: f64,
-    /// Time of the first frame after linking again, in ms.
-    pub first_draw_again_ms: f64,
     /// Wall time of a frame, median, in ms.
     pub wall_p50_ms: f64,
     /// Wall time of a frame, 99th percentile, in ms.
@@ -106,7 +102,7 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let rows: [Row; 28] = [
+        let rows: [Row; 26] = [
             ("", &|row| row.mode.to_string()),
             ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
             ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
@@ -116,8 +112,6 @@ impl std::fmt::Display for BenchReport {
             ("  KiB", &|row| (row.tree.bytes / 1024).to_string()),
             ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
             ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
-            ("shader again, ms", &|row| format!("{:.0}", row.shader_again_ms)),
-            ("  first draw again, ms", &|row| format!("{:.0}", row.first_draw_again_ms)),
             ("frame, wall, p50, ms", &|row| format!("{:.2}", row.wall_p50_ms)),
             ("frame, wall, p99, ms", &|row| format!("{:.2}", row.wall_p99_ms)),
             ("frame, CPU, all cores, p50, ms", &|row| format!("{:.2}", row.cpu_p50_ms)),
