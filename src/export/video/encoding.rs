@@ -31,6 +31,24 @@ impl Choice for Codec {
     ];
 }
 
+impl Codec {
+    /// ffmpeg's arguments, and the constant rate factor for each [`EncodingQuality`]. Higher factors give fewer bytes.
+    /// Factors of the same place give about the same quality.
+    fn encoding(self) -> (&'static [&'static str], [&'static str; 4]) {
+        match self {
+            Self::H264 => (&["-c:v:0", "libx264", "-profile:v:0", "high"], ["28", "23", "18", "12"]),
+            Self::H265 => {
+                (&["-c:v:0", "libx265", "-x265-params", "log-level=error"], ["31", "26", "21", "15"])
+            }
+            Self::Vp9 => (&["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1"], ["42", "33", "24", "15"]),
+            Self::Av1 => (
+                &["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"],
+                ["45", "35", "25", "15"],
+            ),
+        }
+    }
+}
+
 /// Quality of the encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EncodingQuality {
@@ -47,13 +65,8 @@ pub enum EncodingQuality {
 
 impl EncodingQuality {
     /// Returns the value for this quality.
-    fn of<T>(self, [low, medium, high, best]: [T; 4]) -> T {
-        match self {
-            Self::Low => low,
-            Self::Medium => medium,
-            Self::High => high,
-            Self::Best => best,
-        }
+    fn of(self, values: [&'static str; 4]) -> &'static str {
+        values[self as usize]
     }
 }
 
@@ -114,12 +127,6 @@ fn ends_in(path: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Animation {
-    Gif,
-    WebP,
-}
-
 /// Frame times of GIFs are multiples of 1/100 s, and browsers show each frame for at least 2/100 s.
 const GIF_FPS_MAX: f64 = 50.0;
 
@@ -127,51 +134,40 @@ const GIF_FPS_MAX: f64 = 50.0;
 const GIF_PICTURES: &str =
     "split[all][one];[one]palettegen=stats_mode=single[palette];[all][palette]paletteuse=new=1";
 
-impl Animation {
-    fn of(path: &Path) -> Option<Self> {
-        if ends_in(path, &["gif"]) { Some(Self::Gif) } else { ends_in(path, &["webp"]).then_some(Self::WebP) }
-    }
+/// True for animations, whose formats have one codec and no sound.
+fn is_animation(path: &Path) -> bool {
+    ends_in(path, &["gif", "webp"])
+}
 
-    fn arguments(self, request: &VideoRequest) -> Vec<&'static str> {
-        let codec: &[&str] = match self {
-            Self::Gif => &["-c:v:0", "gif", "-filter:v:0", GIF_PICTURES],
-            Self::WebP => {
-                let format = if request.scene.alpha { "yuva420p" } else { "yuv420p" };
-                &[
-                    "-c:v:0",
-                    "libwebp_anim",
-                    "-pix_fmt:v:0",
-                    format,
-                    "-quality:v:0",
-                    request.quality.of(WEBP_QUALITIES),
-                ]
-            }
-        };
-        [codec, &["-loop", "0"]].concat()
-    }
+fn encode_animation(path: &Path, request: &VideoRequest) -> Vec<&'static str> {
+    let format = if request.scene.alpha { "yuva420p" } else { "yuv420p" };
+    let quality = request.quality.of(WEBP_QUALITIES);
+    let codec: &[&str] = if ends_in(path, &["gif"]) {
+        &["-c:v:0", "gif", "-filter:v:0", GIF_PICTURES]
+    } else {
+        &["-c:v:0", "libwebp_anim", "-pix_fmt:v:0", format, "-quality:v:0", quality]
+    };
+    [codec, &["-loop", "0"]].concat()
 }
 
 /// The quality of a WebP, from 0 to 100, for each [`EncodingQuality`].
 const WEBP_QUALITIES: [&str; 4] = ["40", "65", "85", "95"];
 
 pub(super) fn has_sound(request: &VideoRequest, path: &Path) -> bool {
-    request.sound && Animation::of(path).is_none()
+    request.sound && !is_animation(path)
 }
 
 pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result<(), ExportError> {
     let (name, max) = (path.display(), GIF_FPS_MAX);
-    match Animation::of(path) {
-        Some(_) if codec.is_some() => {
-            return refuse(format!(
-                "{name} has no choice of codecs: leave out --codec, or give -o a name that ends in .mp4 or .mkv"
-            ));
-        }
-        Some(Animation::Gif) if fps > max => {
-            return refuse(format!(
-                "{name} shows at most {max} frames a second, not {fps}: give --fps {max} or less"
-            ));
-        }
-        _ => {}
+    if is_animation(path) && codec.is_some() {
+        return refuse(format!(
+            "{name} has no choice of codecs: leave out --codec, or give -o a name that ends in .mp4 or .mkv"
+        ));
+    }
+    if ends_in(path, &["gif"]) && fps > max {
+        return refuse(format!(
+            "{name} shows at most {max} frames a second, not {fps}: give --fps {max} or less"
+        ));
     }
     if ends_in(path, SOUND_ENDINGS) {
         return refuse(format!(
@@ -208,7 +204,8 @@ fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
     // The pixels that make the sides even are transparent too.
     let filter = ["-filter:v:0", TRANSPARENT_PICTURES];
     let codec: &[&str] = if ends_in(path, &["webm"]) {
-        let rate = rate_factor(Some(Codec::Vp9), quality);
+        let (_, factors) = Codec::Vp9.encoding();
+        let rate = quality.of(factors);
         // libvpx refuses alpha together with hidden frames (`auto-alt-ref`).
         &["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1", "-auto-alt-ref", "0", "-crf:v:0", rate]
     } else if ends_in(path, &["mov"]) {
@@ -223,38 +220,25 @@ fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
 pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
-    if let Some(animation) = Animation::of(path) {
-        say(&animation.arguments(request));
+    if is_animation(path) {
+        say(&encode_animation(path, request));
         return arguments;
     }
     let codec = request.codec.or(ends_in(path, &["webm"]).then_some(Codec::Vp9));
     if request.scene.alpha {
         say(&encode_alpha(path, request.quality));
     } else {
-        match codec {
-            Some(Codec::H264) => say(&["-c:v:0", "libx264", "-profile:v:0", "high"]),
-            // Apple's players require this tag.
-            Some(Codec::H265) => {
-                say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
-                if is_quicktime(path) {
-                    say(&["-tag:v:0", "hvc1"]);
-                }
-            }
-            Some(Codec::Vp9) => say(&["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1"]),
-            Some(Codec::Av1) => {
-                say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"])
-            }
-            // ffmpeg chooses the codec by the file's extension.
-            None => {}
+        let (words, factors) = codec.unwrap_or(Codec::H264).encoding();
+        // Otherwise ffmpeg chooses the codec by the file's extension.
+        if codec.is_some() {
+            say(words);
         }
-        say(&[
-            "-crf:v:0",
-            rate_factor(codec, request.quality),
-            "-filter:v:0",
-            PICTURES,
-            "-pix_fmt:v:0",
-            "yuv420p",
-        ]);
+        // Apple's players require this tag.
+        if codec == Some(Codec::H265) && is_quicktime(path) {
+            say(&["-tag:v:0", "hvc1"]);
+        }
+        let rate = request.quality.of(factors);
+        say(&["-crf:v:0", rate, "-filter:v:0", PICTURES, "-pix_fmt:v:0", "yuv420p"]);
     }
     say(COLORS.as_flattened());
     arguments.extend(container_arguments(request, path));
@@ -283,15 +267,4 @@ fn container_arguments(request: &VideoRequest, path: &Path) -> Vec<String> {
         say(&["-ar", &rate.to_string()]);
     }
     arguments
-}
-
-/// Returns the constant rate factor. Higher factors give fewer bytes. Factors in one column give about the same quality.
-fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
-    let factors = match codec {
-        None | Some(Codec::H264) => ["28", "23", "18", "12"],
-        Some(Codec::H265) => ["31", "26", "21", "15"],
-        Some(Codec::Vp9) => ["42", "33", "24", "15"],
-        Some(Codec::Av1) => ["45", "35", "25", "15"],
-    };
-    quality.of(factors)
 }
