@@ -3,6 +3,7 @@
 //! Only the final copy into a window applies the placement. The image and exports do not change. The visible part fills
 //! the four corners without enlarging pixels: a cropped image is drawn larger ([`Placement::picture_size`]).
 
+use glam::DMat3;
 use serde::{Deserialize, Serialize};
 
 /// A projective map: a 3×3 matrix, stored by rows. It is multiplied by `(x, y, 1)`.
@@ -202,20 +203,15 @@ fn square_to([[x0, y0], [x1, y1], [x2, y2], [x3, y3]]: [[f64; 2]; 4]) -> Map {
 }
 
 /// The inverse map. Its third number is positive wherever the map itself is defined.
-pub fn inverse(m: &Map) -> Map {
-    let [[a, b, c], [d, e, f], [g, h, i]] = *m;
-    let adjugate = [
-        [e * i - f * h, c * h - b * i, b * f - c * e],
-        [f * g - d * i, a * i - c * g, c * d - a * f],
-        [d * h - e * g, b * g - a * h, a * e - b * d],
-    ];
-    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
-    adjugate.map(|row| row.map(|value| value / determinant))
+pub fn inverse(map: &Map) -> Map {
+    // glam takes the rows for columns: it inverts the transpose, whose inverse it returns transposed.
+    DMat3::from_cols_array_2d(map).inverse().to_cols_array_2d()
 }
 
 /// The map that applies `b`, then `a`.
 pub fn product(a: &Map, b: &Map) -> Map {
-    a.map(|row| std::array::from_fn(|j| (0..3).map(|k| row[k] * b[k][j]).sum()))
+    // glam takes the rows for columns, so the factors change places.
+    (DMat3::from_cols_array_2d(b) * DMat3::from_cols_array_2d(a)).to_cols_array_2d()
 }
 
 #[cfg(test)]
