@@ -7,10 +7,12 @@ use glow::HasContext;
 use super::error::{GpuError, Result};
 use super::gl::Gl;
 
-/// Defines an owned newtype around one kind of GL name, with its constructor and destructor.
-macro_rules! owned_object {
-    ($(#[$doc:meta])* $name:ident, $native:ty, $what:literal,
-     $create:ident $(($stage:ident))?, $delete:ident) => {
+/// Defines an owned newtype around each kind of GL name, with its constructor and destructor.
+macro_rules! owned_objects {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident, $native:ty, $what:literal, $create:ident $(($stage:ident))?, $delete:ident;
+    )*) => {$(
         $(#[$doc])*
         pub struct $name {
             gl: Gl,
@@ -41,39 +43,24 @@ macro_rules! owned_object {
                 unsafe { self.gl.$delete(self.native) }
             }
         }
-    };
+    )*};
 }
 
-owned_object!(
+owned_objects! {
     /// A texture.
-    Texture, glow::Texture, "a texture", create_texture, delete_texture
-);
-owned_object!(
+    Texture, glow::Texture, "a texture", create_texture, delete_texture;
     /// A framebuffer.
-    Framebuffer, glow::Framebuffer, "a framebuffer", create_framebuffer, delete_framebuffer
-);
-owned_object!(
+    Framebuffer, glow::Framebuffer, "a framebuffer", create_framebuffer, delete_framebuffer;
     /// A renderbuffer.
-    Renderbuffer, glow::Renderbuffer, "a renderbuffer", create_renderbuffer, delete_renderbuffer
-);
-owned_object!(
+    Renderbuffer, glow::Renderbuffer, "a renderbuffer", create_renderbuffer, delete_renderbuffer;
     /// A buffer.
-    Buffer, glow::Buffer, "a buffer", create_buffer, delete_buffer
-);
-owned_object!(
+    Buffer, glow::Buffer, "a buffer", create_buffer, delete_buffer;
     /// A vertex array. Core profiles require one for every draw.
-    VertexArray, glow::VertexArray, "a vertex array", create_vertex_array, delete_vertex_array
-);
-owned_object!(
+    VertexArray, glow::VertexArray, "a vertex array", create_vertex_array, delete_vertex_array;
     /// A program, linked or not.
-    ProgramObject, glow::Program, "a program", create_program, delete_program
-);
-owned_object!(
+    ProgramObject, glow::Program, "a program", create_program, delete_program;
     /// A query.
-    Query, glow::Query, "a query", create_query, delete_query
-);
-
-owned_object!(
+    Query, glow::Query, "a query", create_query, delete_query;
     /// A shader of a stage, compiled or not. The driver keeps an attached shader with its program.
-    ShaderObject, glow::Shader, "a shader", create_shader(stage), delete_shader
-);
+    ShaderObject, glow::Shader, "a shader", create_shader(stage), delete_shader;
+}
