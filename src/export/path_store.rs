@@ -6,7 +6,7 @@
 
 use std::cell::RefCell;
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -99,14 +99,6 @@ impl PieceRecord {
     }
 }
 
-/// The reason why a file is of no use.
-enum Useless {
-    Missing,
-    Damaged,
-    Unreadable(std::io::Error),
-    Other(&'static str),
-}
-
 impl PathStore {
     /// The store of the still at `path`, which shows a moment of a song in a size. Paths are saved after the time
     /// `every`.
@@ -162,22 +154,13 @@ impl PathStore {
             samples: order.samples,
             noise: order.noise,
         };
-        let file = self.file(self.next);
-        let read = read(&file, &piece);
+        let read = read(&self.file(self.next), &piece);
         self.piece = Some(piece);
         self.next += 1;
         self.saved = Instant::now();
-        let folder = self.folder.display();
         let words = match &read {
-            Err(Useless::Missing) => None,
-            Ok(_) => Some(format!("continuing the paths in {folder}")),
-            Err(Useless::Damaged) => Some(format!("{} is damaged: these paths start anew", file.display())),
-            Err(Useless::Unreadable(error)) => {
-                Some(format!("{} cannot be read ({error}): these paths start anew", file.display()))
-            }
-            Err(Useless::Other(difference)) => {
-                Some(format!("the paths in {folder} are of an image {difference}: the paths start anew"))
-            }
+            Ok(_) => Some(format!("continuing the paths in {}", self.folder.display())),
+            Err(words) => words.clone(),
         };
         if let Some(words) = words.filter(|_| !self.has_told_begin) {
             self.has_told_begin = true;
@@ -276,26 +259,34 @@ fn seal_of(bytes: &[u8]) -> [u8; 8] {
 }
 
 /// Reads the paths of a piece, as far as a previous run has kept them.
-fn read(file: &Path, piece: &PieceRecord) -> Result<KeptPaths, Useless> {
-    let file = File::open(file).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => Useless::Missing,
-        _ => Useless::Unreadable(error),
-    })?;
+///
+/// # Errors
+/// The reason in words why the file is of no use; `None` if there is no file.
+fn read(file: &Path, piece: &PieceRecord) -> Result<KeptPaths, Option<String>> {
+    let name = file.display();
+    let unreadable = |error: io::Error| match error.kind() {
+        ErrorKind::NotFound => None,
+        _ => Some(format!("{name} cannot be read ({error}): these paths start anew")),
+    };
+    let damaged = || Some(format!("{name} is damaged: these paths start anew"));
     // Pieces of larger images are longer, but only their record is of interest.
     let most = piece.pixels.saturating_mul(PIXEL_BYTES_MAX).saturating_add(RECORD_MAX);
     let mut bytes = Vec::new();
-    file.take(most as u64).read_to_end(&mut bytes).map_err(Useless::Unreadable)?;
-    let line = bytes.iter().take(RECORD_MAX).position(|byte| *byte == b'\n').ok_or(Useless::Damaged)?;
+    File::open(file).and_then(|file| file.take(most as u64).read_to_end(&mut bytes)).map_err(unreadable)?;
+    let line = bytes.iter().take(RECORD_MAX).position(|byte| *byte == b'\n').ok_or_else(damaged)?;
     let (line, _) = bytes.split_at(line);
     let found = line.strip_prefix(MARK.as_bytes()).and_then(|json| serde_json::from_slice(json).ok());
-    let found: PieceRecord = found.ok_or(Useless::Damaged)?;
+    let found: PieceRecord = found.ok_or_else(damaged)?;
     if let Some(difference) = piece.difference(&found) {
-        return Err(Useless::Other(difference));
+        let folder = file.parent().unwrap_or(file).display();
+        return Err(Some(format!(
+            "the paths in {folder} are of an image {difference}: the paths start anew"
+        )));
     }
-    let (content, seal) = bytes.split_last_chunk::<8>().ok_or(Useless::Damaged)?;
+    let (content, seal) = bytes.split_last_chunk::<8>().ok_or_else(damaged)?;
     let paths = content.get(line.len() + 1..).filter(|_| seal_of(content) == *seal);
     let kept = paths.and_then(|paths| KeptPaths::of_bytes(paths, piece.pixels));
-    let mut kept = kept.ok_or(Useless::Damaged)?;
+    let mut kept = kept.ok_or_else(damaged)?;
     if (found.samples, found.noise) != (piece.samples, piece.noise) {
         kept.reopen();
     }
@@ -355,6 +346,7 @@ mod tests {
         let path = folder.path().join("00000000.paths");
         let file = File::create(&path).unwrap();
         file.set_len(1 << 40).unwrap();
-        assert!(matches!(read(&path, &piece()), Err(Useless::Damaged)));
+        let words = read(&path, &piece()).err().flatten();
+        assert!(words.is_some_and(|words| words.contains("is damaged")));
     }
 }
