@@ -13,7 +13,6 @@ use super::queue::{JobState, Queue, QueueFile};
 use super::{Published, Shown};
 use crate::commands::JobAction;
 use crate::config::{Folders, PerformanceFiles};
-use crate::ending::{self, Undo};
 use crate::export::video::VideoReport;
 
 /// A process that was asked to end is killed after this time.
@@ -49,8 +48,10 @@ struct VideoRun {
     number: u64,
     process: Process,
     task: Task,
-    /// Set once the process was asked to end: the time at which it is killed.
-    killed_at: Option<Instant>,
+    /// The time at which a measurement ends, and at which a process that was asked to end is killed.
+    due: Option<Instant>,
+    /// True once the process was asked to end.
+    is_ending: bool,
 }
 
 enum Task {
@@ -63,8 +64,6 @@ enum Task {
     Measure {
         measuring: Measuring,
         folder: TempDir,
-        /// Removes the folder if the program ends.
-        _undo: Undo,
     },
 }
 
@@ -102,8 +101,8 @@ impl Worker {
         self.told.extend(told.into_iter().chain(words));
         self.publish(shared);
         loop {
-            let wait = self.run.as_ref().and_then(VideoRun::due);
-            let wait = wait.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
+            let due = self.run.as_ref().and_then(|run| run.due);
+            let wait = due.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
             match self.events.1.recv_timeout(wait) {
                 Ok(event) => event(&mut self),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -113,13 +112,7 @@ impl Worker {
                 // The process ends with its input. Its video stays in the queue.
                 return;
             }
-            self.end_long_measurement(Instant::now());
-            if let Some(run) = &mut self.run
-                && run.killed_at.is_some_and(|at| at <= Instant::now())
-            {
-                run.process.kill();
-                run.killed_at = Some(Instant::now() + PATIENCE);
-            }
+            self.end_overdue(Instant::now());
             self.begin_next();
             self.publish(shared);
         }
@@ -189,13 +182,18 @@ impl Worker {
         }
     }
 
-    fn end_long_measurement(&mut self, now: Instant) {
-        if let Some(run) = self.run.as_mut().filter(|run| run.killed_at.is_none())
-            && let Task::Measure { measuring, folder, .. } = &run.task
-            && measuring.ends_at() <= now
-        {
-            self.shown.estimate = measuring.estimate_early(&probe_file(folder));
-            run.end(now);
+    /// Ends a measurement that takes too long, and kills a process that does not end.
+    fn end_overdue(&mut self, now: Instant) {
+        let Some(run) = self.run.as_mut().filter(|run| run.due.is_some_and(|due| due <= now)) else { return };
+        match &run.task {
+            Task::Measure { measuring, folder } if !run.is_ending => {
+                self.shown.estimate = measuring.estimate_early(&probe_file(folder));
+                run.end(now);
+            }
+            _ => {
+                run.process.kill();
+                run.due = Some(now + PATIENCE);
+            }
         }
     }
 
@@ -223,13 +221,13 @@ impl Worker {
 
     /// Records that the process with this number has closed its output.
     pub(super) fn record_end(&mut self, number: u64) {
-        let Some(VideoRun { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number)
+        let Some(VideoRun { process, task, is_ending, .. }) = self.run.take_if(|run| run.number == number)
         else {
             return;
         };
-        let (end, was_ended) = (process.finish(), killed_at.is_some());
+        let end = process.finish();
         match task {
-            Task::Measure { measuring, folder, .. } if !was_ended => {
+            Task::Measure { measuring, folder } if !is_ending => {
                 self.shown.estimate = match end {
                     End::Done => measuring.estimate(&probe_file(&folder)),
                     End::Refused(reason) => Estimate::Failed(reason),
@@ -294,11 +292,11 @@ impl Worker {
                     job.state = state;
                 }
             } else if let Some(measure) = self.wanted.take() {
-                let folder = temporary_folder().map_err(|error| error.to_string());
-                let begun = folder.and_then(|(folder, _undo)| {
+                let folder = tempfile::tempdir().map_err(|error| error.to_string());
+                let begun = folder.and_then(|folder| {
                     let (arguments, file) = (measure.arguments.clone(), probe_file(&folder));
                     let measuring = Measuring::begin(measure, Instant::now());
-                    self.begin(Task::Measure { measuring, folder, _undo }, &arguments, &file)
+                    self.begin(Task::Measure { measuring, folder }, &arguments, &file)
                 });
                 self.shown.estimate = begun.map_or_else(Estimate::Failed, |()| Estimate::Measuring);
             } else {
@@ -312,7 +310,11 @@ impl Worker {
         let (number, program) = (self.runs, self.folders.program.as_deref());
         let process = Process::start(program, arguments, file, number, self.events.0.clone())
             .map_err(|error| format!("Mariana cannot start itself ({error}): close other programs"))?;
-        self.run = Some(VideoRun { number, process, task, killed_at: None });
+        let due = match &task {
+            Task::Measure { measuring, .. } => Some(measuring.ends_at()),
+            Task::Render { .. } => None,
+        };
+        self.run = Some(VideoRun { number, process, task, due, is_ending: false });
         Ok(())
     }
 
@@ -344,31 +346,16 @@ impl Worker {
 }
 
 impl VideoRun {
-    /// The time at which the process is ended or killed, if one is set.
-    fn due(&self) -> Option<Instant> {
-        self.killed_at.or(match &self.task {
-            Task::Measure { measuring, .. } => Some(measuring.ends_at()),
-            Task::Render { .. } => None,
-        })
-    }
-
     fn renders(&self, id: u64) -> bool {
         matches!(self.task, Task::Render { job, .. } if job == id)
     }
 
     fn end(&mut self, now: Instant) {
         self.process.end();
-        self.killed_at.get_or_insert(now + PATIENCE);
+        if !std::mem::replace(&mut self.is_ending, true) {
+            self.due = Some(now + PATIENCE);
+        }
     }
-}
-
-fn temporary_folder() -> std::io::Result<(TempDir, Undo)> {
-    ending::begin(|| {
-        let folder = tempfile::tempdir()?;
-        let path = folder.path().to_owned();
-        let remove = move || drop(std::fs::remove_dir_all(path));
-        Ok((folder, remove))
-    })
 }
 
 fn probe_file(folder: &TempDir) -> PathBuf {
