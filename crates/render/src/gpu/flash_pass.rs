@@ -15,6 +15,8 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::slice::from_ref;
+
 use glow::HasContext;
 
 use super::error::{GpuError, Result};
@@ -27,7 +29,7 @@ use crate::flash::{CELLS, COLUMNS, ROWS, Steps};
 
 /// The shader that dims cells, and the vertex shader that places these cells.
 pub const LIMIT_SHADERS: (&str, &str) = ("limit_flashes.frag", "flash_cells.vert");
-/// The fragment shaders of the limiter and their defines, in the order of `FlashPrograms::new`.
+/// The fragment shaders of the limiter and their defines, in the order of the passes.
 pub const FLASH_SHADERS: [(&str, &[&str]); 13] = [
     ("cells.frag", &[]),
     ("flash_follow.frag", &[]),
@@ -57,32 +59,24 @@ const NOTED: [&str; 6] =
     ["shown_swings", "shown_ages", "shown_rest", "shown_lows", "shown_red_swings", "shown_red_ages"];
 /// Number of passes per frame.
 pub const PASSES: usize = 10;
+/// The place in [`FLASH_SHADERS`] of each pass's program. A pass with two outputs draws the second one with the next
+/// program.
+const PROGRAMS: [usize; PASSES] = [0, 1, 3, 4, 5, 6, 7, 7, 8, 9];
+/// The place in [`FLASH_SHADERS`] of the program that dims cells. The next one dims the cells of an enlarged image.
+const LIMIT: usize = 11;
 /// Number of cells in each rectangle that `flash_cells.vert` draws.
 const GROUP: usize = 16;
 
 /// The flash limiter and its GPU objects.
 pub struct FlashPass {
-    programs: FlashPrograms,
+    /// The programs of [`FLASH_SHADERS`].
+    programs: Vec<Program>,
     memory: FlashMemory,
     passes: Passes,
     step_block: Block,
     steps: Steps,
     /// True before the first frame and after [`FlashPass::forget`].
     is_fresh: bool,
-}
-
-struct FlashPrograms {
-    measure: Program,
-    follow: [Program; 2],
-    gather: Program,
-    find_fields: Program,
-    find_areas: Program,
-    decide: Program,
-    spread: Program,
-    measure_shown: Program,
-    note: [Program; 2],
-    limit: Program,
-    limit_enlarged: Program,
 }
 
 /// The first and the second half of the outputs of `flash_follow.frag` or `flash_note.frag`.
@@ -107,8 +101,9 @@ impl FlashPass {
     /// # Errors
     /// Fails with the driver's log if the driver rejects a shader.
     pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
+        let link = |(shader, defines)| Program::link(gl, library, shader, &Variant::of(defines));
         let pass = Self {
-            programs: FlashPrograms::new(gl, library)?,
+            programs: FLASH_SHADERS.into_iter().map(link).collect::<Result<_>>()?,
             memory: FlashMemory::new(gl)?,
             passes: Passes::new(gl)?,
             step_block: Block::new(gl, "FlashBlock")?,
@@ -160,48 +155,46 @@ impl FlashPass {
 
     /// Draws one of the [`PASSES`]. Draw them in order: each uses bindings and results of the previous passes.
     fn pass(&self, number: usize, finished: &Target) {
-        let Self { programs, memory, .. } = self;
+        let memory = &self.memory;
         let [followed, followed_before] = &memory.followed;
         let [noted, noted_before] = &memory.noted;
         let [own, along_rows, spread] = &memory.ceilings;
-        match number {
-            0 => {
-                finished.bind_color(0, unit_of("picture"));
-                self.draw(&programs.measure, &memory.measured);
-            }
+        let outputs: &[Target] = match number {
+            0 => read(finished, "picture", &memory.measured),
             1 => {
-                memory.measured.bind_color(0, unit_of("cells"));
+                bind(&memory.measured, &["cells"]);
                 bind_halves(followed_before, &FOLLOWED);
                 bind_halves(noted_before, &NOTED);
-                self.draw_halves(&programs.follow, followed);
+                followed
             }
             2 => {
                 bind_halves(followed, &FOLLOWED);
-                self.draw(&programs.gather, &memory.marks);
+                from_ref(&memory.marks)
             }
-            3 => self.draw_from(&memory.marks, "marked_rows", &programs.find_fields, &memory.covered),
-            4 => self.draw_from(&memory.covered, "covered_rows", &programs.find_areas, &memory.areas),
-            5 => self.draw_from(&memory.areas, "crowded_rows", &programs.decide, own),
+            3 => read(&memory.marks, "marked_rows", &memory.covered),
+            4 => read(&memory.covered, "covered_rows", &memory.areas),
+            5 => read(&memory.areas, "crowded_rows", own),
             6 => self.spread_along([1.0, 0.0], own, along_rows),
             7 => self.spread_along([0.0, 1.0], along_rows, spread),
             8 => {
-                finished.bind_color(0, unit_of("picture"));
                 bind(spread, &["ceilings"]);
-                self.draw(&programs.measure_shown, &memory.shown);
+                read(finished, "picture", &memory.shown)
             }
             _ => {
                 bind(&memory.shown, &["shown_cells"]);
                 bind(own, &["own_ceilings"]);
                 // Its unit has held the ceilings in between.
                 bind(&memory.areas, &["crowded_rows"]);
-                self.draw_halves(&programs.note, noted);
+                noted
             }
-        }
+        };
+        let programs = self.programs.iter().skip(PROGRAMS[number]);
+        programs.zip(outputs).for_each(|(program, output)| self.draw(program, output));
     }
 
-    fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
-        self.passes.post.set(&[0.0, 0.0, right, up]);
-        self.draw_from(ceilings, "ceilings", &self.programs.spread, target);
+    fn spread_along<'a>(&self, axis: [f32; 2], ceilings: &Target, output: &'a Target) -> &'a [Target] {
+        self.passes.post.set(&[0.0, 0.0, axis[0], axis[1]]);
+        read(ceilings, "ceilings", output)
     }
 
     /// Dims cells in `target`, which shows the last `finished` image that was measured.
@@ -225,10 +218,10 @@ impl FlashPass {
     }
 
     fn dim_cells(&self, finished: &Target, size: (u32, u32)) {
-        let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
         finished.bind_color(0, unit_of("picture"));
         bind(self.memory.spread_ceilings(), &["ceilings"]);
-        self.draw_cells(if finished.size() == size { limit } else { limit_enlarged }, size);
+        let is_enlarged = finished.size() != size;
+        self.draw_cells(&self.programs[LIMIT + usize::from(is_enlarged)], size);
     }
 
     fn draw(&self, program: &Program, target: &Target) {
@@ -239,16 +232,6 @@ impl FlashPass {
         if target.colors() == 1 { self.passes.gl.replacing(draw) } else { draw() }
     }
 
-    /// Draws from one texture, which the program reads as `name`.
-    fn draw_from(&self, texture: &Target, name: &str, program: &Program, target: &Target) {
-        bind(texture, &[name]);
-        self.draw(program, target);
-    }
-
-    fn draw_halves(&self, programs: &[Program; 2], halves: &Halves) {
-        programs.iter().zip(halves).for_each(|(program, half)| self.draw(program, half));
-    }
-
     fn draw_cells(&self, program: &Program, size: (u32, u32)) {
         self.passes.prepare();
         self.passes.post.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
@@ -256,31 +239,6 @@ impl FlashPass {
         // SAFETY: draws without attributes into the bound framebuffer, with objects of the current context.
         let draw = || unsafe { self.passes.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
         self.passes.gl.replacing(draw);
-    }
-}
-
-impl FlashPrograms {
-    fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self> {
-        let mut shaders = FLASH_SHADERS.into_iter();
-        let mut next = || {
-            let (shader, defines) = shaders.next().unwrap_or_default();
-            Program::link(gl, library, shader, &Variant::of(defines))
-        };
-        let programs = Self {
-            measure: next()?,
-            follow: [next()?, next()?],
-            gather: next()?,
-            find_fields: next()?,
-            find_areas: next()?,
-            decide: next()?,
-            spread: next()?,
-            measure_shown: next()?,
-            note: [next()?, next()?],
-            limit: next()?,
-            limit_enlarged: next()?,
-        };
-        debug_assert!(shaders.next().is_none(), "a shader of the table is not used");
-        Ok(programs)
     }
 }
 
@@ -306,6 +264,12 @@ impl FlashMemory {
         let [.., spread] = &self.ceilings;
         spread
     }
+}
+
+/// Binds the only texture that a pass reads, as `name`, and returns the pass's outputs.
+fn read<'a>(input: &Target, name: &str, output: &'a Target) -> &'a [Target] {
+    bind(input, &[name]);
+    from_ref(output)
 }
 
 fn bind_halves(halves: &Halves, names: &[&str; 2 * HALF]) {
