@@ -175,7 +175,8 @@ fn hands_over(files: &[PathBuf]) -> bool {
 }
 
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
-    let listen = listen_of(&arguments);
+    let system = arguments.system.then_some(ListenChoice::System);
+    let listen = arguments.mic.then_some(ListenChoice::Microphone).or(system);
     // An error in the settings file is reported when the window opens.
     let (file, trouble) = SettingsFile::among(&folders);
     let choices = choices_of(&arguments, &file.settings().choices);
@@ -242,14 +243,6 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         gl_info: arguments.gl_info,
     };
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
-}
-
-fn listen_of(arguments: &PlayArguments) -> Option<ListenChoice> {
-    match (arguments.mic, arguments.system) {
-        (true, _) => Some(ListenChoice::Microphone),
-        (false, true) => Some(ListenChoice::System),
-        (false, false) => None,
-    }
 }
 
 fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {

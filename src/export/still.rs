@@ -199,10 +199,8 @@ fn format_of(path: &Path) -> Result<ImageFormat, ExportError> {
         ));
     }
     let Some(ending) = path.extension() else { return Ok(ImageFormat::Png) };
-    match ending.to_string_lossy().to_lowercase().as_str() {
-        "png" => Ok(ImageFormat::Png),
-        "jpg" | "jpeg" => Ok(ImageFormat::Jpeg),
-        "webp" => Ok(ImageFormat::WebP),
+    match ImageFormat::from_extension(ending) {
+        Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => Ok(format),
         _ => refuse(format!(
             "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg \
                  or .webp",
