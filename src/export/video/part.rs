@@ -5,7 +5,6 @@
 //! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
 
 use std::fs::{File, TryLockError};
-use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -220,14 +219,8 @@ fn write_pieces(
     let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
     let (lock, undo) = ending::begin(|| {
-        let opened = || std::fs::create_dir_all(&folder).map(|()| File::open(&folder));
-        let lock = match opened() {
-            // A run that ends at this moment removes the folder.
-            Ok(Err(error)) if error.kind() == ErrorKind::NotFound => opened(),
-            opened => opened,
-        };
-        let lock = lock.map_err(|error| Unwritable::new(&folder, &error))?;
-        let empty = folder.clone();
+        std::fs::create_dir_all(&folder).map_err(|error| Unwritable::new(&folder, &error))?;
+        let (lock, empty) = (File::open(&folder), folder.clone());
         // A folder with pieces stays, because it is not empty.
         Ok::<_, ExportError>((lock, move || drop(std::fs::remove_dir(empty))))
     })?;
