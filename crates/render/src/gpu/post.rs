@@ -63,9 +63,11 @@ pub(super) struct Post {
     picture: Block,
     resolve: LazyProgram,
     resolve_all: LazyProgram,
-    lens: LensBlur,
+    /// Halve the image, blur it, and mix it with the sharp light.
+    lens: [LazyProgram; 3],
+    /// Halve the image, halve it further, and enlarge it.
+    bloom: [LazyProgram; 3],
     pub(super) trails: Trails,
-    bloom: Bloom,
     /// One program for each tone map, in the order of [`ToneMap::ALL`].
     present: [LazyProgram; 4],
     /// The same programs, for images that fade into another image.
@@ -102,8 +104,8 @@ impl Post {
             picture: Block::new(gl, "PictureBlock")?,
             resolve: if gl.info().software { of_list } else { of_stencil },
             resolve_all: next()?,
-            lens: LensBlur { down: next()?, blur: next()?, mix: next()? },
-            bloom: Bloom { first: next()?, down: next()?, up: next()? },
+            lens: [next()?, next()?, next()?],
+            bloom: [next()?, next()?, next()?],
             trails: Trails { add: next()?, keep: next()?, mix: next()? },
             present: [next()?, next()?, next()?, next()?],
             present_faded: [next()?, next()?, next()?, next()?],
@@ -196,14 +198,13 @@ impl Post {
     }
 
     fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<()> {
-        let passes = &self.passes;
         let light = match &targets.lens {
-            Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
+            Some(lens) => self.blur(&targets.light, samples, lens)?,
             None => &targets.light,
         };
         // Without bloom the fraction is 0, so any texture can be bound.
         let scattered = match picture.bloom {
-            fraction if fraction > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
+            fraction if fraction > 0.0 => self.scatter(light, &targets.bloom)?,
             _ => light,
         };
         light.bind_color(0, unit_of("picture"));
@@ -248,32 +249,22 @@ const SMALLEST: u32 = 6;
 /// Weight of each level, relative to the level that has twice its width and height.
 const FADING: f32 = 0.85;
 
-pub(super) struct Bloom {
-    pub(super) first: LazyProgram,
-    pub(super) down: LazyProgram,
-    pub(super) up: LazyProgram,
-}
-
-impl Bloom {
+impl Post {
     /// Scatters light. The result has half the width and height.
-    pub(super) fn draw<'a>(
-        &self,
-        passes: &Passes,
-        light: &'a Target,
-        levels: &'a [Target],
-    ) -> Result<&'a Target> {
-        let (mut source, mut program) = (light, &self.first);
+    fn scatter<'a>(&self, light: &'a Target, levels: &'a [Target]) -> Result<&'a Target> {
+        let [first, down, up] = &self.bloom;
+        let (mut source, mut program) = (light, first);
         let mut largest = None;
         for level in levels {
             source.bind_color(0, unit_of("picture"));
-            passes.draw(program, level)?;
-            (source, program) = (level, &self.down);
+            self.passes.draw(program, level)?;
+            (source, program) = (level, down);
             largest.get_or_insert(level);
         }
         for (index, pair) in levels.windows(2).enumerate().rev() {
             let [larger, smaller] = pair else { continue };
             smaller.bind_color(0, unit_of("picture"));
-            passes.mix(&self.up, larger, fraction_of_smaller(levels.len() - index))?;
+            self.passes.mix(up, larger, fraction_of_smaller(levels.len() - index))?;
         }
         Ok(largest.unwrap_or(light))
     }
@@ -304,37 +295,26 @@ fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
 /// Maximum number of samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
 const TAPS_MAX: f32 = 80.0;
 
-pub(super) struct LensBlur {
-    pub(super) down: LazyProgram,
-    pub(super) blur: LazyProgram,
-    pub(super) mix: LazyProgram,
-}
-
 pub(super) struct LensTargets {
     smaller: Target,
     blurred: Target,
     light: Target,
 }
 
-impl LensBlur {
+impl Post {
     /// Blurs light. Colour texture 1 of `samples` holds the radius of each point's disc.
-    pub(super) fn draw<'a>(
-        &self,
-        passes: &Passes,
-        light: &Target,
-        samples: &Target,
-        targets: &'a LensTargets,
-    ) -> Result<&'a Target> {
+    fn blur<'a>(&self, light: &Target, samples: &Target, targets: &'a LensTargets) -> Result<&'a Target> {
+        let (passes, [down, blur, mix]) = (&self.passes, &self.lens);
         let reach = (BLUR_MAX * targets.smaller.size().1 as f32).max(1.0);
         let taps = (0.4 * reach * reach + 12.0).min(TAPS_MAX).floor();
         light.bind_color(0, unit_of("picture"));
         samples.bind_color(1, unit_of("spreads"));
-        passes.draw(&self.down, &targets.smaller)?;
+        passes.draw(down, &targets.smaller)?;
         targets.smaller.bind_color(0, unit_of("picture"));
-        passes.draw_with(&self.blur, &targets.blurred, [reach, taps])?;
+        passes.draw_with(blur, &targets.blurred, [reach, taps])?;
         light.bind_color(0, unit_of("picture"));
         targets.blurred.bind_color(0, unit_of("blurred"));
-        passes.draw(&self.mix, &targets.light)?;
+        passes.draw(mix, &targets.light)?;
         Ok(&targets.light)
     }
 }
