@@ -4,7 +4,7 @@ use crate::atomic_file::Unwritable;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use crate::show::ShowError;
-use mariana_field::world::{BlendError, MeshError, WorldError};
+use mariana_field::world::{BlendError, MeshError};
 use mariana_player::decode::DecodeError;
 
 /// An error of an export.
@@ -19,9 +19,6 @@ pub enum ExportError {
     /// The scene cannot be read or has mistakes.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The scene cannot be prepared.
-    #[error(transparent)]
-    World(#[from] WorldError),
     /// Two scenes cannot be blended.
     #[error(transparent)]
     Blend(#[from] BlendError),
