@@ -347,6 +347,6 @@ mod tests {
         let clip = &timeline.clips()[0];
         let times: Vec<(f64, f64)> = clip.moves.iter().map(|one| (one.start, one.seconds)).collect();
         assert_eq!(times, [(4.5, 4.0), (5.0, 0.0)]);
-        assert_eq!(clip.params_at(6.5), [("a", 0.375), ("b", 3.0)]);
+        assert_eq!(["a", "b"].map(|name| clip.moved(name, 6.5).unwrap().value), [0.375, 3.0]);
     }
 }

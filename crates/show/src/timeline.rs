@@ -74,9 +74,7 @@ pub struct Move {
 
 /// The value of an animated parameter at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moved<'a> {
-    /// The parameter's name.
-    pub name: &'a str,
+pub struct Moved {
     /// The current value.
     pub value: f32,
     /// Number of the animation. Each animation of the show has a different number.
@@ -180,8 +178,7 @@ impl Clip {
         let TimedTransition { seconds, by_fader, .. } = self.transition;
         let gone = time - self.start;
         if by_fader {
-            let moved = self.params_at(time);
-            moved.iter().find(|(name, _)| *name == FADER).map_or(0.0, |(_, value)| *value)
+            self.moved(FADER, time).map_or(0.0, |moved| moved.value)
         } else if gone >= seconds {
             1.0
         } else {
@@ -192,46 +189,28 @@ impl Clip {
     /// Returns the values of all `params` of a scene at `time` seconds of the song: their defaults where this clip does not
     /// animate them.
     pub fn numbers_at(&self, params: &[Param], time: f64) -> Vec<f32> {
-        let moved = self.params_at(time);
-        let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
-        params.iter().map(|param| value(&param.name).unwrap_or(param.default)).collect()
-    }
-
-    /// Returns the values of the parameters that this clip animates, at `time` seconds of the song.
-    pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
-        self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
+        let value = |param: &Param| self.moved(&param.name, time).map_or(param.default, |moved| moved.value);
+        params.iter().map(value).collect()
     }
 
     /// Returns the camera settings at `time` seconds of the song: the values of [`CAMERA_TURNS`].
     pub fn turns_at(&self, time: f64) -> [f32; 3] {
         let mut turns = UNTURNED;
-        if self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
-            let moved = self.params_at(time);
-            for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
-                *turn = moved.iter().find(|(moved, _)| *moved == name).map_or(*turn, |(_, value)| *value);
-            }
+        for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
+            *turn = self.moved(name, time).map_or(*turn, |moved| moved.value);
         }
         turns
     }
 
-    /// Returns the values that this clip animates at `time` seconds of the song, with the numbers of the animations.
-    pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
-        let mut values: Vec<Moved<'_>> = Vec::new();
-        for one in &self.moves {
-            // Before its first animation, a parameter has the initial value of that animation.
-            let known = values.iter_mut().find(|known| known.name == one.param);
-            if !one.has_begun(time) && (known.is_some() || one.is_set_at_once()) {
-                continue;
-            }
-            let value = one.at(time);
-            let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
-            let moved = Moved { name: &one.param, value, part };
-            match known {
-                Some(known) => *known = moved,
-                None => values.push(moved),
-            }
-        }
-        values
+    /// Returns the value of a parameter at `time` seconds of the song, with the number of its animation; `None` if this
+    /// clip does not animate the parameter.
+    pub fn moved(&self, param: &str, time: f64) -> Option<Moved> {
+        let moves = || self.moves.iter().filter(|one| one.param == param);
+        // Before its first animation, a parameter has the initial value of that animation.
+        let first = || moves().find(|one| !one.is_set_at_once());
+        let one = moves().rfind(|one| one.has_begun(time)).or_else(first)?;
+        let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
+        Some(Moved { value: one.at(time), part })
     }
 }
 
@@ -284,11 +263,12 @@ mod tests {
         let mut one = clip(0.0, TransitionStyle::Cut, 0.0);
         let part = |start, seconds, from, to| Move { param: "swell".to_owned(), start, seconds, from, to };
         one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
-        let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();
+        let at = |time| one.moved("swell", time).unwrap().value;
         assert_eq!([0.0, 2.0, 3.0, 6.0, 7.0, 8.0, 99.0].map(at), [0.0, 0.0, 0.25, 1.0, 1.0, 0.5, 0.5]);
-        let part = |time| one.moved_at(time).first().map(|moved| moved.part).unwrap();
+        let part = |time| one.moved("swell", time).unwrap().part;
         assert!(part(3.0) == part(7.0) && part(7.0) != part(8.0), "each animation has its own number");
         let later = Clip { start: 1.0, ..one.clone() };
-        assert_ne!(later.moved_at(3.0).first().map(|moved| moved.part), Some(part(3.0)));
+        assert_ne!(later.moved("swell", 3.0).unwrap().part, part(3.0));
+        assert_eq!(one.moved("glow", 3.0), None);
     }
 }

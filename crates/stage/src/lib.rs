@@ -5,9 +5,8 @@ mod prepared_show;
 mod recipe;
 
 pub use mariana_show::{
-    BarLines, Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, Moved, OnStage, OtherDeck,
-    Performance, SceneCard, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print,
-    snapshot_cues,
+    BarLines, Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, OnStage, OtherDeck, Performance,
+    SceneCard, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, card_of, name_of, source_of};
 pub use recipe::{Layer, Recipe};

@@ -1,8 +1,9 @@
 //! The clips of a show that set the parameters of a scene at a moment of the song.
 
 use super::knobs::Knob;
-use crate::show::{Clip, Moved};
-use mariana_control::Directed;
+use super::prepared_scene::PreparedScene;
+use crate::show::Clip;
+use mariana_control::{Directed, Slider};
 
 /// The active clips of a scene; in a blend, one for each of its two worlds.
 #[derive(Default)]
@@ -11,30 +12,26 @@ pub(super) struct ActiveClips<'a> {
     pub first: Option<&'a Clip>,
     /// In a blend, the incoming scene's clip.
     pub second: Option<&'a Clip>,
-}
-
-pub(super) struct Moves<'a> {
-    first: Vec<Moved<'a>>,
-    second: Vec<Moved<'a>>,
+    /// In a blend, the fraction of the incoming scene.
+    pub fraction: Option<f32>,
 }
 
 impl<'a> ActiveClips<'a> {
-    pub(super) fn moves(&self, time: f64) -> Moves<'a> {
-        let of = |clip: Option<&'a Clip>| clip.map(|clip| clip.moved_at(time)).unwrap_or_default();
-        Moves { first: of(self.first), second: of(self.second) }
-    }
-
     /// Returns the clip of the visible scene; in a blend, the incoming scene's clip.
     pub(super) fn last(&self) -> Option<&'a Clip> {
         self.second.or(self.first)
     }
-}
 
-impl Moves<'_> {
-    /// Returns the show's value for a knob's parameter. The first `split` parameters belong to the outgoing scene.
-    pub(super) fn of(&self, knob: &Knob, name: &str, split: usize) -> Option<Directed> {
-        let moves = if knob.place < split { &self.first } else { &self.second };
-        let moved = moves.iter().find(|moved| moved.name == name)?;
+    /// Returns the show's value for the parameter of a knob of `scene`, at `time` seconds of the song.
+    pub(super) fn directed(
+        &self,
+        scene: &PreparedScene,
+        slider: &Slider,
+        knob: &Knob,
+        time: f64,
+    ) -> Option<Directed> {
+        let clip = if knob.place < scene.split() { self.first } else { self.second };
+        let moved = clip?.moved(&slider.name, time)?;
         Some(Directed { value: moved.value, part: moved.part })
     }
 }

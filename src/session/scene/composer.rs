@@ -377,7 +377,7 @@ impl SceneComposer {
     }
 
     fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
-        let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(&scene.source, time).0);
+        let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(&scene.source, time));
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
@@ -500,11 +500,11 @@ impl SceneComposer {
 /// The parameters of a scene at `time` seconds of the song, and the number of its camera. A parameter has the show's
 /// value, unless a controller changed it later.
 fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
-    let (clips, fraction) = of.show.clips(&scene.source, time);
+    let clips = of.show.clips(&scene.source, time);
     let mut numbers = of.parameters.numbers(scene, &clips, time);
-    if let Some((fraction, number)) = fraction.zip(numbers.last_mut()) {
+    if let Some((fraction, number)) = clips.fraction.zip(numbers.last_mut()) {
         *number = fraction;
     }
-    let camera = clips.first.filter(|_| fraction.is_none());
+    let camera = clips.first.filter(|_| clips.fraction.is_none());
     (numbers, camera.and_then(|clip| camera_number(scene.resources.world(), clip.camera.as_deref())))
 }

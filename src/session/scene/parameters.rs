@@ -77,9 +77,8 @@ impl Parameters {
     }
 
     fn read(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<Reading> {
-        let (split, moves) = (scene.split(), clips.moves(time));
         let read = |(slider, knob): (&Slider, &Knob)| {
-            let directed = moves.of(knob, &slider.name, split);
+            let directed = clips.directed(scene, slider, knob, time);
             self.model.read(&knob.scene, &slider.param(), directed, self.now)
         };
         scene.knobs.iter().map(read).collect()
@@ -147,8 +146,7 @@ impl<'a> ParametersInHand<'a> {
 
     fn target_of(&self, slider: &Slider, knob: &Knob) -> Option<f32> {
         let (scene, time) = (self.scene?, self.parameters.song_time);
-        let (clips, _) = self.show.clips(&scene.source, time);
-        let directed = clips.moves(time).of(knob, &slider.name, scene.split());
+        let directed = self.show.clips(&scene.source, time).directed(scene, slider, knob, time);
         Some(self.parameters.model.target(&knob.scene, &slider.param(), directed))
     }
 
@@ -194,12 +192,12 @@ impl<'a> TurnedParameters<'a> {
         show: &'a ShowFollower,
         parameters: &'a mut Parameters,
     ) -> Self {
-        let (clips, _) = show.clips(&scene.source, parameters.song_time);
+        let clips = show.clips(&scene.source, parameters.song_time);
         Self { scene, clips, parameters }
     }
 
     fn directed(&self, slider: &Slider, knob: &Knob) -> Option<Directed> {
-        self.clips.moves(self.parameters.song_time).of(knob, &slider.name, self.scene.split())
+        self.clips.directed(self.scene, slider, knob, self.parameters.song_time)
     }
 
     pub(super) fn update_sliders(&mut self) {

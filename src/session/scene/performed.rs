@@ -41,7 +41,7 @@ impl<'a> Performed<'a> {
     fn at(session: &'a SceneSession, time: f64) -> Option<Self> {
         let SceneSession { scenes, show, composer, preparation, .. } = session;
         let (scene, fading, sdf) = (scenes.shown.as_ref()?, &composer.fading, preparation.choice.sdf);
-        let (clips, _) = show.clips(&scene.source, time);
+        let clips = show.clips(&scene.source, time);
         let staged = clips.last();
         // Ignore the show's values if the user chose or locked the scene: then the show only turns the camera.
         let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked);

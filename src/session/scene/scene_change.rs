@@ -88,8 +88,8 @@ impl SceneChange {
     ) {
         self.orbit = orbit;
         let time = parameters.song_time;
-        let (clips, fraction) = show.clips(&scene.source, time);
-        if fraction.is_some() || took > LIVE_MAX {
+        let clips = show.clips(&scene.source, time);
+        if clips.fraction.is_some() || took > LIVE_MAX {
             self.left = None;
             return;
         }
@@ -119,16 +119,15 @@ impl SceneChange {
         let world = scene.resources.world();
         let camera = |clip: &Clip| camera_number(world, clip.camera.as_deref());
         if let Some(clip) = &outgoing.clip {
-            let clips = ActiveClips { first: Some(clip), second: None };
+            let clips = ActiveClips { first: Some(clip), ..ActiveClips::default() };
             return (parameters.numbers(scene, &clips, time), camera(clip));
         }
         let Some(left) = &self.left else { return Default::default() };
         let mut numbers = left.numbers.clone();
-        let params = left.clip.as_ref().map(|clip| clip.params_at(time)).unwrap_or_default();
         for (place, name) in &left.moved {
-            let value = params.iter().find(|(moved, _)| moved == name).map(|(_, value)| *value);
-            if let Some((number, value)) = numbers.get_mut(*place).zip(value) {
-                *number = value;
+            let moved = left.clip.as_ref().and_then(|clip| clip.moved(name, time));
+            if let Some((number, moved)) = numbers.get_mut(*place).zip(moved) {
+                *number = moved.value;
             }
         }
         (numbers, left.clip.as_ref().and_then(camera))

@@ -329,30 +329,28 @@ impl ShowFollower {
         self.course.prepared_show.as_deref()?.layers(self.moment(time)?, time, can_blend)
     }
 
-    /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
-    pub(super) fn clips(&self, scene: &SceneSource, time: f64) -> (ActiveClips<'_>, Option<f32>) {
+    /// The clips of a scene at `time` seconds of the song.
+    pub(super) fn clips(&self, scene: &SceneSource, time: f64) -> ActiveClips<'_> {
         let Some((show, moment)) = self.course.prepared_show.as_deref().zip(self.moment(time)) else {
-            return Default::default();
+            return ActiveClips::default();
         };
         let clip_of =
             |clip, source| Some(clip).filter(|clip: &&Clip| show.source(&clip.scene) == Some(source));
         let SceneSource::Blend(blend) = scene else {
-            return (ActiveClips { first: clip_of(moment.clip, scene), second: None }, None);
+            return ActiveClips { first: clip_of(moment.clip, scene), ..ActiveClips::default() };
         };
+        let blended = |first, second, fraction| ActiveClips { first, second, fraction: Some(fraction) };
         let (from, to) = (&blend.from.source, &blend.to.source);
         let Some((leaving, fraction)) = moment.leaving else {
-            let fraction = if clip_of(moment.clip, from).is_some() { 0.0 } else { 1.0 };
-            return (ActiveClips::default(), Some(fraction));
+            return blended(None, None, if clip_of(moment.clip, from).is_some() { 0.0 } else { 1.0 });
         };
         // The blend of this transition may still be prepared, as after a scene is loaded into one of two decks.
         match (clip_of(leaving, from), clip_of(leaving, to)) {
-            (Some(first), _) => {
-                (ActiveClips { first: Some(first), second: clip_of(moment.clip, to) }, Some(fraction))
-            }
+            (first @ Some(_), _) => blended(first, clip_of(moment.clip, to), fraction),
             (None, second @ Some(_)) if moment.clip.transition.by_fader => {
-                (ActiveClips { first: None, second }, Some(1.0 - fraction))
+                blended(None, second, 1.0 - fraction)
             }
-            _ => (ActiveClips::default(), Some(1.0)),
+            _ => blended(None, None, 1.0),
         }
     }
 }
@@ -480,12 +478,12 @@ mod tests {
         ] {
             let mut show = ShowFollower::default();
             show.set_decks(now, fader);
-            assert_eq!(show.clips(&blend, 1.0).1, Some(wanted), "{fader}");
+            assert_eq!(show.clips(&blend, 1.0).fraction, Some(wanted), "{fader}");
         }
         // In the show of a song, the transition to the next scene does not lead back.
         let (mut show, [(first, _), _]) = follower();
         show.course.prepared_show = Some(Arc::new(melt));
-        assert_eq!(show.clips(&blend, first).1, Some(0.0));
+        assert_eq!(show.clips(&blend, first).fraction, Some(0.0));
     }
 
     #[test]

@@ -157,7 +157,8 @@ fn a_parameter_rises_during_a_build_and_falls_back() {
     let moved = |cards: &[SceneCard], time: f64| {
         let timeline = resolve(&direct(&song(), cards, &[], 3), &song(), &[], |_, _| None).0.unwrap();
         let clip = timeline.clips().iter().rfind(|clip| clip.start < 32.4).unwrap();
-        clip.params_at(time).first().map(|(name, value)| ((*name).to_owned(), *value))
+        let param = &clip.moves.first()?.param;
+        Some((param.clone(), clip.moved(param, time)?.value))
     };
     // Without such a parameter, the camera comes nearer.
     let zoom = |value: f32| Some(("camera zoom".to_owned(), value));

@@ -63,8 +63,7 @@ proptest! {
         for (time, scene, knob, turns, bright) in seen {
             let clip = timeline.at(begun + time).clip;
             prop_assert_eq!(clip.scene.as_str(), scene, "{}", text);
-            let params = clip.params_at(begun + time);
-            let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
+            let found = clip.moved("knob", begun + time).map_or(0.5, |moved| moved.value);
             prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
             prop_assert_eq!(clip.turns_at(begun + time), turns, "{}", text);
             let found = timeline.picture_at(begun + time).brightness;
@@ -219,8 +218,8 @@ fn long_animations_are_broken_into_lines() {
     let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     for frame in 0..100 {
         let time = f64::from(frame) / 60.0;
-        let params = timeline.at(time).clip.params_at(time);
-        assert_eq!(params, [("relief", value(frame))], "{text}");
+        let relief = timeline.at(time).clip.moved("relief", time).unwrap();
+        assert_eq!(relief.value, value(frame), "{text}");
     }
 }
 
@@ -394,9 +393,7 @@ proptest! {
         let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
         for (time, (scenes, fader, values)) in seen {
             let moment = timeline.at(time);
-            let value = |clip: &crate::Clip| {
-                clip.params_at(time).iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value)
-            };
+            let value = |clip: &crate::Clip| clip.moved("knob", time).map_or(0.5, |moved| moved.value);
             let found = (moment.clip.scene.as_str(), value(moment.clip));
             match fader {
                 0.0 => prop_assert_eq!((found, moment.leaving), ((scenes[0], values[0]), None), "{}", text),
