@@ -110,7 +110,7 @@ fn level_at(index: usize) -> Level {
     LEVELS.get(index).copied().unwrap_or(LEVELS[0])
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct DynamicResolution {
     choice: QualityChoice,
     /// Seconds per frame.
@@ -146,17 +146,10 @@ impl DynamicResolution {
             choice,
             interval: 1.0 / fps,
             level,
-            frames: VecDeque::new(),
             settling: SETTLING,
-            edited: false,
-            begins: false,
-            lacks_room: false,
-            last: None,
             patience: PATIENCE.0,
-            tried: None,
-            gave_way: None,
-            helpless_until: None,
             helpless: HELPLESS.0,
+            ..Self::default()
         }
     }
 

@@ -117,6 +117,7 @@ pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Op
     director.choose(seen.len(), &change)
 }
 
+#[derive(Default)]
 struct Director<'a> {
     cards: &'a [SceneCard],
     seed: u64,
@@ -135,17 +136,7 @@ struct Director<'a> {
 
 impl<'a> Director<'a> {
     fn new(cards: &'a [SceneCard], seed: u64) -> Self {
-        let visits = vec![0; cards.len()];
-        Self {
-            cards,
-            seed,
-            of_letter: HashMap::new(),
-            seen: Vec::new(),
-            earlier: Vec::new(),
-            letter: None,
-            turns: 0,
-            visits,
-        }
+        Self { cards, seed, visits: vec![0; cards.len()], ..Self::default() }
     }
 
     /// Chooses the scene from a change on. If the current scene stays, another camera shows it.

@@ -48,7 +48,7 @@ pub struct Hearing {
 }
 
 /// Chooses scenes for live input.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct LiveDirector {
     cards: Vec<SceneCard>,
     clips: Vec<Clip>,
@@ -65,15 +65,7 @@ pub struct LiveDirector {
 impl LiveDirector {
     /// A director that chooses among these scenes.
     pub fn new(cards: Vec<SceneCard>) -> Self {
-        Self {
-            cards,
-            clips: Vec::new(),
-            seen: Vec::new(),
-            last: None,
-            energies: [0.5; 2],
-            peak: 0.0,
-            new_at: f64::NEG_INFINITY,
-        }
+        Self { cards, ..Self::default() }
     }
 
     /// Processes the features of a moment. Returns a new timeline if the scene changes.

@@ -31,6 +31,7 @@ pub(super) enum FirstTree {
     TooLong,
 }
 
+#[derive(Default)]
 pub(super) struct ScenePrograms {
     /// `None` if the tape exceeds the driver's limits or the driver rejected the program.
     pub interpreter: Option<Interpreter>,
@@ -106,13 +107,7 @@ impl PreparedScene {
             id,
             source,
             resources,
-            programs: ScenePrograms {
-                interpreter,
-                interpreted: None,
-                compiled: None,
-                has_cells: false,
-                compilable: true,
-            },
+            programs: ScenePrograms { interpreter, compilable: true, ..ScenePrograms::default() },
             tree: FirstTree::Coming,
             moves: moves || has_song_texts || !moving.is_empty(),
             has_song_texts,
