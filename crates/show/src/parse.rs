@@ -63,8 +63,6 @@ pub fn parse(name: &str, text: &str) -> Parsed {
     }
     let mut diagnostics = Vec::new();
     let mut cue_list = CueList::default();
-    // Collects the settings of an entry with a mistake, so that they are not added to the previous entry.
-    let mut scrap: Option<CueList> = None;
     let mut was_wrong = false;
     for line in lines(text) {
         if diagnostics.len() >= DIAGNOSTICS_MAX {
@@ -76,13 +74,12 @@ pub fn parse(name: &str, text: &str) -> Parsed {
             continue;
         }
         let is_entry = !["set", "->"].contains(&first);
-        scrap = scrap.filter(|_| !is_entry);
-        let mut reader = Reader { words: &line, at: 0 };
-        let read = reader.line(scrap.as_mut().unwrap_or(&mut cue_list));
+        let read = Reader { words: &line, at: 0 }.line(&mut cue_list);
         was_wrong = read.is_err();
         if is_entry && was_wrong {
+            // The settings of an entry with a mistake must not be added to the previous entry.
             let when = When { anchor: Anchor::Start, offset: Length::ZERO };
-            scrap = Some(CueList { entries: vec![Entry::new(when, "", None, None)] });
+            cue_list.entries.push(Entry::new(when, "", None, None));
         }
         diagnostics.extend(read.err().map(|mistake| *mistake));
         if cue_list.entries.len() > limits::ENTRIES_MAX {
@@ -105,7 +102,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         let above = Diagnostic::new(first.span, "`previous` needs an entry above it");
         diagnostics.push(above.hint("begin with another moment, such as `at start`"));
     }
-    let entries = cue_list.entries.clone();
+    let entries = cue_list.entries.iter().filter(|entry| !entry.scene.is_empty()).cloned().collect();
     let cue_list = diagnostics.is_empty().then_some(cue_list);
     Parsed { cue_list, entries, diagnostics, sources }
 }

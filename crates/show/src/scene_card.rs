@@ -1,6 +1,6 @@
 //! Facts about the scenes of a show: cameras, parameters and preferences.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::cue_list::{Entry, is_of_no_scene};
 use mariana_field::lang::{About, Diagnostic, Scene, Span};
@@ -89,8 +89,8 @@ impl SceneCard {
 /// The scenes that a cue list names.
 #[derive(Default)]
 pub(super) struct NamedScenes {
-    /// The key is the name in the cue list.
-    pub cards: BTreeMap<String, SceneCard>,
+    /// The key is the name in the cue list. A refused scene has no card.
+    pub cards: BTreeMap<String, Option<SceneCard>>,
     /// A diagnostic for each refused scene, missing camera and missing parameter.
     pub mistakes: Vec<Diagnostic>,
     /// Rendered mistakes in the texts of scenes.
@@ -101,23 +101,12 @@ impl NamedScenes {
     /// Collects the scenes that the entries name. Calls `find` once for each name.
     pub(super) fn of(entries: &[Entry], mut find: impl FnMut(&str) -> Result<SceneCard, Refusal>) -> Self {
         let mut named = Self::default();
-        let mut refused = BTreeSet::new();
         for entry in entries {
-            if refused.contains(&entry.scene) {
-                continue;
-            }
             if !named.cards.contains_key(&entry.scene) {
-                match find(&entry.scene) {
-                    Ok(card) => {
-                        named.cards.insert(entry.scene.clone(), card);
-                    }
-                    Err(refusal) => {
-                        refused.insert(&entry.scene);
-                        named.refuse(entry, refusal);
-                    }
-                }
+                let card = find(&entry.scene).map_err(|refusal| named.refuse(entry, refusal)).ok();
+                named.cards.insert(entry.scene.clone(), card);
             }
-            if let Some(card) = named.cards.get(&entry.scene) {
+            if let Some(Some(card)) = named.cards.get(&entry.scene) {
                 named.mistakes.extend(card.missing(entry));
             }
         }

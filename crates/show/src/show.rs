@@ -90,7 +90,7 @@ impl Show {
                 return Err(CueListError::Mistakes { report });
             }
         };
-        let cards: Vec<SceneCard> = named.cards.into_values().collect();
+        let cards: Vec<SceneCard> = named.cards.into_values().flatten().collect();
         let (timeline, left_out) = resolved(&cue_list, song, &[], &cards);
         let reported = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
         if timeline.is_none() && cue_list.cues().next().is_none() {
