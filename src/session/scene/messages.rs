@@ -10,8 +10,6 @@ pub(crate) struct Messages {
     pub(super) problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
     pub(super) hint: Option<String>,
-    /// The latest technical remark, and the task it is about.
-    remark: Option<(String, Option<u64>)>,
 }
 
 impl Messages {
@@ -25,16 +23,6 @@ impl Messages {
         let text = text.into();
         tracing::debug!("message: {text}");
         self.notice = Some((text, clock::now()));
-    }
-
-    /// Replaces the remark in the status line (key I). The remark disappears when its `task` ends.
-    pub(super) fn set_remark(&mut self, remark: String, task: Option<u64>) {
-        self.remark = Some((remark, task));
-    }
-
-    pub(super) fn remark(&self, goes_on: impl Fn(u64) -> bool) -> Option<&str> {
-        let due = self.remark.as_ref().filter(|(_, task)| task.is_none_or(goes_on));
-        due.map(|(text, _)| &**text)
     }
 
     pub(super) fn content(&self) -> OverlayContent<'_> {
@@ -53,13 +41,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_remark_ends_with_its_task_and_a_problem_with_the_next_scene() {
+    fn a_problem_ends_with_the_next_scene() {
         let mut messages = Messages::default();
-        messages.set_remark("the driver is slow".to_owned(), Some(3));
-        assert_eq!(messages.remark(|task| task == 3), Some("the driver is slow"));
-        assert_eq!(messages.remark(|_| false), None);
-        messages.set_remark("interpreted instead".to_owned(), None);
-        assert_eq!(messages.remark(|_| false), Some("interpreted instead"));
         messages.set_problem("orb has mistakes".to_owned(), "line 3".to_owned());
         messages.answer("compiled");
         let content = messages.content();

@@ -18,7 +18,7 @@ use super::library::SceneLibrary;
 use super::messages::Messages;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
-use super::program_library::{NO_UNIVERSAL, ProgramLibrary};
+use super::program_library::ProgramLibrary;
 use super::program_task::{ProgramOf, Task};
 use super::refusal::{Refusal, TREE_TOO_LONG, too_expensive};
 use super::region_builder::RegionBuilder;
@@ -222,7 +222,6 @@ impl ScenePreparation {
             (ProgramOf::Interpreted(rejected), Err(error))
                 if self.programs.reject_universal(rejected, &error) =>
             {
-                messages.set_remark(NO_UNIVERSAL.to_owned(), None);
                 for scene in scenes.present().filter(|scene| scene.programs.lack(rejected)) {
                     self.programs.request_interpreter(scene);
                 }
@@ -301,11 +300,12 @@ impl ScenePreparation {
             messages.answer(heading);
             return None;
         }
-        let is_technical = self.choice.sdf == SdfChoice::Auto && source.file().is_none();
-        match compilable || interpretable {
-            true if is_technical => messages.set_remark(heading, None),
-            true => messages.set_problem(heading, error.to_string()),
-            false => return Some(Refusal { source, heading, text: error.to_string() }),
+        if !compilable && !interpretable {
+            return Some(Refusal { source, heading, text: error.to_string() });
+        }
+        // Nobody who watches shipped scenes can do anything about it.
+        if self.choice.sdf != SdfChoice::Auto || source.file().is_some() {
+            messages.set_problem(heading, error.to_string());
         }
         None
     }
@@ -489,23 +489,19 @@ impl ScenePreparation {
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
         for id in self.programs.compiler.slow() {
             let Some(task) = self.programs.task(id) else { continue };
+            let is_for_frames = task.product == ProgramProduct::Frames;
             // Skip scenes prepared ahead: nobody waits for them.
             let is_theirs = |scene: &PreparedScene| task.of == ProgramOf::Compiled(scene.id);
-            if task.product == ProgramProduct::Frames && scenes.ahead.scenes().any(is_theirs) {
+            if is_for_frames && scenes.ahead.scenes().any(is_theirs) {
                 continue;
             }
             let what = match (task.product, &task.of) {
+                (ProgramProduct::Views, _) => Some("views".to_owned()),
+                (ProgramProduct::Paths, _) => Some("paths of light".to_owned()),
+                (ProgramProduct::Frames, ProgramOf::Interpreted(_)) => Some("an interpreter".to_owned()),
                 (ProgramProduct::Frames, ProgramOf::Compiled(of)) => {
                     scenes.get(*of).map(PreparedScene::title)
                 }
-                (ProgramProduct::Frames, ProgramOf::Interpreted(_)) => Some("an interpreter".to_owned()),
-                (ProgramProduct::Views, ProgramOf::Compiled(of)) => {
-                    scenes.get(*of).map(|scene| format!("the views of {}", scene.title()))
-                }
-                (ProgramProduct::Views, ProgramOf::Interpreted(_)) => {
-                    Some("the interpreter's views".to_owned())
-                }
-                (ProgramProduct::Paths, _) => Some("paths of light".to_owned()),
             };
             let Some(what) = what else { continue };
             let meanwhile = match scenes.shown {
@@ -514,26 +510,10 @@ impl ScenePreparation {
             };
             let sentence = format!("the driver is still compiling {what}: {meanwhile}");
             tracing::warn!("{sentence}");
-            if self.user_waits_for(task, scenes, messages.hint.is_some()) {
-                messages.answer(sentence.clone());
+            let is_awaited = messages.hint.is_some() || self.asked_mode.is_some() || scenes.shown.is_none();
+            if is_awaited || !is_for_frames {
+                messages.answer(sentence);
             }
-            messages.set_remark(sentence, Some(id));
         }
-    }
-
-    /// True if the user is waiting for the result of `task`, or if the window is still empty.
-    fn user_waits_for(&self, task: &Task, scenes: &PreparedScenes, is_scene_awaited: bool) -> bool {
-        let coming = scenes.coming.as_ref().filter(|_| is_scene_awaited);
-        let waits = match &task.of {
-            _ if task.product != ProgramProduct::Frames => true,
-            ProgramOf::Compiled(id) => {
-                self.asked_mode == Some(Mode::Compiled) || coming.is_some_and(|scene| scene.id == *id)
-            }
-            ProgramOf::Interpreted(_) => {
-                let lacks_interpreter = |scene: &PreparedScene| scene.program(Mode::Interpreted).is_none();
-                self.asked_mode == Some(Mode::Interpreted) || coming.is_some_and(lacks_interpreter)
-            }
-        };
-        waits || scenes.shown.is_none()
     }
 }

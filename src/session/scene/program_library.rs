@@ -20,7 +20,7 @@ use crate::gpu::stand_ins::SceneShape;
 use crate::gpu::{Counting, Gl, GpuError, Interpreter, Mode, Program, Sources, Variant, WorkerContext};
 use mariana_field::region::Regions;
 
-pub(super) const NO_UNIVERSAL: &str =
+const NO_UNIVERSAL: &str =
     "this driver cannot compile the universal interpreter: each scene gets an interpreter";
 
 pub(super) struct ProgramLibrary {

@@ -12,7 +12,7 @@ pub(crate) fn notes(session: &SceneSession) -> Vec<String> {
     [scene.title(), mode.to_string()].into_iter().chain(view).collect()
 }
 
-/// The status line: name; rate and size of frames (`pictures`); mode; clauses and regions; `quality`; pending work.
+/// The status line: name; rate and size of frames (`pictures`); mode; clauses and regions; `quality`; the coming scene.
 pub(crate) fn line(session: &SceneSession, pictures: &str, quality: &impl Display) -> Option<String> {
     let (scene, mode) = session.drawn()?;
     let clauses = scene.resources.buffers().cost.distance;
@@ -26,9 +26,8 @@ fn remarks(session: &SceneSession) -> Vec<String> {
     let is_another = |scene: &&PreparedScene| session.scenes.shown_source() != Some(&scene.source);
     let coming = session.scenes.coming.as_ref().filter(is_another);
     let coming = coming.map(|scene| format!("{} is being prepared", scene.title()));
-    let remark = session.messages.remark(|task| session.preparation.programs.task(task).is_some());
     let is_scene = |source: &&SceneSource| !matches!(source, SceneSource::Blend(_));
     let refused: Vec<_> = session.show.refused.iter().filter(is_scene).map(SceneSource::title).collect();
     let without = (!refused.is_empty()).then(|| format!("too much for this machine: {}", refused.join(", ")));
-    coming.into_iter().chain(remark.map(str::to_owned)).chain(without).collect()
+    coming.into_iter().chain(without).collect()
 }
