@@ -13,11 +13,9 @@ pub(super) const SIZES: [(u32, u32); 2] = [(1280, 720), (1920, 1080)];
 pub(super) const SETTLED: Duration = Duration::from_millis(600);
 
 /// The choices of the panel. Indices count the options of a row.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Form {
     pub(super) place: usize,
-    /// True for the part between the marks, false for the whole song.
-    pub(super) is_part: bool,
     /// `None` follows the window.
     pub(super) show: Option<ShowChoice>,
     pub(super) title_card: bool,
@@ -37,21 +35,6 @@ pub(super) enum ShowChoice {
 
 impl ShowChoice {
     pub(super) const ALL: [Self; 3] = [Self::Scene, Self::Show, Self::Performance];
-}
-
-impl Default for Form {
-    fn default() -> Self {
-        Self {
-            // 1920x1080.
-            place: VideoPlace::ALL.len() + 1,
-            is_part: false,
-            show: None,
-            title_card: false,
-            captions: false,
-            draft: false,
-            beside: false,
-        }
-    }
 }
 
 #[derive(Default)]
@@ -82,7 +65,9 @@ pub(super) struct Wish {
 impl VideoMaking {
     pub(super) fn start(videos: std::io::Result<Videos>) -> Self {
         let videos = videos.inspect_err(|error| tracing::warn!("no videos can be made: {error}"));
-        Self { videos: videos.ok(), ..Self::default() }
+        // 1920x1080.
+        let form = Form { place: VideoPlace::ALL.len() + 1, ..Form::default() };
+        Self { videos: videos.ok(), form, ..Self::default() }
     }
 
     /// A note for the window's title.

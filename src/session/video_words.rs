@@ -50,7 +50,7 @@ pub(super) fn rows(form: &Form, known: &Known, shown: &Shown, wish: &Result<Wish
     ];
     let choices = [
         choice(VideoChoice::Place, "For", places(known), Some(form.place)),
-        choice(VideoChoice::Part, "Part", parts(form, known), Some(part_index(form, known))),
+        choice(VideoChoice::Part, "Part", parts(form, known), Some(part_index(known))),
         choice(VideoChoice::Marks, "Marks", marks, None),
         choice(VideoChoice::Show, "Scenes", shows(known, shown), Some(known.show as usize)),
         on_off(
@@ -103,18 +103,18 @@ fn parts(form: &Form, known: &Known) -> Vec<VideoOption> {
     let longest = VideoPlace::ALL.get(form.place).and_then(|(place, ..)| Preset::of(Some(*place)).duration);
     let longest = longest.map_or(String::new(), |seconds| format!("; at most {seconds} s of it"));
     vec![
-        option(&whole, &format!("From the start to the end{longest}")),
+        option(&whole, &format!("From the start to the end; removes the marks{longest}")),
         option(&section, &format!("The section of the song that plays now, such as its chorus{longest}")),
         option(&marked, &format!("From the mark < to the mark > on the seek bar{longest}")),
     ]
 }
 
-fn part_index(form: &Form, known: &Known) -> usize {
-    let is_section = known.section.as_ref().is_some_and(|(_, ends)| Some(*ends) == known.marks);
-    match (form.is_part, is_section) {
-        (false, _) => 0,
-        (true, true) => 1,
-        (true, false) => 2,
+fn part_index(known: &Known) -> usize {
+    let section = known.section.as_ref().map(|(_, ends)| *ends);
+    match known.marks {
+        None => 0,
+        marks if marks == section => 1,
+        Some(_) => 2,
     }
 }
 

@@ -41,7 +41,6 @@ impl Session {
 impl VideoDesk<'_> {
     /// Finds what the panel offers when it opens.
     pub(super) fn begin(&mut self) {
-        self.0.videos.form.is_part = self.0.interface.ui_state.marks.is_some();
         // Reads a folder, so only now.
         let all = self.0.playback.scene.preparation.library.all_sources();
         let has_files = all.iter().any(|source| source.file().is_some());
@@ -61,7 +60,6 @@ impl VideoDesk<'_> {
         if (self.0.videos.track.0, &self.0.videos.track.1) != (playing.place.0, &playing.title) {
             self.0.videos.track = (playing.place.0, playing.title.clone());
             self.0.interface.ui_state.marks = None;
-            self.0.videos.form.is_part = false;
             self.find_performance();
         }
         // A notice before the first frame would not be seen.
@@ -145,23 +143,20 @@ impl VideoDesk<'_> {
         let form = &mut self.0.videos.form;
         match what {
             VideoChoice::Place => form.place = option,
-            VideoChoice::Part if option == 1 => self.mark_section(),
-            VideoChoice::Part => {
-                form.is_part = option == 2;
-                if form.is_part && self.0.interface.ui_state.marks.is_none() {
+            VideoChoice::Part => match option {
+                0 => self.0.interface.ui_state.marks = None,
+                1 => self.mark_section(),
+                _ if self.0.interface.ui_state.marks.is_some() => {}
+                _ => {
                     let words =
                         "mark a part first: press < at its start and > at its end, or drag the brackets";
-                    form.is_part = false;
                     self.0.playback.reports.answer(words);
                 }
-            }
+            },
             VideoChoice::Marks => match option {
                 0 => self.mark(Mark { edge: Edge::Start, at: None }),
                 1 => self.mark(Mark { edge: Edge::End, at: None }),
-                _ => {
-                    self.0.interface.ui_state.marks = None;
-                    form.is_part = false;
-                }
+                _ => self.0.interface.ui_state.marks = None,
             },
             VideoChoice::Show => form.show = ShowChoice::ALL.get(option).copied(),
             VideoChoice::TitleCard => form.title_card = option == 0,
@@ -173,10 +168,7 @@ impl VideoDesk<'_> {
 
     fn mark_section(&mut self) {
         match self.known().section {
-            Some((_, ends)) => {
-                self.0.interface.ui_state.marks = Some(ends);
-                self.0.videos.form.is_part = true;
-            }
+            Some((_, ends)) => self.0.interface.ui_state.marks = Some(ends),
             None => {
                 let words = "the sections are known once the song is analysed: try again in a moment";
                 self.0.playback.reports.answer(words);
@@ -196,7 +188,6 @@ impl VideoDesk<'_> {
         let [start, end] = self.0.interface.ui_state.marks.unwrap_or([0.0, duration]);
         let marks = moved([start, end], edge, time, duration);
         self.0.interface.ui_state.marks = Some(marks);
-        self.0.videos.form.is_part = true;
         if at.is_none() && self.0.interface.ui_state.panels.open != Some(Panel::Video) {
             let words = part(marks);
             self.0.playback.reports.answer(format!("marked {words}: press F10 to make a video of it"));
@@ -227,8 +218,7 @@ impl VideoDesk<'_> {
         };
         let offset = content.cut.map_or(0.0, |cut| cut.seconds().0);
         let length = status.track.duration;
-        let part = self.0.interface.ui_state.marks.filter(|_| form.is_part);
-        let (start, duration) = match part {
+        let (start, duration) = match self.0.interface.ui_state.marks {
             Some([start, end]) => (start, Some(end - start)),
             None => (0.0, length.filter(|_| content.cut.is_some())),
         };
