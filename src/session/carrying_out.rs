@@ -166,7 +166,7 @@ impl Session {
             }
             Command::EditMappings(edit) => {
                 self.playback.controllers.midi.edit(&edit);
-                self.interface.update_controllers(&mut self.playback);
+                self.interface.put_up_controllers(&mut self.playback);
             }
             Command::Leave => self.leave(),
             Command::ToggleHelp => self.interface.toggle_help(),

@@ -146,6 +146,6 @@ impl Interface {
                 .answer(format!("cannot learn a knob, because MIDI is not available: {why}"));
         }
         playback.controllers.midi.start_learning(target);
-        self.update_controllers(playback);
+        self.put_up_controllers(playback);
     }
 }

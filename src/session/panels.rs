@@ -73,7 +73,7 @@ impl Session {
     /// Closes the topmost panel, or leaves full screen.
     pub(super) fn leave(&mut self) {
         if self.playback.controllers.midi.stop_learning() {
-            return self.interface.update_controllers(&mut self.playback);
+            return self.interface.put_up_controllers(&mut self.playback);
         }
         let has_sliders = !self.playback.scene.parameters_in_hand().sliders().is_empty();
         if !self.interface.ui_state.panels.close(has_sliders) {

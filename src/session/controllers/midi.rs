@@ -22,8 +22,6 @@ pub(crate) struct Midi {
     /// Messages to report; `true` for bad news.
     news: Vec<(String, bool)>,
     zero: Instant,
-    /// Counts the changes to the mappings, and the starts and ends of learning.
-    pub(super) revision: u64,
 }
 
 impl Midi {
@@ -40,14 +38,13 @@ impl Midi {
         let hub = hub.and_then(|started| {
             started.map_err(|error| news.push((format!("cannot receive MIDI: {error}"), true))).ok()
         });
-        Self { hub, memory, learning: None, reported: None, news, zero: clock::now(), revision: 0 }
+        Self { hub, memory, learning: None, reported: None, news, zero: clock::now() }
     }
 
     /// The next message about devices; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
         self.update_devices();
         while let Some(kept) = self.memory.poll() {
-            self.revision += 1;
             self.news.extend(kept.err().map(|error| (error.to_string(), true)));
         }
         (!self.news.is_empty()).then(|| self.news.remove(0))
@@ -59,7 +56,6 @@ impl Midi {
             return;
         }
         let before = self.reported.replace(state.devices.clone());
-        self.revision += 1;
         let is_first = before.is_none();
         let before = before.unwrap_or_default();
         for gone in before.iter().filter(|name| !state.devices.contains(name)) {
@@ -89,18 +85,14 @@ impl Midi {
     pub(crate) fn start_learning(&mut self, target: Target) {
         let is_same = self.learning() == Some(&target);
         self.learning = (!is_same).then(|| Learning::of(target));
-        self.revision += 1;
     }
 
     pub(crate) fn stop_learning(&mut self) -> bool {
-        let learned = self.learning.take().is_some();
-        self.revision += u64::from(learned);
-        learned
+        self.learning.take().is_some()
     }
 
     pub(crate) fn edit(&mut self, edit: &KnobEdit) {
         self.memory.change(edit);
-        self.revision += 1;
     }
 
     /// Returns the effects of the moved `knobs`. `levels` are the values of actions. While a mapping is learned, knobs

@@ -44,9 +44,7 @@ pub(crate) struct Controllers {
     pub(super) unseen: Option<(Instant, u64)>,
     pub(crate) times: Times,
     board_due: Instant,
-    /// Time of the next update of the panel, and the mappings' revision that the panel shows.
     panel_due: Instant,
-    panel_revision: u64,
     /// All scenes with their titles, and the scene that was shown when they were listed.
     pub(crate) scenes: (String, Vec<(String, SceneSource)>),
 }
@@ -72,7 +70,6 @@ impl Controllers {
             times: Times::default(),
             board_due: now,
             panel_due: now,
-            panel_revision: u64::MAX,
             scenes: Default::default(),
         }
     }
@@ -145,9 +142,9 @@ impl Controllers {
     }
 
     pub(crate) fn panel_is_due(&mut self, now: Instant) -> bool {
-        let is_due = now >= self.panel_due || self.midi.revision != self.panel_revision;
+        let is_due = now >= self.panel_due;
         if is_due {
-            (self.panel_due, self.panel_revision) = (now + PANEL_AGE, self.midi.revision);
+            self.panel_due = now + PANEL_AGE;
         }
         is_due
     }
