@@ -33,13 +33,6 @@ struct Left {
     moved: Snapshot,
 }
 
-impl Left {
-    fn is_same_elsewhere(&self, other: &Self) -> bool {
-        let show = LastShow { seconds: self.show.seconds, ..other.show.clone() };
-        *self == Self { show, ..other.clone() }
-    }
-}
-
 impl Legacy {
     fn is_due(&mut self, now: Instant) -> bool {
         let is_due = self.looked.is_none_or(|looked| now.saturating_duration_since(looked) >= LOOK_PERIOD);
@@ -49,13 +42,17 @@ impl Legacy {
         is_due
     }
 
-    /// Returns `true` if `left` must be written at `now`. `before` returns the state in the file at the start.
-    fn takes(&mut self, left: &Left, before: impl FnOnce() -> Left, now: Instant) -> bool {
-        let (written, at) = self.written.get_or_insert_with(|| (before(), now));
-        let is_due = now.saturating_duration_since(*at) >= PLACE_PERIOD;
-        let is_new = !written.is_same_elsewhere(left) || is_due && written != left;
+    /// Returns `true` if `left` must be written at `now`.
+    fn takes(&mut self, left: &Left, now: Instant) -> bool {
+        let is_new = self.written.as_ref().is_none_or(|(written, at)| {
+            let mut known = written.clone();
+            if now.saturating_duration_since(*at) < PLACE_PERIOD {
+                known.show.seconds = left.show.seconds;
+            }
+            known != *left
+        });
         if is_new {
-            (*written, *at) = (left.clone(), now);
+            self.written = Some((left.clone(), now));
         }
         is_new
     }
@@ -86,13 +83,7 @@ impl Session {
         }
         self.remember_tracks();
         let left = self.left();
-        let remembered = self.playback.listening.sound.kept.settings();
-        let before = || Left {
-            show: remembered.last_show.clone().unwrap_or_default(),
-            scene: left.scene.clone(),
-            moved: remembered.moved(&left.scene),
-        };
-        if self.legacy.takes(&left, before, now) {
+        if self.legacy.takes(&left, now) {
             self.playback.write_left(left);
         }
     }
@@ -174,8 +165,8 @@ mod tests {
             moved: Snapshot::default(),
         };
         let mut legacy = Legacy::default();
-        let mut takes = |now, wanted: Left| legacy.takes(&wanted, || left(90.0, 1.0), at(now));
-        assert!(!takes(0, left(0.0, 1.0)), "the saved position stays until the song starts");
+        let mut takes = |now, wanted: Left| legacy.takes(&wanted, at(now));
+        assert!(takes(0, left(90.0, 1.0)), "the state at the start");
         assert!(!takes(5, left(95.0, 1.0)));
         assert!(takes(6, left(96.0, 0.5)), "the volume");
         assert!(!takes(15, left(105.0, 0.5)));
