@@ -79,17 +79,14 @@ impl LiveSongShapes {
             let key = |line| Key { baker: baker.clone(), text: self.texts.text(what, line).to_owned() };
             let (now, soon) = (key(line), key(Some(next)));
             let last = self.shown.iter().position(|(other, of, _)| *of == what && are_same(other, baker));
-            if now.text.is_empty() {
-                last.map(|last| self.shown.remove(last));
-            } else if let Some(grid) = self.shared.lock().baked.get(&now) {
-                last.map(|last| self.shown.remove(last));
-                self.shown.push((baker.clone(), what, grid.clone()));
-                changed.push((number, grid));
-            } else {
-                changed.extend(
-                    last.and_then(|last| self.shown.get(last)).map(|(.., grid)| (number, grid.clone())),
-                );
-                wanted.push(now);
+            let last = last.map(|last| self.shown.remove(last).2);
+            let baked = self.shared.lock().baked.get(&now);
+            if !now.text.is_empty() {
+                if let Some(grid) = baked.clone().or(last) {
+                    self.shown.push((baker.clone(), what, grid.clone()));
+                    changed.push((number, grid));
+                }
+                wanted.extend(baked.is_none().then_some(now));
             }
             if !soon.text.is_empty() && self.shared.lock().baked.get(&soon).is_none() {
                 later.push(soon);
