@@ -45,7 +45,7 @@ impl Playback {
                 self.live = None;
                 self.cues.set_show(track, prepared_show.clone(), song);
                 match prepared_show {
-                    Some(prepared_show) if track.is_none() && prepared_show.is_directed() => {
+                    Some(prepared_show) if track.is_none() && !prepared_show.is_by_user() => {
                         let director = LiveDirector::new(prepared_show.cards().to_vec());
                         self.live = Some((prepared_show, director));
                     }

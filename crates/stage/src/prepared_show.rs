@@ -58,16 +58,8 @@ pub enum ShowError {
 pub struct PreparedShow {
     show: Show,
     scenes: BTreeMap<String, SceneSource>,
-    chosen_by: ChosenBy,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum ChosenBy {
-    /// The user, by a show file or the command line.
-    #[default]
-    User,
-    Director,
-    Demo,
+    /// False if the user chose the scenes, by a show file or the command line.
+    is_by_program: bool,
 }
 
 impl Deref for PreparedShow {
@@ -84,14 +76,9 @@ impl PreparedShow {
         Self { show: self.show.with_timeline(timeline), ..self.clone() }
     }
 
-    /// True if the director chose the scenes.
-    pub fn is_directed(&self) -> bool {
-        self.chosen_by == ChosenBy::Director
-    }
-
-    /// True if the user chose the scenes.
+    /// True if the user chose the scenes; false for the director's shows and that of the demo track.
     pub fn is_by_user(&self) -> bool {
-        self.chosen_by == ChosenBy::User
+        !self.is_by_program
     }
 
     /// Replaces `refused` scenes by other scenes of the show. Returns `None` if all are refused or the user chose
@@ -143,7 +130,7 @@ impl PreparedShow {
             ShowSource::Demo => {
                 let (prepared_show, reported) =
                     Self::of_text(DEMO_NAME, DEMO_SHOW, song, |name| source_of(name, Path::new("")))?;
-                Ok((Self { chosen_by: ChosenBy::Demo, ..prepared_show }, reported))
+                Ok((Self { is_by_program: true, ..prepared_show }, reported))
             }
             ShowSource::File(path) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
@@ -183,7 +170,7 @@ impl PreparedShow {
         let cards = known.values().map(|(card, _)| card.clone()).collect();
         let show = Show::directed(song, cards, recent).ok_or(ShowError::NoScenes)?;
         let scenes = known.into_iter().map(|(name, (_, source))| (name, source)).collect();
-        Ok(Self { show, scenes, chosen_by: ChosenBy::Director })
+        Ok(Self { show, scenes, is_by_program: true })
     }
 
     /// Returns the show that `text` describes for a song, and a report of the entries that do not fit the song. `find`
@@ -204,7 +191,7 @@ impl PreparedShow {
             scenes.insert(scene.to_owned(), source);
             Ok(card)
         })?;
-        Ok((Self { show, scenes, chosen_by: ChosenBy::User }, reported))
+        Ok((Self { show, scenes, is_by_program: false }, reported))
     }
 
     /// Returns the same show, with the key for cues pressed at the times `cues`, in seconds.
