@@ -165,7 +165,7 @@ impl Session {
                 self.interface.start_learning(&mut self.playback, Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
-                self.playback.controllers.midi.edit(&edit);
+                self.playback.controllers.midi.memory.change(&edit);
                 self.interface.put_up_controllers(&mut self.playback);
             }
             Command::Leave => self.leave(),

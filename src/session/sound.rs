@@ -18,14 +18,12 @@ use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveStatus};
 use mariana_player::limits as player_limits;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
+use mariana_work::once;
 
 const LIST_STANDS: Duration = Duration::from_secs(4);
 
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Source {
-    Song,
-    Live(Target),
-}
+/// An audio input; `None` for the song.
+type Source = Option<Target>;
 
 pub(crate) struct Sound {
     /// The player, even if an input is the current source.
@@ -229,7 +227,7 @@ impl Sound {
     /// Switches from an input to the song. Returns the player; `None` if the session started with an input.
     pub(crate) fn listen_to_song(&mut self) -> Option<&mut Player> {
         if self.player.is_some() && self.live.is_some() {
-            self.choose(Source::Song);
+            self.choose(None);
         }
         self.player()
     }
@@ -255,7 +253,7 @@ impl Sound {
         let Some(sources) = self.latest_sources() else { return };
         let present = self.present();
         let place = sources.iter().position(|(source, _)| *source == present);
-        let suggested = self.hints.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
+        let suggested = self.hints.suggestion.take().map(|entry| Some(Target::Named(entry.id)));
         let next = suggested.or_else(|| {
             let after = place.map_or(0, |place| (place + 1) % sources.len().max(1));
             sources.get(after).map(|(source, _)| source.clone())
@@ -267,7 +265,7 @@ impl Sound {
     }
 
     fn present(&self) -> Source {
-        self.live.as_ref().map_or(Source::Song, |live| Source::Live(live.target().clone()))
+        self.live.as_ref().map(|live| live.target().clone())
     }
 
     fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
@@ -275,17 +273,17 @@ impl Sound {
             |entry: Option<&ListedDevice>| entry.map_or("currently none", |entry| &*entry.name).to_owned();
         let mut sources = Vec::new();
         if self.player.is_some() {
-            sources.push((Source::Song, "the song".to_owned()));
+            sources.push((None, "the song".to_owned()));
         }
         let monitor = name_of(device_list.default_monitor());
         let input = device_list.default_input.as_deref().and_then(|id| device_list.input(id));
-        sources.push((Source::Live(Target::Monitor), format!("the computer's sound ({monitor})")));
-        sources.push((Source::Live(Target::Default), format!("the default input ({})", name_of(input))));
+        sources.push((Some(Target::Monitor), format!("the computer's sound ({monitor})")));
+        sources.push((Some(Target::Default), format!("the default input ({})", name_of(input))));
         for entry in &device_list.inputs {
-            sources.push((Source::Live(Target::Named(entry.id.clone())), entry.name.clone()));
+            sources.push((Some(Target::Named(entry.id.clone())), entry.name.clone()));
         }
         let present = self.present();
-        if let Source::Live(Target::Named(name)) = &present
+        if let Some(Target::Named(name)) = &present
             && !sources.iter().any(|(source, _)| *source == present)
         {
             sources.push((present.clone(), name.clone()));
@@ -299,12 +297,11 @@ impl Sound {
         // The previous delay was meant for another device.
         self.asked_ms = None;
         match source {
-            Source::Song => {
+            None => {
                 // Use a thread: closing waits for the sound system, and frames must not wait.
                 if let Some(live) = self.live.take() {
-                    let closing = std::thread::Builder::new().name("closing".into());
                     // Without a thread, the input is closed here, within a time limit.
-                    if let Err(error) = closing.spawn(move || drop(live)) {
+                    if let Err(error) = once("closing", || {}, move || drop(live)) {
                         tracing::warn!(
                             "cannot start a thread to close the input ({error}): closed it on the show's thread"
                         );
@@ -315,7 +312,7 @@ impl Sound {
                     player.set_paused(self.paused);
                 }
             }
-            Source::Live(target) => {
+            Some(target) => {
                 if let Some(player) = &self.player {
                     player.set_paused(true);
                 }

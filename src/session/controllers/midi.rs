@@ -15,7 +15,7 @@ use mariana_control::midi::{
 
 pub(crate) struct Midi {
     hub: Option<MidiHub>,
-    pub(super) memory: KnobMemory,
+    pub(crate) memory: KnobMemory,
     learning: Option<Learning>,
     /// The connected devices in the last report; `None` before the first check.
     reported: Option<Vec<String>>,
@@ -91,10 +91,6 @@ impl Midi {
         self.learning.take().is_some()
     }
 
-    pub(crate) fn edit(&mut self, edit: &KnobEdit) {
-        self.memory.change(edit);
-    }
-
     /// Returns the effects of the moved `knobs`. `levels` are the values of actions. While a mapping is learned, knobs
     /// have no effect.
     pub(crate) fn apply(
@@ -140,7 +136,7 @@ impl Midi {
         }
         for before in new {
             let after = Mapping { encoding: Some(*encoding), ..before.clone() };
-            self.edit(&KnobEdit::Change(before, after));
+            self.memory.change(&KnobEdit::Change(before, after));
         }
     }
 
@@ -152,7 +148,7 @@ impl Midi {
             (&one.device, one.source, &one.target) == (&mapping.device, mapping.source, &mapping.target)
         });
         let (device, source, target) = (mapping.device.clone(), mapping.source, words_of(&mapping.target));
-        self.edit(&KnobEdit::Add(mapping));
+        self.memory.change(&KnobEdit::Add(mapping));
         let again = if is_known { " already" } else { "" };
         Some(format!("{source} of {device} turns {target}{again}"))
     }

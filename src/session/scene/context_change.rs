@@ -3,21 +3,16 @@
 use super::decks::Decks;
 use super::library::SceneLoader;
 use super::parameters::Parameters;
-use super::prepared_scene::DrawingChoice;
+use super::prepared_scene::{DrawingChoice, LoadedScene};
 use super::show_follower::ShowFollower;
 use crate::frame::projection::Projection;
-use crate::scenes::{ReadyScene, SceneSource};
+use crate::scenes::SceneSource;
 use crate::view::ViewChoice;
 
 pub(crate) struct SceneLoaders {
     pub shown: SceneLoader,
     /// The loaders of the next and the previous scene, if they are prepared ahead.
     pub ahead: Option<[SceneLoader; 2]>,
-}
-
-pub(crate) struct LoadedScene {
-    pub source: SceneSource,
-    pub scene: ReadyScene,
 }
 
 #[derive(Debug, Clone, Copy)]

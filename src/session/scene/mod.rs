@@ -52,9 +52,9 @@ mod versions;
 mod views;
 
 pub(crate) use composer::{Drawn, WantedPicture};
-pub(crate) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
+pub(crate) use context_change::{DrawingWays, SceneLoaders};
 pub(crate) use library::SceneLoader;
 pub(crate) use performed::{Performed, named};
-pub(crate) use prepared_scene::DrawingChoice;
+pub(crate) use prepared_scene::{DrawingChoice, LoadedScene};
 pub(crate) use regions::Shown;
 pub(crate) use session::SceneSession;

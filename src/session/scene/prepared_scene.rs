@@ -21,6 +21,12 @@ pub(crate) struct DrawingChoice {
     pub cells: CellUse,
 }
 
+/// A scene that needs nothing but the driver.
+pub(crate) struct LoadedScene {
+    pub source: SceneSource,
+    pub scene: ReadyScene,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstTree {
     Coming,
@@ -122,7 +128,7 @@ impl PreparedScene {
         })
     }
 
-    pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
+    pub(super) fn into_loaded(self) -> LoadedScene {
         let resources = &self.resources;
         let scene = ReadyScene {
             world: resources.world().clone(),
@@ -131,7 +137,7 @@ impl PreparedScene {
             settles: false,
             warnings: Arc::default(),
         };
-        (self.source, scene)
+        LoadedScene { source: self.source, scene }
     }
 
     pub(super) fn title(&self) -> String {

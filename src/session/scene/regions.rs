@@ -144,11 +144,6 @@ impl SceneRegions {
         scene.uses_cells(change, drawn.1)
     }
 
-    /// Returns `true`, only once, if a frame of the scene `id` was abandoned because of a slow tree.
-    pub(super) fn has_given_up(&mut self, id: u64) -> bool {
-        self.given_up.take_if(|given_up| *given_up == id).is_some()
-    }
-
     pub(crate) fn have_come(&self) -> bool {
         self.builder.has_built()
     }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::ahead::PreparedAhead;
 use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
-use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders, TakenOver};
+use super::context_change::{DrawingWays, KeptScenes, SceneLoaders, TakenOver};
 use super::decks::Decks;
 use super::edits::save_samples;
 use super::library::SceneLibrary;
@@ -12,7 +12,7 @@ use super::messages::Messages;
 use super::on_decks::DeckChanges;
 use super::parameters::{Parameters, ParametersInHand, TurnedParameters};
 use super::preparation::ScenePreparation;
-use super::prepared_scene::PreparedScene;
+use super::prepared_scene::{LoadedScene, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
 use super::preview::NextPicture;
 use super::program_library::ProgramLibrary;
@@ -96,10 +96,7 @@ impl SceneSession {
         let SceneLibrary { loader, wanted, .. } = self.preparation.library;
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
-            shown: shown
-                .or(coming)
-                .map(PreparedScene::into_ready)
-                .map(|(source, scene)| LoadedScene { source, scene }),
+            shown: shown.or(coming).map(PreparedScene::into_loaded),
             ways: DrawingWays { choice, view, projection, fade },
             taken_over: TakenOver { parameters: self.parameters, wanted, show: self.show, decks: self.decks },
         }
@@ -314,7 +311,7 @@ impl SceneSession {
         }
         if drawn.is_some() {
             self.preparation.programs.has_shown = true;
-        } else if self.scenes.shown_id().is_some_and(|id| self.composer.regions.has_given_up(id)) {
+        } else if self.composer.regions.given_up.take_if(|id| self.scenes.shown_id() == Some(*id)).is_some() {
             self.withdraw(TREE_TOO_LONG);
         }
         Ok(drawn)
