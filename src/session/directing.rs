@@ -5,7 +5,7 @@ use super::{Playback, Session};
 use crate::clock;
 use crate::commands::SetSetting;
 use crate::config::{FollowChoice, Setting};
-use crate::session::direction::{Playing, ShowNotice};
+use crate::session::direction::Playing;
 use crate::show::{Hearing, LiveDirector};
 use crate::ui::overlay::CueSheet;
 use mariana_player::Moment;
@@ -38,7 +38,7 @@ impl Playback {
         let (current, scenes) =
             (&scene.preparation.library.wanted, || scene.preparation.library.all_sources());
         match self.direction.update(track, playing, song.clone(), current, scenes) {
-            Some(ShowNotice::PreparedShow(prepared_show)) => {
+            Some(Ok(prepared_show)) => {
                 if prepared_show.is_some() {
                     tracing::info!("the scenes follow the song");
                 }
@@ -49,13 +49,10 @@ impl Playback {
                         let director = LiveDirector::new(prepared_show.cards().to_vec());
                         self.live = Some((prepared_show, director));
                     }
-                    other => {
-                        let cued = self.cues.prepared_show().or(other);
-                        self.scene.show.set_prepared_show(cued, self.cues.next());
-                    }
+                    _ => self.scene.show.set_prepared_show(self.cues.prepared_show(), self.cues.next()),
                 }
             }
-            Some(ShowNotice::Problem(text)) => {
+            Some(Err(text)) => {
                 let heading = match self.scene.show.has_prepared_show() {
                     true => "the show has mistakes; the previous show continues",
                     false => "the show has mistakes and starts when its file is corrected",

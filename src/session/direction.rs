@@ -13,11 +13,8 @@ use mariana_work::lock;
 /// Id of the playing track; `None` for an input.
 pub(crate) type OfTrack = Option<u64>;
 
-pub(crate) enum ShowNotice {
-    PreparedShow(Option<Arc<PreparedShow>>),
-    /// The mistakes of the show file, as a text.
-    Problem(String),
-}
+/// Another show, or none, or the mistakes of the show file as a text.
+pub(crate) type OtherShow = Result<Option<Arc<PreparedShow>>, String>;
 
 #[derive(Clone, Default)]
 struct Asked {
@@ -116,7 +113,7 @@ impl Direction {
     }
 
     /// Updates the track and its song structure. The director chooses among `scenes`, preferably scenes that were not
-    /// shown lately. `current` is the scene now. Returns news about the show.
+    /// shown lately. `current` is the scene now. Returns the show if it is another one.
     pub(crate) fn update(
         &mut self,
         track: OfTrack,
@@ -124,7 +121,7 @@ impl Direction {
         song: Option<Arc<SongStructure>>,
         current: &SceneSource,
         scenes: impl FnOnce() -> Vec<SceneSource>,
-    ) -> Option<ShowNotice> {
+    ) -> Option<OtherShow> {
         if self.seen.last() != Some(current) {
             let surplus = (self.seen.len() + 1).saturating_sub(REMEMBERED);
             self.seen.drain(..surplus);
@@ -136,7 +133,7 @@ impl Direction {
             None if is_the_same => return None,
             None => {
                 self.of = None;
-                return Some(ShowNotice::PreparedShow(None));
+                return Some(Ok(None));
             }
             Some((source, track)) if !is_the_same => {
                 if let Some(song) = song {
@@ -155,7 +152,7 @@ impl Direction {
                     self.loader.request(watched);
                 } else if self.of.take().is_some() {
                     // End the previous track's show. The current scene stays until the new track is analysed.
-                    return Some(ShowNotice::PreparedShow(None));
+                    return Some(Ok(None));
                 }
             }
             Some(_) => {}
@@ -165,7 +162,10 @@ impl Direction {
             return None;
         }
         match made.show {
-            Ok((prepared_show, None)) => {
+            Ok((prepared_show, left_out)) => {
+                if let Some(text) = left_out {
+                    tracing::warn!("parts of the show do not fit the song\n{}", text.trim_end());
+                }
                 // Ignore the first song's show if it has one clip: without sections in the song, the director has no
                 // reason to change scenes.
                 let is_first = self.before.1.len() < 2;
@@ -173,17 +173,13 @@ impl Direction {
                     || self.named.is_some()
                     || prepared_show.clips().len() > 1
                     || !is_first;
-                says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
-            }
-            Ok((prepared_show, Some(text))) => {
-                tracing::warn!("parts of the show do not fit the song\n{}", text.trim_end());
-                Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
+                says_something.then(|| Ok(Some(Arc::new(prepared_show))))
             }
             // No scene can be used. Report nothing here: the loader reports each broken scene.
-            Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
+            Err(ShowError::NoScenes) => Some(Ok(None)),
             Err(error) => {
                 tracing::warn!("{error}");
-                Some(ShowNotice::Problem(error.to_string()))
+                Some(Err(error.to_string()))
             }
         }
     }
